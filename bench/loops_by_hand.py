@@ -67,13 +67,13 @@ def measured(data: str, size: int, flags: str, repeats: int, limit: float, folde
     hand = by_hand(size, flags, folder) if data == "dense" else None
     selected = estimate_costs(modal_body(BODIES[data](size), None)).lowering
     rows = []
-    for item in LABELS:
+    for item, label in LABELS.items():
         few = data == "beam" or size <= MAX_PEER_MODES[item]
         sources = [s for (i, _), s in own.items() if i == item and (s.maker == "table" or few)]
         sources += peers(data, size, limit, folder, (item,)).values() if few else ()
         sources = [s for s in sources if compiled(s.path, flags, limit).seconds is not None]
         times = nanoseconds(data, size, item, sources, sizes, repeats, folder, hand)
-        name = f"{LABELS[item]}, {data}, N = {size}"
+        name = f"{label}, {data}, N = {size}"
         goal = GOALS[item] if hand else SPARSE_GOAL
         rows.append(row(name, times[selected], times.get("casadi"), times.get("hand"), goal))
         print(" ".join([f"{name:28}", *(f"{k} {t:.1f}" for k, t in times.items())]), flush=True)
@@ -85,11 +85,25 @@ def row(name: str, own: float, peer: float | None, hand: float | None, goal: flo
     base = hand or peer
     ratio = own / base if base else None
     peer_name = "CasADi" if peer else None
-    return {"name": name, "ours_ns": own, "peer_ns": peer, "peer_name": peer_name, "hand_ns": hand, "ratio": ratio, "goal": goal}
+    return {
+        "name": name,
+        "ours_ns": own,
+        "peer_ns": peer,
+        "peer_name": peer_name,
+        "hand_ns": hand,
+        "ratio": ratio,
+        "goal": goal,
+    }
 
 
 def nanoseconds(
-    data: str, size: int, item: str, sources: list[CSource], sizes: dict[str, int], repeats: int, folder: Path,
+    data: str,
+    size: int,
+    item: str,
+    sources: list[CSource],
+    sizes: dict[str, int],
+    repeats: int,
+    folder: Path,
     hand: Path | None,
 ) -> dict[str, float]:
     """The times (ns) of an evaluation by maker. Raises ArithmeticError if the values differ."""
@@ -115,8 +129,16 @@ def nanoseconds(
         objects.append(hand)
         calls.append(hand_call(item, size, next(s.size for s in sources if s.maker == "table")))
     times, values = interleaved(
-        calls, declare="\n".join(declare), once=" ".join(once), arrays=arrays, scratch=scratch, objects=objects,
-        folder=folder, states=STATES, repeats=repeats, statistic=np.min,
+        calls,
+        declare="\n".join(declare),
+        once=" ".join(once),
+        arrays=arrays,
+        scratch=scratch,
+        objects=objects,
+        folder=folder,
+        states=STATES,
+        repeats=repeats,
+        statistic=np.min,
     )
     check_agreement([by_position(s, item, v, folder) for s, v in zip(sources, values, strict=False)], sources)
     if hand:
@@ -138,9 +160,13 @@ def accelerations(size: int, flags: str, repeats: int, folder: Path) -> Row:
     n, nq = 6 + size, 7 + size
     rng = np.random.default_rng(size)
     state = f"q + s * {nq}, v + s * {n}"
-    calls = [TimedCall("ours", f"body_accel(0.0, {state}, k, out);", n), TimedCall("hand", f"hand_accel({state}, out);", n)]
+    calls = [
+        TimedCall("ours", f"body_accel(0.0, {state}, k, out);", n),
+        TimedCall("hand", f"hand_accel({state}, out);", n),
+    ]
     (own, hand), (values, others) = interleaved(
-        calls, declare=f'#include "{source.with_suffix(".h").resolve()}"\n{DECLARATIONS}',
+        calls,
+        declare=f'#include "{source.with_suffix(".h").resolve()}"\n{DECLARATIONS}',
         once="if (body_setup(p, k)) return 5; hand_setup(p);",
         arrays={
             "p": np.array(model.defaults) + rng.uniform(0, 0.01, len(model.defaults)),
@@ -148,7 +174,10 @@ def accelerations(size: int, flags: str, repeats: int, folder: Path) -> Row:
         },
         scratch={"k": sum(v.size for v in model.constants)},
         objects=[target, by_hand(size, flags, folder, "-DMEAN")],
-        folder=folder, states=STATES, repeats=repeats, statistic=np.min,
+        folder=folder,
+        states=STATES,
+        repeats=repeats,
+        statistic=np.min,
     )
     error = np.max(np.abs(values - others)) / np.max(np.abs(values))
     if not error < TOLERANCE:
@@ -159,8 +188,12 @@ def accelerations(size: int, flags: str, repeats: int, folder: Path) -> Row:
 
 
 def rows(
-    sizes: Sequence[int] = (2, 8, 32, 100), sparse: Sequence[int] = (8, 32), accels: Sequence[int] = (8, 32, 100),
-    flags: str = FLAGS, repeats: int = 41, limit: float = 600.0,
+    sizes: Sequence[int] = (2, 8, 32, 100),
+    sparse: Sequence[int] = (8, 32),
+    accels: Sequence[int] = (8, 32, 100),
+    flags: str = FLAGS,
+    repeats: int = 41,
+    limit: float = 600.0,
 ) -> list[Row]:
     """The rows of the table: name, times (ns) of an evaluation, and the ratio with its goal."""
     result: list[Row] = []

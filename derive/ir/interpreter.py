@@ -191,12 +191,11 @@ class _Run:
         tables, n = self.arrays[packing.array], packing.count
         for term in loop.terms:
             y = list(self.arrays[term.base][:n]) if term.base else [self.zero] * n
-            for first in range(0, n, LANES):
-                for vector, table in term.sums:
-                    x = self.arrays[vector]
-                    for i in range(n):
-                        for j in range(first, min(first + LANES, n)):
-                            y[i] = y[i] + tables[packing.position(table, i, j)] * x[j]
+            for vector, table in term.sums:
+                x = self.arrays[vector]
+                for i in range(n):
+                    for j in range(n):
+                        y[i] = y[i] + tables[packing.position(table, i, j)] * x[j]
             self.arrays[term.name] = y
 
     def _matrix_store(self, loop: MatrixStore) -> None:

@@ -131,14 +131,20 @@ class Accumulate:
 
 @dataclass(frozen=True)
 class Packing:
-    """Square matrices of one size in one array: panels of four columns j, in each the matrices, their columns, rows i.
+    """Square matrices of one size in one array, in groups that are read together, each in order from its first element.
 
-    Rows and columns are padded with zeros to a multiple of four.
+    A group has blocks of four rows, in them the columns j, in them its matrices, in them the four rows. Rows and
+    columns are padded with zeros to a multiple of four.
     """
 
     array: str
     count: int
-    tables: tuple[str, ...]
+    groups: tuple[tuple[str, ...], ...]
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """All matrices, in their order."""
+        return tuple(table for group in self.groups for table in group)
 
     @property
     def padded(self) -> int:
@@ -150,10 +156,26 @@ class Packing:
         """Elements of the array."""
         return len(self.tables) * self.padded**2
 
+    def first(self, table: str) -> int:
+        """The index of the first entry of a matrix."""
+        before = 0
+        for group in self.groups:
+            if table in group:
+                return before * self.padded**2 + group.index(table) * LANES
+            before += len(group)
+        raise KeyError(table)
+
+    def stride(self, table: str) -> int:
+        """The distance of the columns of a matrix in a block of rows."""
+        return LANES * next(len(group) for group in self.groups if table in group)
+
+    def block(self, table: str) -> int:
+        """The distance of the blocks of rows of a matrix."""
+        return self.stride(table) * self.padded
+
     def position(self, table: str, i: int, j: int) -> int:
         """The index of entry (i, j) of a matrix in the array."""
-        panel = (j // LANES * len(self.tables) + self.tables.index(table)) * LANES + j % LANES
-        return panel * self.padded + i
+        return self.first(table) + i // LANES * self.block(table) + self.stride(table) * j + i % LANES
 
 
 def padded(count: int) -> int:
@@ -163,7 +185,10 @@ def padded(count: int) -> int:
 
 @dataclass(frozen=True)
 class MatVecTerm:
-    """Local array name_i = base_i + sum over j of vector_j matrix_ij, for pairs (vector, matrix); no base is zero."""
+    """Local array name_i = base_i + sum over j of vector_j matrix_ij, for pairs (vector, matrix); no base is zero.
+
+    The pairs follow each other: all columns j of the first, then all of the second.
+    """
 
     name: str
     base: str
@@ -172,7 +197,7 @@ class MatVecTerm:
 
 @dataclass(frozen=True)
 class MatVec:
-    """Matrix-vector products of packed matrices, panel by panel."""
+    """Matrix-vector products of packed matrices, block by block."""
 
     packing: Packing
     terms: tuple[MatVecTerm, ...]

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_3281dbe7a91ee72a
+#ifndef BODY_SYMBOLIC_HASH_bb42d82ed7938bd6
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -26,16 +26,6 @@
 #else
 #  define TISSERAND_LANES
 #endif
-
-/* y += A x for a panel of four columns */
-static inline void body_symbolic_panel(
-    double *TISSERAND_RESTRICT y,
-    const double *TISSERAND_RESTRICT a,
-    const double *TISSERAND_RESTRICT x)
-{
-    const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) y[i] = y[i] + a[i] * x0 + a[8 + i] * x1 + a[16 + i] * x2 + a[24 + i] * x3;
-}
 int body_symbolic_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -62,20 +52,19 @@ int body_symbolic_setup(
     TISSERAND_LANES for (int j = 0; j < 8; j++) {
         TISSERAND_LANES for (int i = 0; i < 8; i++) {
             const int low = i < j ? i : j, high = i < j ? j : i;
-            double *to = k + (j / 4 * 36 + j % 4) * 8 + i;
             const int even = low * 8 - low * (low - 1) / 2 + high - low;
-            to[0] = p_C5[6 * even + 0];
-            to[32] = p_C5[6 * even + 1];
-            to[64] = p_C5[6 * even + 2];
-            to[96] = p_C5[6 * even + 3];
-            to[128] = p_C5[6 * even + 4];
-            to[160] = p_C5[6 * even + 5];
+            k[0 + 288 * (i / 4) + i % 4 + 36 * j] = p_C5[6 * even + 0];
+            k[4 + 288 * (i / 4) + i % 4 + 36 * j] = p_C5[6 * even + 1];
+            k[8 + 288 * (i / 4) + i % 4 + 36 * j] = p_C5[6 * even + 2];
+            k[12 + 288 * (i / 4) + i % 4 + 36 * j] = p_C5[6 * even + 3];
+            k[16 + 288 * (i / 4) + i % 4 + 36 * j] = p_C5[6 * even + 4];
+            k[20 + 288 * (i / 4) + i % 4 + 36 * j] = p_C5[6 * even + 5];
             if (i != j) {
                 const int odd = low * 7 - low * (low - 1) / 2 + high - low - 1;
                 const double sign = i < j ? 1.0 : -1.0;
-                to[192] = sign * p_c7[3 * odd + 0];
-                to[224] = sign * p_c7[3 * odd + 1];
-                to[256] = sign * p_c7[3 * odd + 2];
+                k[24 + 288 * (i / 4) + i % 4 + 36 * j] = sign * p_c7[3 * odd + 0];
+                k[28 + 288 * (i / 4) + i % 4 + 36 * j] = sign * p_c7[3 * odd + 1];
+                k[32 + 288 * (i / 4) + i % 4 + 36 * j] = sign * p_c7[3 * odd + 2];
             }
         }
     }
@@ -126,10 +115,6 @@ int body_symbolic_mass(
     }
 
     /* tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_minus_alpha[8];
-    for (int i = 0; i < 8; i++) x_minus_alpha[i] = minus_alpha[i];
     double S_11[8];
     double S_12[8];
     double S_13[8];
@@ -139,43 +124,72 @@ int body_symbolic_mass(
     double d3_1[8];
     double d3_2[8];
     double d3_3[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        d3_1[i] = 0.0;
-        d3_2[i] = 0.0;
-        d3_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        body_symbolic_panel(S_11, panel + 0, x_alpha + j);
-        body_symbolic_panel(S_12, panel + 32, x_alpha + j);
-        body_symbolic_panel(S_13, panel + 64, x_alpha + j);
-        body_symbolic_panel(S_22, panel + 96, x_alpha + j);
-        body_symbolic_panel(S_23, panel + 128, x_alpha + j);
-        body_symbolic_panel(S_33, panel + 160, x_alpha + j);
-        body_symbolic_panel(d3_1, panel + 192, x_minus_alpha + j);
-        body_symbolic_panel(d3_2, panel + 224, x_minus_alpha + j);
-        body_symbolic_panel(d3_3, panel + 256, x_minus_alpha + j);
+    for (int i = 0; i < 8; i += 4) {
+        const double *C5_11 = tables + 72 * i;
+        const double *C5_12 = tables + 4 + 72 * i;
+        const double *C5_13 = tables + 8 + 72 * i;
+        const double *C5_22 = tables + 12 + 72 * i;
+        const double *C5_23 = tables + 16 + 72 * i;
+        const double *C5_33 = tables + 20 + 72 * i;
+        const double *c7_1 = tables + 24 + 72 * i;
+        const double *c7_2 = tables + 28 + 72 * i;
+        const double *c7_3 = tables + 32 + 72 * i;
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
+            double S_11_l = C4_11[i + l];
+            double S_12_l = C4_12[i + l];
+            double S_13_l = C4_13[i + l];
+            double S_22_l = C4_22[i + l];
+            double S_23_l = C4_23[i + l];
+            double S_33_l = C4_33[i + l];
+            double d3_1_l = 0.0;
+            double d3_2_l = 0.0;
+            double d3_3_l = 0.0;
+            for (int j = 0; j < 8; j++) {
+                S_11_l += C5_11[36 * j + l] * alpha[j];
+                S_12_l += C5_12[36 * j + l] * alpha[j];
+                S_13_l += C5_13[36 * j + l] * alpha[j];
+                S_22_l += C5_22[36 * j + l] * alpha[j];
+                S_23_l += C5_23[36 * j + l] * alpha[j];
+                S_33_l += C5_33[36 * j + l] * alpha[j];
+                d3_1_l += c7_1[36 * j + l] * minus_alpha[j];
+                d3_2_l += c7_2[36 * j + l] * minus_alpha[j];
+                d3_3_l += c7_3[36 * j + l] * minus_alpha[j];
+            }
+            S_11[i + l] = S_11_l;
+            S_12[i + l] = S_12_l;
+            S_13[i + l] = S_13_l;
+            S_22[i + l] = S_22_l;
+            S_23[i + l] = S_23_l;
+            S_33[i + l] = S_33_l;
+            d3_1[i + l] = d3_1_l;
+            d3_2[i + l] = d3_2_l;
+            d3_3[i + l] = d3_3_l;
+        }
     }
 
     /* sums (appendix): J = int rho ((r . r) I - r r) */
     double sums1[6][4];
-    TISSERAND_LANES for (int i = 0; i < 6; i++)
-        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double J_11_l = 0.0;
+        double J_12_l = 0.0;
+        double J_13_l = 0.0;
+        double J_22_l = 0.0;
+        double J_23_l = 0.0;
+        double J_33_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
+            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
+            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
+            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
+            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
+            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
         }
+        sums1[0][l] = J_11_l;
+        sums1[1][l] = J_12_l;
+        sums1[2][l] = J_13_l;
+        sums1[3][l] = J_22_l;
+        sums1[4][l] = J_23_l;
+        sums1[5][l] = J_33_l;
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -234,10 +248,6 @@ int body_symbolic_force(
     const double *K = k + 624;
 
     /* tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
     double S_11[8];
     double S_12[8];
     double S_13[8];
@@ -247,28 +257,47 @@ int body_symbolic_force(
     double c7dot_1[8];
     double c7dot_2[8];
     double c7dot_3[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        body_symbolic_panel(S_11, panel + 0, x_alpha + j);
-        body_symbolic_panel(S_12, panel + 32, x_alpha + j);
-        body_symbolic_panel(S_13, panel + 64, x_alpha + j);
-        body_symbolic_panel(S_22, panel + 96, x_alpha + j);
-        body_symbolic_panel(S_23, panel + 128, x_alpha + j);
-        body_symbolic_panel(S_33, panel + 160, x_alpha + j);
-        body_symbolic_panel(c7dot_1, panel + 192, x_alphadot + j);
-        body_symbolic_panel(c7dot_2, panel + 224, x_alphadot + j);
-        body_symbolic_panel(c7dot_3, panel + 256, x_alphadot + j);
+    for (int i = 0; i < 8; i += 4) {
+        const double *C5_11 = tables + 72 * i;
+        const double *C5_12 = tables + 4 + 72 * i;
+        const double *C5_13 = tables + 8 + 72 * i;
+        const double *C5_22 = tables + 12 + 72 * i;
+        const double *C5_23 = tables + 16 + 72 * i;
+        const double *C5_33 = tables + 20 + 72 * i;
+        const double *c7_1 = tables + 24 + 72 * i;
+        const double *c7_2 = tables + 28 + 72 * i;
+        const double *c7_3 = tables + 32 + 72 * i;
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
+            double S_11_l = C4_11[i + l];
+            double S_12_l = C4_12[i + l];
+            double S_13_l = C4_13[i + l];
+            double S_22_l = C4_22[i + l];
+            double S_23_l = C4_23[i + l];
+            double S_33_l = C4_33[i + l];
+            double c7dot_1_l = 0.0;
+            double c7dot_2_l = 0.0;
+            double c7dot_3_l = 0.0;
+            for (int j = 0; j < 8; j++) {
+                S_11_l += C5_11[36 * j + l] * alpha[j];
+                S_12_l += C5_12[36 * j + l] * alpha[j];
+                S_13_l += C5_13[36 * j + l] * alpha[j];
+                S_22_l += C5_22[36 * j + l] * alpha[j];
+                S_23_l += C5_23[36 * j + l] * alpha[j];
+                S_33_l += C5_33[36 * j + l] * alpha[j];
+                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
+                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
+                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+            }
+            S_11[i + l] = S_11_l;
+            S_12[i + l] = S_12_l;
+            S_13[i + l] = S_13_l;
+            S_22[i + l] = S_22_l;
+            S_23[i + l] = S_23_l;
+            S_33[i + l] = S_33_l;
+            c7dot_1[i + l] = c7dot_1_l;
+            c7dot_2[i + l] = c7dot_2_l;
+            c7dot_3[i + l] = c7dot_3_l;
+        }
     }
 
     /*
@@ -276,26 +305,58 @@ int body_symbolic_force(
      *     rates; d3dot = int rho r x rdot
      */
     double sums1[15][4];
-    TISSERAND_LANES for (int i = 0; i < 15; i++)
-        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += S_11[i + l] * alphadot[i + l];
-            sums1[7][l] += S_12[i + l] * alphadot[i + l];
-            sums1[8][l] += S_13[i + l] * alphadot[i + l];
-            sums1[9][l] += S_22[i + l] * alphadot[i + l];
-            sums1[10][l] += S_23[i + l] * alphadot[i + l];
-            sums1[11][l] += S_33[i + l] * alphadot[i + l];
-            sums1[12][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[13][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[14][l] += alpha[i + l] * c7dot_3[i + l];
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double J_11_l = 0.0;
+        double J_12_l = 0.0;
+        double J_13_l = 0.0;
+        double J_22_l = 0.0;
+        double J_23_l = 0.0;
+        double J_33_l = 0.0;
+        double Sdot_11_l = 0.0;
+        double Sdot_12_l = 0.0;
+        double Sdot_13_l = 0.0;
+        double Sdot_22_l = 0.0;
+        double Sdot_23_l = 0.0;
+        double Sdot_33_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
+            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
+            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
+            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
+            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
+            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
+            Sdot_11_l += S_11[i + l] * alphadot[i + l];
+            Sdot_12_l += S_12[i + l] * alphadot[i + l];
+            Sdot_13_l += S_13[i + l] * alphadot[i + l];
+            Sdot_22_l += S_22[i + l] * alphadot[i + l];
+            Sdot_23_l += S_23[i + l] * alphadot[i + l];
+            Sdot_33_l += S_33[i + l] * alphadot[i + l];
         }
+        sums1[0][l] = J_11_l;
+        sums1[1][l] = J_12_l;
+        sums1[2][l] = J_13_l;
+        sums1[3][l] = J_22_l;
+        sums1[4][l] = J_23_l;
+        sums1[5][l] = J_33_l;
+        sums1[6][l] = Sdot_11_l;
+        sums1[7][l] = Sdot_12_l;
+        sums1[8][l] = Sdot_13_l;
+        sums1[9][l] = Sdot_22_l;
+        sums1[10][l] = Sdot_23_l;
+        sums1[11][l] = Sdot_33_l;
+    }
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double d3dot_1_l = 0.0;
+        double d3dot_2_l = 0.0;
+        double d3dot_3_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
+            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
+            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
+        }
+        sums1[12][l] = d3dot_1_l;
+        sums1[13][l] = d3dot_2_l;
+        sums1[14][l] = d3dot_3_l;
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -392,12 +453,6 @@ int body_symbolic_mass_force(
      * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
      *     Phi_i x rdot
      */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_minus_alpha[8];
-    for (int i = 0; i < 8; i++) x_minus_alpha[i] = minus_alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
     double S_11[8];
     double S_12[8];
     double S_13[8];
@@ -410,34 +465,56 @@ int body_symbolic_mass_force(
     double c7dot_1[8];
     double c7dot_2[8];
     double c7dot_3[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        d3_1[i] = 0.0;
-        d3_2[i] = 0.0;
-        d3_3[i] = 0.0;
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        body_symbolic_panel(S_11, panel + 0, x_alpha + j);
-        body_symbolic_panel(S_12, panel + 32, x_alpha + j);
-        body_symbolic_panel(S_13, panel + 64, x_alpha + j);
-        body_symbolic_panel(S_22, panel + 96, x_alpha + j);
-        body_symbolic_panel(S_23, panel + 128, x_alpha + j);
-        body_symbolic_panel(S_33, panel + 160, x_alpha + j);
-        body_symbolic_panel(d3_1, panel + 192, x_minus_alpha + j);
-        body_symbolic_panel(d3_2, panel + 224, x_minus_alpha + j);
-        body_symbolic_panel(d3_3, panel + 256, x_minus_alpha + j);
-        body_symbolic_panel(c7dot_1, panel + 192, x_alphadot + j);
-        body_symbolic_panel(c7dot_2, panel + 224, x_alphadot + j);
-        body_symbolic_panel(c7dot_3, panel + 256, x_alphadot + j);
+    for (int i = 0; i < 8; i += 4) {
+        const double *C5_11 = tables + 72 * i;
+        const double *C5_12 = tables + 4 + 72 * i;
+        const double *C5_13 = tables + 8 + 72 * i;
+        const double *C5_22 = tables + 12 + 72 * i;
+        const double *C5_23 = tables + 16 + 72 * i;
+        const double *C5_33 = tables + 20 + 72 * i;
+        const double *c7_1 = tables + 24 + 72 * i;
+        const double *c7_2 = tables + 28 + 72 * i;
+        const double *c7_3 = tables + 32 + 72 * i;
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
+            double S_11_l = C4_11[i + l];
+            double S_12_l = C4_12[i + l];
+            double S_13_l = C4_13[i + l];
+            double S_22_l = C4_22[i + l];
+            double S_23_l = C4_23[i + l];
+            double S_33_l = C4_33[i + l];
+            double d3_1_l = 0.0;
+            double c7dot_1_l = 0.0;
+            double d3_2_l = 0.0;
+            double c7dot_2_l = 0.0;
+            double d3_3_l = 0.0;
+            double c7dot_3_l = 0.0;
+            for (int j = 0; j < 8; j++) {
+                S_11_l += C5_11[36 * j + l] * alpha[j];
+                S_12_l += C5_12[36 * j + l] * alpha[j];
+                S_13_l += C5_13[36 * j + l] * alpha[j];
+                S_22_l += C5_22[36 * j + l] * alpha[j];
+                S_23_l += C5_23[36 * j + l] * alpha[j];
+                S_33_l += C5_33[36 * j + l] * alpha[j];
+                d3_1_l += c7_1[36 * j + l] * minus_alpha[j];
+                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
+                d3_2_l += c7_2[36 * j + l] * minus_alpha[j];
+                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
+                d3_3_l += c7_3[36 * j + l] * minus_alpha[j];
+                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+            }
+            S_11[i + l] = S_11_l;
+            S_12[i + l] = S_12_l;
+            S_13[i + l] = S_13_l;
+            S_22[i + l] = S_22_l;
+            S_23[i + l] = S_23_l;
+            S_33[i + l] = S_33_l;
+            d3_1[i + l] = d3_1_l;
+            c7dot_1[i + l] = c7dot_1_l;
+            d3_2[i + l] = d3_2_l;
+            c7dot_2[i + l] = c7dot_2_l;
+            d3_3[i + l] = d3_3_l;
+            c7dot_3[i + l] = c7dot_3_l;
+        }
     }
 
     /*
@@ -445,26 +522,58 @@ int body_symbolic_mass_force(
      *     rates; d3dot = int rho r x rdot
      */
     double sums1[15][4];
-    TISSERAND_LANES for (int i = 0; i < 15; i++)
-        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += S_11[i + l] * alphadot[i + l];
-            sums1[7][l] += S_12[i + l] * alphadot[i + l];
-            sums1[8][l] += S_13[i + l] * alphadot[i + l];
-            sums1[9][l] += S_22[i + l] * alphadot[i + l];
-            sums1[10][l] += S_23[i + l] * alphadot[i + l];
-            sums1[11][l] += S_33[i + l] * alphadot[i + l];
-            sums1[12][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[13][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[14][l] += alpha[i + l] * c7dot_3[i + l];
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double J_11_l = 0.0;
+        double J_12_l = 0.0;
+        double J_13_l = 0.0;
+        double J_22_l = 0.0;
+        double J_23_l = 0.0;
+        double J_33_l = 0.0;
+        double Sdot_11_l = 0.0;
+        double Sdot_12_l = 0.0;
+        double Sdot_13_l = 0.0;
+        double Sdot_22_l = 0.0;
+        double Sdot_23_l = 0.0;
+        double Sdot_33_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
+            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
+            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
+            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
+            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
+            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
+            Sdot_11_l += S_11[i + l] * alphadot[i + l];
+            Sdot_12_l += S_12[i + l] * alphadot[i + l];
+            Sdot_13_l += S_13[i + l] * alphadot[i + l];
+            Sdot_22_l += S_22[i + l] * alphadot[i + l];
+            Sdot_23_l += S_23[i + l] * alphadot[i + l];
+            Sdot_33_l += S_33[i + l] * alphadot[i + l];
         }
+        sums1[0][l] = J_11_l;
+        sums1[1][l] = J_12_l;
+        sums1[2][l] = J_13_l;
+        sums1[3][l] = J_22_l;
+        sums1[4][l] = J_23_l;
+        sums1[5][l] = J_33_l;
+        sums1[6][l] = Sdot_11_l;
+        sums1[7][l] = Sdot_12_l;
+        sums1[8][l] = Sdot_13_l;
+        sums1[9][l] = Sdot_22_l;
+        sums1[10][l] = Sdot_23_l;
+        sums1[11][l] = Sdot_33_l;
+    }
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double d3dot_1_l = 0.0;
+        double d3dot_2_l = 0.0;
+        double d3dot_3_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
+            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
+            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
+        }
+        sums1[12][l] = d3dot_1_l;
+        sums1[13][l] = d3dot_2_l;
+        sums1[14][l] = d3dot_3_l;
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -573,12 +682,6 @@ int body_symbolic_accel(
      * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
      *     Phi_i x rdot
      */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_minus_alpha[8];
-    for (int i = 0; i < 8; i++) x_minus_alpha[i] = minus_alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
     double S_11[8];
     double S_12[8];
     double S_13[8];
@@ -591,34 +694,56 @@ int body_symbolic_accel(
     double c7dot_1[8];
     double c7dot_2[8];
     double c7dot_3[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        d3_1[i] = 0.0;
-        d3_2[i] = 0.0;
-        d3_3[i] = 0.0;
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        body_symbolic_panel(S_11, panel + 0, x_alpha + j);
-        body_symbolic_panel(S_12, panel + 32, x_alpha + j);
-        body_symbolic_panel(S_13, panel + 64, x_alpha + j);
-        body_symbolic_panel(S_22, panel + 96, x_alpha + j);
-        body_symbolic_panel(S_23, panel + 128, x_alpha + j);
-        body_symbolic_panel(S_33, panel + 160, x_alpha + j);
-        body_symbolic_panel(d3_1, panel + 192, x_minus_alpha + j);
-        body_symbolic_panel(d3_2, panel + 224, x_minus_alpha + j);
-        body_symbolic_panel(d3_3, panel + 256, x_minus_alpha + j);
-        body_symbolic_panel(c7dot_1, panel + 192, x_alphadot + j);
-        body_symbolic_panel(c7dot_2, panel + 224, x_alphadot + j);
-        body_symbolic_panel(c7dot_3, panel + 256, x_alphadot + j);
+    for (int i = 0; i < 8; i += 4) {
+        const double *C5_11 = tables + 72 * i;
+        const double *C5_12 = tables + 4 + 72 * i;
+        const double *C5_13 = tables + 8 + 72 * i;
+        const double *C5_22 = tables + 12 + 72 * i;
+        const double *C5_23 = tables + 16 + 72 * i;
+        const double *C5_33 = tables + 20 + 72 * i;
+        const double *c7_1 = tables + 24 + 72 * i;
+        const double *c7_2 = tables + 28 + 72 * i;
+        const double *c7_3 = tables + 32 + 72 * i;
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
+            double S_11_l = C4_11[i + l];
+            double S_12_l = C4_12[i + l];
+            double S_13_l = C4_13[i + l];
+            double S_22_l = C4_22[i + l];
+            double S_23_l = C4_23[i + l];
+            double S_33_l = C4_33[i + l];
+            double d3_1_l = 0.0;
+            double c7dot_1_l = 0.0;
+            double d3_2_l = 0.0;
+            double c7dot_2_l = 0.0;
+            double d3_3_l = 0.0;
+            double c7dot_3_l = 0.0;
+            for (int j = 0; j < 8; j++) {
+                S_11_l += C5_11[36 * j + l] * alpha[j];
+                S_12_l += C5_12[36 * j + l] * alpha[j];
+                S_13_l += C5_13[36 * j + l] * alpha[j];
+                S_22_l += C5_22[36 * j + l] * alpha[j];
+                S_23_l += C5_23[36 * j + l] * alpha[j];
+                S_33_l += C5_33[36 * j + l] * alpha[j];
+                d3_1_l += c7_1[36 * j + l] * minus_alpha[j];
+                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
+                d3_2_l += c7_2[36 * j + l] * minus_alpha[j];
+                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
+                d3_3_l += c7_3[36 * j + l] * minus_alpha[j];
+                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+            }
+            S_11[i + l] = S_11_l;
+            S_12[i + l] = S_12_l;
+            S_13[i + l] = S_13_l;
+            S_22[i + l] = S_22_l;
+            S_23[i + l] = S_23_l;
+            S_33[i + l] = S_33_l;
+            d3_1[i + l] = d3_1_l;
+            c7dot_1[i + l] = c7dot_1_l;
+            d3_2[i + l] = d3_2_l;
+            c7dot_2[i + l] = c7dot_2_l;
+            d3_3[i + l] = d3_3_l;
+            c7dot_3[i + l] = c7dot_3_l;
+        }
     }
 
     /*
@@ -626,26 +751,58 @@ int body_symbolic_accel(
      *     rates; d3dot = int rho r x rdot
      */
     double sums1[15][4];
-    TISSERAND_LANES for (int i = 0; i < 15; i++)
-        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += S_11[i + l] * alphadot[i + l];
-            sums1[7][l] += S_12[i + l] * alphadot[i + l];
-            sums1[8][l] += S_13[i + l] * alphadot[i + l];
-            sums1[9][l] += S_22[i + l] * alphadot[i + l];
-            sums1[10][l] += S_23[i + l] * alphadot[i + l];
-            sums1[11][l] += S_33[i + l] * alphadot[i + l];
-            sums1[12][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[13][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[14][l] += alpha[i + l] * c7dot_3[i + l];
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double J_11_l = 0.0;
+        double J_12_l = 0.0;
+        double J_13_l = 0.0;
+        double J_22_l = 0.0;
+        double J_23_l = 0.0;
+        double J_33_l = 0.0;
+        double Sdot_11_l = 0.0;
+        double Sdot_12_l = 0.0;
+        double Sdot_13_l = 0.0;
+        double Sdot_22_l = 0.0;
+        double Sdot_23_l = 0.0;
+        double Sdot_33_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
+            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
+            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
+            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
+            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
+            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
+            Sdot_11_l += S_11[i + l] * alphadot[i + l];
+            Sdot_12_l += S_12[i + l] * alphadot[i + l];
+            Sdot_13_l += S_13[i + l] * alphadot[i + l];
+            Sdot_22_l += S_22[i + l] * alphadot[i + l];
+            Sdot_23_l += S_23[i + l] * alphadot[i + l];
+            Sdot_33_l += S_33[i + l] * alphadot[i + l];
         }
+        sums1[0][l] = J_11_l;
+        sums1[1][l] = J_12_l;
+        sums1[2][l] = J_13_l;
+        sums1[3][l] = J_22_l;
+        sums1[4][l] = J_23_l;
+        sums1[5][l] = J_33_l;
+        sums1[6][l] = Sdot_11_l;
+        sums1[7][l] = Sdot_12_l;
+        sums1[8][l] = Sdot_13_l;
+        sums1[9][l] = Sdot_22_l;
+        sums1[10][l] = Sdot_23_l;
+        sums1[11][l] = Sdot_33_l;
+    }
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double d3dot_1_l = 0.0;
+        double d3dot_2_l = 0.0;
+        double d3dot_3_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
+            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
+            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
+        }
+        sums1[12][l] = d3dot_1_l;
+        sums1[13][l] = d3dot_2_l;
+        sums1[14][l] = d3dot_3_l;
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -718,20 +875,36 @@ int body_symbolic_accel(
 
     /* sums (appendix): BB = B^T c8^-1 B; Bh = B^T c8^-1 h */
     double sums2[9][4];
-    TISSERAND_LANES for (int i = 0; i < 9; i++)
-        TISSERAND_LANES for (int l = 0; l < 4; l++) sums2[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            sums2[0][l] += B_4[i + l] * B_4[i + l];
-            sums2[1][l] += B_4[i + l] * B_5[i + l];
-            sums2[2][l] += B_4[i + l] * B_6[i + l];
-            sums2[3][l] += B_5[i + l] * B_5[i + l];
-            sums2[4][l] += B_5[i + l] * B_6[i + l];
-            sums2[5][l] += B_6[i + l] * B_6[i + l];
-            sums2[6][l] += B_4[i + l] * h[i + l];
-            sums2[7][l] += B_5[i + l] * h[i + l];
-            sums2[8][l] += B_6[i + l] * h[i + l];
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double BB_44_l = 0.0;
+        double BB_54_l = 0.0;
+        double BB_64_l = 0.0;
+        double BB_55_l = 0.0;
+        double BB_65_l = 0.0;
+        double BB_66_l = 0.0;
+        double Bh_4_l = 0.0;
+        double Bh_5_l = 0.0;
+        double Bh_6_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            BB_44_l += B_4[i + l] * B_4[i + l];
+            BB_54_l += B_4[i + l] * B_5[i + l];
+            BB_64_l += B_4[i + l] * B_6[i + l];
+            BB_55_l += B_5[i + l] * B_5[i + l];
+            BB_65_l += B_5[i + l] * B_6[i + l];
+            BB_66_l += B_6[i + l] * B_6[i + l];
+            Bh_4_l += B_4[i + l] * h[i + l];
+            Bh_5_l += B_5[i + l] * h[i + l];
+            Bh_6_l += B_6[i + l] * h[i + l];
         }
+        sums2[0][l] = BB_44_l;
+        sums2[1][l] = BB_54_l;
+        sums2[2][l] = BB_64_l;
+        sums2[3][l] = BB_55_l;
+        sums2[4][l] = BB_65_l;
+        sums2[5][l] = BB_66_l;
+        sums2[6][l] = Bh_4_l;
+        sums2[7][l] = Bh_5_l;
+        sums2[8][l] = Bh_6_l;
     }
     const double BB_44 = ((sums2[0][0] + sums2[0][1]) + (sums2[0][2] + sums2[0][3]));
     const double BB_54 = ((sums2[1][0] + sums2[1][1]) + (sums2[1][2] + sums2[1][3]));
@@ -789,12 +962,12 @@ int body_symbolic_accel(
 
     /* sums (appendix): shapes = sum that is finite if all are */
     double sums3[1][4];
-    for (int i = 0; i < 1; i++)
-        TISSERAND_LANES for (int l = 0; l < 4; l++) sums3[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            sums3[0][l] += x[i + l];
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double shapes_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            shapes_l += x[i + l];
         }
+        sums3[0][l] = shapes_l;
     }
     const double shapes = ((sums3[0][0] + sums3[0][1]) + (sums3[0][2] + sums3[0][3]));
 
@@ -835,10 +1008,6 @@ int body_symbolic_energy(
     const double *K = k + 624;
 
     /* tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
     double S_11[8];
     double S_12[8];
     double S_13[8];
@@ -848,28 +1017,47 @@ int body_symbolic_energy(
     double c7dot_1[8];
     double c7dot_2[8];
     double c7dot_3[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        body_symbolic_panel(S_11, panel + 0, x_alpha + j);
-        body_symbolic_panel(S_12, panel + 32, x_alpha + j);
-        body_symbolic_panel(S_13, panel + 64, x_alpha + j);
-        body_symbolic_panel(S_22, panel + 96, x_alpha + j);
-        body_symbolic_panel(S_23, panel + 128, x_alpha + j);
-        body_symbolic_panel(S_33, panel + 160, x_alpha + j);
-        body_symbolic_panel(c7dot_1, panel + 192, x_alphadot + j);
-        body_symbolic_panel(c7dot_2, panel + 224, x_alphadot + j);
-        body_symbolic_panel(c7dot_3, panel + 256, x_alphadot + j);
+    for (int i = 0; i < 8; i += 4) {
+        const double *C5_11 = tables + 72 * i;
+        const double *C5_12 = tables + 4 + 72 * i;
+        const double *C5_13 = tables + 8 + 72 * i;
+        const double *C5_22 = tables + 12 + 72 * i;
+        const double *C5_23 = tables + 16 + 72 * i;
+        const double *C5_33 = tables + 20 + 72 * i;
+        const double *c7_1 = tables + 24 + 72 * i;
+        const double *c7_2 = tables + 28 + 72 * i;
+        const double *c7_3 = tables + 32 + 72 * i;
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
+            double S_11_l = C4_11[i + l];
+            double S_12_l = C4_12[i + l];
+            double S_13_l = C4_13[i + l];
+            double S_22_l = C4_22[i + l];
+            double S_23_l = C4_23[i + l];
+            double S_33_l = C4_33[i + l];
+            double c7dot_1_l = 0.0;
+            double c7dot_2_l = 0.0;
+            double c7dot_3_l = 0.0;
+            for (int j = 0; j < 8; j++) {
+                S_11_l += C5_11[36 * j + l] * alpha[j];
+                S_12_l += C5_12[36 * j + l] * alpha[j];
+                S_13_l += C5_13[36 * j + l] * alpha[j];
+                S_22_l += C5_22[36 * j + l] * alpha[j];
+                S_23_l += C5_23[36 * j + l] * alpha[j];
+                S_33_l += C5_33[36 * j + l] * alpha[j];
+                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
+                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
+                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+            }
+            S_11[i + l] = S_11_l;
+            S_12[i + l] = S_12_l;
+            S_13[i + l] = S_13_l;
+            S_22[i + l] = S_22_l;
+            S_23[i + l] = S_23_l;
+            S_33[i + l] = S_33_l;
+            c7dot_1[i + l] = c7dot_1_l;
+            c7dot_2[i + l] = c7dot_2_l;
+            c7dot_3[i + l] = c7dot_3_l;
+        }
     }
 
     /*
@@ -877,22 +1065,42 @@ int body_symbolic_energy(
      *     rdot . rdot; strain = twice the strain energy
      */
     double sums1[11][4];
-    TISSERAND_LANES for (int i = 0; i < 11; i++)
-        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[7][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[8][l] += alpha[i + l] * c7dot_3[i + l];
-            sums1[9][l] += alphadot[i + l] * alphadot[i + l];
-            sums1[10][l] += alpha[i + l] * (K[i + l] * alpha[i + l]);
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double J_11_l = 0.0;
+        double J_12_l = 0.0;
+        double J_13_l = 0.0;
+        double J_22_l = 0.0;
+        double J_23_l = 0.0;
+        double J_33_l = 0.0;
+        double d3dot_1_l = 0.0;
+        double d3dot_2_l = 0.0;
+        double d3dot_3_l = 0.0;
+        double c8dotdot_l = 0.0;
+        double strain_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
+            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
+            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
+            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
+            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
+            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
+            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
+            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
+            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
+            c8dotdot_l += alphadot[i + l] * alphadot[i + l];
+            strain_l += alpha[i + l] * (K[i + l] * alpha[i + l]);
         }
+        sums1[0][l] = J_11_l;
+        sums1[1][l] = J_12_l;
+        sums1[2][l] = J_13_l;
+        sums1[3][l] = J_22_l;
+        sums1[4][l] = J_23_l;
+        sums1[5][l] = J_33_l;
+        sums1[6][l] = d3dot_1_l;
+        sums1[7][l] = d3dot_2_l;
+        sums1[8][l] = d3dot_3_l;
+        sums1[9][l] = c8dotdot_l;
+        sums1[10][l] = strain_l;
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -956,10 +1164,6 @@ int body_symbolic_momentum(
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
     double S_11[8];
     double S_12[8];
     double S_13[8];
@@ -969,46 +1173,81 @@ int body_symbolic_momentum(
     double c7dot_1[8];
     double c7dot_2[8];
     double c7dot_3[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        body_symbolic_panel(S_11, panel + 0, x_alpha + j);
-        body_symbolic_panel(S_12, panel + 32, x_alpha + j);
-        body_symbolic_panel(S_13, panel + 64, x_alpha + j);
-        body_symbolic_panel(S_22, panel + 96, x_alpha + j);
-        body_symbolic_panel(S_23, panel + 128, x_alpha + j);
-        body_symbolic_panel(S_33, panel + 160, x_alpha + j);
-        body_symbolic_panel(c7dot_1, panel + 192, x_alphadot + j);
-        body_symbolic_panel(c7dot_2, panel + 224, x_alphadot + j);
-        body_symbolic_panel(c7dot_3, panel + 256, x_alphadot + j);
+    for (int i = 0; i < 8; i += 4) {
+        const double *C5_11 = tables + 72 * i;
+        const double *C5_12 = tables + 4 + 72 * i;
+        const double *C5_13 = tables + 8 + 72 * i;
+        const double *C5_22 = tables + 12 + 72 * i;
+        const double *C5_23 = tables + 16 + 72 * i;
+        const double *C5_33 = tables + 20 + 72 * i;
+        const double *c7_1 = tables + 24 + 72 * i;
+        const double *c7_2 = tables + 28 + 72 * i;
+        const double *c7_3 = tables + 32 + 72 * i;
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
+            double S_11_l = C4_11[i + l];
+            double S_12_l = C4_12[i + l];
+            double S_13_l = C4_13[i + l];
+            double S_22_l = C4_22[i + l];
+            double S_23_l = C4_23[i + l];
+            double S_33_l = C4_33[i + l];
+            double c7dot_1_l = 0.0;
+            double c7dot_2_l = 0.0;
+            double c7dot_3_l = 0.0;
+            for (int j = 0; j < 8; j++) {
+                S_11_l += C5_11[36 * j + l] * alpha[j];
+                S_12_l += C5_12[36 * j + l] * alpha[j];
+                S_13_l += C5_13[36 * j + l] * alpha[j];
+                S_22_l += C5_22[36 * j + l] * alpha[j];
+                S_23_l += C5_23[36 * j + l] * alpha[j];
+                S_33_l += C5_33[36 * j + l] * alpha[j];
+                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
+                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
+                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+            }
+            S_11[i + l] = S_11_l;
+            S_12[i + l] = S_12_l;
+            S_13[i + l] = S_13_l;
+            S_22[i + l] = S_22_l;
+            S_23[i + l] = S_23_l;
+            S_33[i + l] = S_33_l;
+            c7dot_1[i + l] = c7dot_1_l;
+            c7dot_2[i + l] = c7dot_2_l;
+            c7dot_3[i + l] = c7dot_3_l;
+        }
     }
 
     /* sums (appendix): J = int rho ((r . r) I - r r); d3dot = int rho r x rdot */
     double sums1[9][4];
-    TISSERAND_LANES for (int i = 0; i < 9; i++)
-        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[7][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[8][l] += alpha[i + l] * c7dot_3[i + l];
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double J_11_l = 0.0;
+        double J_12_l = 0.0;
+        double J_13_l = 0.0;
+        double J_22_l = 0.0;
+        double J_23_l = 0.0;
+        double J_33_l = 0.0;
+        double d3dot_1_l = 0.0;
+        double d3dot_2_l = 0.0;
+        double d3dot_3_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
+            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
+            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
+            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
+            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
+            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
+            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
+            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
+            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
         }
+        sums1[0][l] = J_11_l;
+        sums1[1][l] = J_12_l;
+        sums1[2][l] = J_13_l;
+        sums1[3][l] = J_22_l;
+        sums1[4][l] = J_23_l;
+        sums1[5][l] = J_33_l;
+        sums1[6][l] = d3dot_1_l;
+        sums1[7][l] = d3dot_2_l;
+        sums1[8][l] = d3dot_3_l;
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -1164,12 +1403,6 @@ int body_symbolic_residual(
      * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
      *     Phi_i x rdot
      */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_minus_alpha[8];
-    for (int i = 0; i < 8; i++) x_minus_alpha[i] = minus_alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
     double S_11[8];
     double S_12[8];
     double S_13[8];
@@ -1182,34 +1415,56 @@ int body_symbolic_residual(
     double c7dot_1[8];
     double c7dot_2[8];
     double c7dot_3[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        d3_1[i] = 0.0;
-        d3_2[i] = 0.0;
-        d3_3[i] = 0.0;
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        body_symbolic_panel(S_11, panel + 0, x_alpha + j);
-        body_symbolic_panel(S_12, panel + 32, x_alpha + j);
-        body_symbolic_panel(S_13, panel + 64, x_alpha + j);
-        body_symbolic_panel(S_22, panel + 96, x_alpha + j);
-        body_symbolic_panel(S_23, panel + 128, x_alpha + j);
-        body_symbolic_panel(S_33, panel + 160, x_alpha + j);
-        body_symbolic_panel(d3_1, panel + 192, x_minus_alpha + j);
-        body_symbolic_panel(d3_2, panel + 224, x_minus_alpha + j);
-        body_symbolic_panel(d3_3, panel + 256, x_minus_alpha + j);
-        body_symbolic_panel(c7dot_1, panel + 192, x_alphadot + j);
-        body_symbolic_panel(c7dot_2, panel + 224, x_alphadot + j);
-        body_symbolic_panel(c7dot_3, panel + 256, x_alphadot + j);
+    for (int i = 0; i < 8; i += 4) {
+        const double *C5_11 = tables + 72 * i;
+        const double *C5_12 = tables + 4 + 72 * i;
+        const double *C5_13 = tables + 8 + 72 * i;
+        const double *C5_22 = tables + 12 + 72 * i;
+        const double *C5_23 = tables + 16 + 72 * i;
+        const double *C5_33 = tables + 20 + 72 * i;
+        const double *c7_1 = tables + 24 + 72 * i;
+        const double *c7_2 = tables + 28 + 72 * i;
+        const double *c7_3 = tables + 32 + 72 * i;
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
+            double S_11_l = C4_11[i + l];
+            double S_12_l = C4_12[i + l];
+            double S_13_l = C4_13[i + l];
+            double S_22_l = C4_22[i + l];
+            double S_23_l = C4_23[i + l];
+            double S_33_l = C4_33[i + l];
+            double d3_1_l = 0.0;
+            double c7dot_1_l = 0.0;
+            double d3_2_l = 0.0;
+            double c7dot_2_l = 0.0;
+            double d3_3_l = 0.0;
+            double c7dot_3_l = 0.0;
+            for (int j = 0; j < 8; j++) {
+                S_11_l += C5_11[36 * j + l] * alpha[j];
+                S_12_l += C5_12[36 * j + l] * alpha[j];
+                S_13_l += C5_13[36 * j + l] * alpha[j];
+                S_22_l += C5_22[36 * j + l] * alpha[j];
+                S_23_l += C5_23[36 * j + l] * alpha[j];
+                S_33_l += C5_33[36 * j + l] * alpha[j];
+                d3_1_l += c7_1[36 * j + l] * minus_alpha[j];
+                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
+                d3_2_l += c7_2[36 * j + l] * minus_alpha[j];
+                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
+                d3_3_l += c7_3[36 * j + l] * minus_alpha[j];
+                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+            }
+            S_11[i + l] = S_11_l;
+            S_12[i + l] = S_12_l;
+            S_13[i + l] = S_13_l;
+            S_22[i + l] = S_22_l;
+            S_23[i + l] = S_23_l;
+            S_33[i + l] = S_33_l;
+            d3_1[i + l] = d3_1_l;
+            c7dot_1[i + l] = c7dot_1_l;
+            d3_2[i + l] = d3_2_l;
+            c7dot_2[i + l] = c7dot_2_l;
+            d3_3[i + l] = d3_3_l;
+            c7dot_3[i + l] = c7dot_3_l;
+        }
     }
 
     /*
@@ -1217,29 +1472,67 @@ int body_symbolic_residual(
      *     rates; d3dot = int rho r x rdot; d3ddot = int rho r x rddot
      */
     double sums1[18][4];
-    for (int i = 0; i < 18; i++)
-        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += S_11[i + l] * alphadot[i + l];
-            sums1[7][l] += S_12[i + l] * alphadot[i + l];
-            sums1[8][l] += S_13[i + l] * alphadot[i + l];
-            sums1[9][l] += S_22[i + l] * alphadot[i + l];
-            sums1[10][l] += S_23[i + l] * alphadot[i + l];
-            sums1[11][l] += S_33[i + l] * alphadot[i + l];
-            sums1[12][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[13][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[14][l] += alpha[i + l] * c7dot_3[i + l];
-            sums1[15][l] += alphaddot[i + l] * d3_1[i + l];
-            sums1[16][l] += alphaddot[i + l] * d3_2[i + l];
-            sums1[17][l] += alphaddot[i + l] * d3_3[i + l];
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double J_11_l = 0.0;
+        double J_12_l = 0.0;
+        double J_13_l = 0.0;
+        double J_22_l = 0.0;
+        double J_23_l = 0.0;
+        double J_33_l = 0.0;
+        double Sdot_11_l = 0.0;
+        double Sdot_12_l = 0.0;
+        double Sdot_13_l = 0.0;
+        double Sdot_22_l = 0.0;
+        double Sdot_23_l = 0.0;
+        double Sdot_33_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
+            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
+            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
+            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
+            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
+            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
+            Sdot_11_l += S_11[i + l] * alphadot[i + l];
+            Sdot_12_l += S_12[i + l] * alphadot[i + l];
+            Sdot_13_l += S_13[i + l] * alphadot[i + l];
+            Sdot_22_l += S_22[i + l] * alphadot[i + l];
+            Sdot_23_l += S_23[i + l] * alphadot[i + l];
+            Sdot_33_l += S_33[i + l] * alphadot[i + l];
         }
+        sums1[0][l] = J_11_l;
+        sums1[1][l] = J_12_l;
+        sums1[2][l] = J_13_l;
+        sums1[3][l] = J_22_l;
+        sums1[4][l] = J_23_l;
+        sums1[5][l] = J_33_l;
+        sums1[6][l] = Sdot_11_l;
+        sums1[7][l] = Sdot_12_l;
+        sums1[8][l] = Sdot_13_l;
+        sums1[9][l] = Sdot_22_l;
+        sums1[10][l] = Sdot_23_l;
+        sums1[11][l] = Sdot_33_l;
+    }
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double d3dot_1_l = 0.0;
+        double d3dot_2_l = 0.0;
+        double d3dot_3_l = 0.0;
+        double d3ddot_1_l = 0.0;
+        double d3ddot_2_l = 0.0;
+        double d3ddot_3_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
+            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
+            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
+            d3ddot_1_l += alphaddot[i + l] * d3_1[i + l];
+            d3ddot_2_l += alphaddot[i + l] * d3_2[i + l];
+            d3ddot_3_l += alphaddot[i + l] * d3_3[i + l];
+        }
+        sums1[12][l] = d3dot_1_l;
+        sums1[13][l] = d3dot_2_l;
+        sums1[14][l] = d3dot_3_l;
+        sums1[15][l] = d3ddot_1_l;
+        sums1[16][l] = d3ddot_2_l;
+        sums1[17][l] = d3ddot_3_l;
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -1365,14 +1658,6 @@ int body_symbolic_jacobian(
      *     Phi_i x rdot; C5dot_i = sum over the modes of alphadot_j C5_i_j_11; c7ddot_i = sum over
      *     the modes of alphaddot_j c7_i_j_1
      */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_minus_alpha[8];
-    for (int i = 0; i < 8; i++) x_minus_alpha[i] = minus_alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
-    double x_alphaddot[8];
-    for (int i = 0; i < 8; i++) x_alphaddot[i] = alphaddot[i];
     double S_11[8];
     double S_12[8];
     double S_13[8];
@@ -1394,52 +1679,87 @@ int body_symbolic_jacobian(
     double c7ddot_2[8];
     double C5dot_33[8];
     double c7ddot_3[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        d3_1[i] = 0.0;
-        d3_2[i] = 0.0;
-        d3_3[i] = 0.0;
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-        C5dot_11[i] = 0.0;
-        C5dot_12[i] = 0.0;
-        C5dot_13[i] = 0.0;
-        c7ddot_1[i] = 0.0;
-        C5dot_22[i] = 0.0;
-        C5dot_23[i] = 0.0;
-        c7ddot_2[i] = 0.0;
-        C5dot_33[i] = 0.0;
-        c7ddot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        body_symbolic_panel(S_11, panel + 0, x_alpha + j);
-        body_symbolic_panel(S_12, panel + 32, x_alpha + j);
-        body_symbolic_panel(S_13, panel + 64, x_alpha + j);
-        body_symbolic_panel(S_22, panel + 96, x_alpha + j);
-        body_symbolic_panel(S_23, panel + 128, x_alpha + j);
-        body_symbolic_panel(S_33, panel + 160, x_alpha + j);
-        body_symbolic_panel(d3_1, panel + 192, x_minus_alpha + j);
-        body_symbolic_panel(d3_2, panel + 224, x_minus_alpha + j);
-        body_symbolic_panel(d3_3, panel + 256, x_minus_alpha + j);
-        body_symbolic_panel(c7dot_1, panel + 192, x_alphadot + j);
-        body_symbolic_panel(c7dot_2, panel + 224, x_alphadot + j);
-        body_symbolic_panel(c7dot_3, panel + 256, x_alphadot + j);
-        body_symbolic_panel(C5dot_11, panel + 0, x_alphadot + j);
-        body_symbolic_panel(C5dot_12, panel + 32, x_alphadot + j);
-        body_symbolic_panel(C5dot_13, panel + 64, x_alphadot + j);
-        body_symbolic_panel(c7ddot_1, panel + 192, x_alphaddot + j);
-        body_symbolic_panel(C5dot_22, panel + 96, x_alphadot + j);
-        body_symbolic_panel(C5dot_23, panel + 128, x_alphadot + j);
-        body_symbolic_panel(c7ddot_2, panel + 224, x_alphaddot + j);
-        body_symbolic_panel(C5dot_33, panel + 160, x_alphadot + j);
-        body_symbolic_panel(c7ddot_3, panel + 256, x_alphaddot + j);
+    for (int i = 0; i < 8; i += 4) {
+        const double *C5_11 = tables + 72 * i;
+        const double *C5_12 = tables + 4 + 72 * i;
+        const double *C5_13 = tables + 8 + 72 * i;
+        const double *C5_22 = tables + 12 + 72 * i;
+        const double *C5_23 = tables + 16 + 72 * i;
+        const double *C5_33 = tables + 20 + 72 * i;
+        const double *c7_1 = tables + 24 + 72 * i;
+        const double *c7_2 = tables + 28 + 72 * i;
+        const double *c7_3 = tables + 32 + 72 * i;
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
+            double S_11_l = C4_11[i + l];
+            double C5dot_11_l = 0.0;
+            double S_12_l = C4_12[i + l];
+            double C5dot_12_l = 0.0;
+            double S_13_l = C4_13[i + l];
+            double C5dot_13_l = 0.0;
+            double S_22_l = C4_22[i + l];
+            double C5dot_22_l = 0.0;
+            double S_23_l = C4_23[i + l];
+            double C5dot_23_l = 0.0;
+            double S_33_l = C4_33[i + l];
+            double C5dot_33_l = 0.0;
+            for (int j = 0; j < 8; j++) {
+                S_11_l += C5_11[36 * j + l] * alpha[j];
+                C5dot_11_l += C5_11[36 * j + l] * alphadot[j];
+                S_12_l += C5_12[36 * j + l] * alpha[j];
+                C5dot_12_l += C5_12[36 * j + l] * alphadot[j];
+                S_13_l += C5_13[36 * j + l] * alpha[j];
+                C5dot_13_l += C5_13[36 * j + l] * alphadot[j];
+                S_22_l += C5_22[36 * j + l] * alpha[j];
+                C5dot_22_l += C5_22[36 * j + l] * alphadot[j];
+                S_23_l += C5_23[36 * j + l] * alpha[j];
+                C5dot_23_l += C5_23[36 * j + l] * alphadot[j];
+                S_33_l += C5_33[36 * j + l] * alpha[j];
+                C5dot_33_l += C5_33[36 * j + l] * alphadot[j];
+            }
+            S_11[i + l] = S_11_l;
+            C5dot_11[i + l] = C5dot_11_l;
+            S_12[i + l] = S_12_l;
+            C5dot_12[i + l] = C5dot_12_l;
+            S_13[i + l] = S_13_l;
+            C5dot_13[i + l] = C5dot_13_l;
+            S_22[i + l] = S_22_l;
+            C5dot_22[i + l] = C5dot_22_l;
+            S_23[i + l] = S_23_l;
+            C5dot_23[i + l] = C5dot_23_l;
+            S_33[i + l] = S_33_l;
+            C5dot_33[i + l] = C5dot_33_l;
+        }
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
+            double d3_1_l = 0.0;
+            double c7dot_1_l = 0.0;
+            double c7ddot_1_l = 0.0;
+            double d3_2_l = 0.0;
+            double c7dot_2_l = 0.0;
+            double c7ddot_2_l = 0.0;
+            double d3_3_l = 0.0;
+            double c7dot_3_l = 0.0;
+            double c7ddot_3_l = 0.0;
+            for (int j = 0; j < 8; j++) {
+                d3_1_l += c7_1[36 * j + l] * minus_alpha[j];
+                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
+                c7ddot_1_l += c7_1[36 * j + l] * alphaddot[j];
+                d3_2_l += c7_2[36 * j + l] * minus_alpha[j];
+                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
+                c7ddot_2_l += c7_2[36 * j + l] * alphaddot[j];
+                d3_3_l += c7_3[36 * j + l] * minus_alpha[j];
+                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+                c7ddot_3_l += c7_3[36 * j + l] * alphaddot[j];
+            }
+            d3_1[i + l] = d3_1_l;
+            c7dot_1[i + l] = c7dot_1_l;
+            c7ddot_1[i + l] = c7ddot_1_l;
+            d3_2[i + l] = d3_2_l;
+            c7dot_2[i + l] = c7dot_2_l;
+            c7ddot_2[i + l] = c7ddot_2_l;
+            d3_3[i + l] = d3_3_l;
+            c7dot_3[i + l] = c7dot_3_l;
+            c7ddot_3[i + l] = c7ddot_3_l;
+        }
     }
 
     /*
@@ -1447,26 +1767,58 @@ int body_symbolic_jacobian(
      *     rates; d3dot = int rho r x rdot
      */
     double sums1[15][4];
-    TISSERAND_LANES for (int i = 0; i < 15; i++)
-        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += S_11[i + l] * alphadot[i + l];
-            sums1[7][l] += S_12[i + l] * alphadot[i + l];
-            sums1[8][l] += S_13[i + l] * alphadot[i + l];
-            sums1[9][l] += S_22[i + l] * alphadot[i + l];
-            sums1[10][l] += S_23[i + l] * alphadot[i + l];
-            sums1[11][l] += S_33[i + l] * alphadot[i + l];
-            sums1[12][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[13][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[14][l] += alpha[i + l] * c7dot_3[i + l];
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double J_11_l = 0.0;
+        double J_12_l = 0.0;
+        double J_13_l = 0.0;
+        double J_22_l = 0.0;
+        double J_23_l = 0.0;
+        double J_33_l = 0.0;
+        double Sdot_11_l = 0.0;
+        double Sdot_12_l = 0.0;
+        double Sdot_13_l = 0.0;
+        double Sdot_22_l = 0.0;
+        double Sdot_23_l = 0.0;
+        double Sdot_33_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
+            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
+            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
+            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
+            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
+            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
+            Sdot_11_l += S_11[i + l] * alphadot[i + l];
+            Sdot_12_l += S_12[i + l] * alphadot[i + l];
+            Sdot_13_l += S_13[i + l] * alphadot[i + l];
+            Sdot_22_l += S_22[i + l] * alphadot[i + l];
+            Sdot_23_l += S_23[i + l] * alphadot[i + l];
+            Sdot_33_l += S_33[i + l] * alphadot[i + l];
         }
+        sums1[0][l] = J_11_l;
+        sums1[1][l] = J_12_l;
+        sums1[2][l] = J_13_l;
+        sums1[3][l] = J_22_l;
+        sums1[4][l] = J_23_l;
+        sums1[5][l] = J_33_l;
+        sums1[6][l] = Sdot_11_l;
+        sums1[7][l] = Sdot_12_l;
+        sums1[8][l] = Sdot_13_l;
+        sums1[9][l] = Sdot_22_l;
+        sums1[10][l] = Sdot_23_l;
+        sums1[11][l] = Sdot_33_l;
+    }
+    TISSERAND_LANES for (int l = 0; l < 4; l++) {
+        double d3dot_1_l = 0.0;
+        double d3dot_2_l = 0.0;
+        double d3dot_3_l = 0.0;
+        for (int i = 0; i < 8; i += 4) {
+            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
+            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
+            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
+        }
+        sums1[12][l] = d3dot_1_l;
+        sums1[13][l] = d3dot_2_l;
+        sums1[14][l] = d3dot_3_l;
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -1619,35 +1971,41 @@ int body_symbolic_jacobian(
         jac[168 + 12 * i] = t35 + t36 + t37 + t34 + omega3 * d3_1[i] - omega1 * d3_3[i];
         jac[169 + 12 * i] = t39 + t40 + t41 + t38 + omega1 * d3_2[i] - omega2 * d3_1[i];
     }
-    TISSERAND_LANES for (int j = 0; j < 8; j++) {
-        double *column = jac + 23 + 12 * j;
-        const double *table = tables + (j / 4 * 36 + j % 4) * 8;
-        const double *C5_11 = table + 0;
-        const double *C5_12 = table + 32;
-        const double *C5_13 = table + 64;
-        const double *C5_22 = table + 96;
-        const double *C5_23 = table + 128;
-        const double *C5_33 = table + 160;
-        const double *c7_1 = table + 192;
-        const double *c7_2 = table + 224;
-        const double *c7_3 = table + 256;
-        TISSERAND_LANES for (int i = 0; i < 8; i++) {
-            column[i] = -(oo_11 * C5_11[i]) - f14 * C5_12[i] - f11 * C5_13[i] - oo_22 * C5_22[i]
-                - f2 * C5_23[i] - oo_33 * C5_33[i] - omega1dot * c7_1[i] - omega2dot * c7_2[i]
-                - omega3dot * c7_3[i];
+    for (int i = 0; i < 8; i += 4) {
+        for (int j = 0; j < 8; j++) {
+            double *column = jac + 23 + 12 * j + i;
+            const double *C5_11 = tables + 72 * i + 36 * j;
+            const double *C5_12 = tables + 4 + 72 * i + 36 * j;
+            const double *C5_13 = tables + 8 + 72 * i + 36 * j;
+            const double *C5_22 = tables + 12 + 72 * i + 36 * j;
+            const double *C5_23 = tables + 16 + 72 * i + 36 * j;
+            const double *C5_33 = tables + 20 + 72 * i + 36 * j;
+            const double *c7_1 = tables + 24 + 72 * i + 36 * j;
+            const double *c7_2 = tables + 28 + 72 * i + 36 * j;
+            const double *c7_3 = tables + 32 + 72 * i + 36 * j;
+            TISSERAND_LANES for (int l = 0; l < 4; l++) {
+                column[l] = -(oo_11 * C5_11[l]) - f14 * C5_12[l] - f11 * C5_13[l] - oo_22 * C5_22[l]
+                    - f2 * C5_23[l] - oo_33 * C5_33[l] - omega1dot * c7_1[l] - omega2dot * c7_2[l]
+                    - omega3dot * c7_3[l];
+            }
         }
-        column[j] += K[j];
     }
     TISSERAND_LANES for (int j = 0; j < 8; j++) {
-        double *column = jac + 170 + 12 * j;
-        const double *table = tables + (j / 4 * 36 + j % 4) * 8;
-        const double *c7_1 = table + 192;
-        const double *c7_2 = table + 224;
-        const double *c7_3 = table + 256;
-        TISSERAND_LANES for (int i = 0; i < 8; i++) {
-            column[i] = -(f4 * c7_1[i]) - f5 * c7_2[i] - f6 * c7_3[i];
+        jac[23 + 13 * j] += K[j];
+    }
+    for (int i = 0; i < 8; i += 4) {
+        for (int j = 0; j < 8; j++) {
+            double *column = jac + 170 + 12 * j + i;
+            const double *c7_1 = tables + 24 + 72 * i + 36 * j;
+            const double *c7_2 = tables + 28 + 72 * i + 36 * j;
+            const double *c7_3 = tables + 32 + 72 * i + 36 * j;
+            TISSERAND_LANES for (int l = 0; l < 4; l++) {
+                column[l] = -(f4 * c7_1[l]) - f5 * c7_2[l] - f6 * c7_3[l];
+            }
         }
-        column[j] += cj;
+    }
+    TISSERAND_LANES for (int j = 0; j < 8; j++) {
+        jac[170 + 13 * j] += cj;
     }
     return 0;
 }
@@ -1697,13 +2055,14 @@ static inline void body_symbolic_block32_gather(
 /* y += A x for 4 rows and 4 columns of A, where rows of x and y have 32 states */
 static inline void body_symbolic_block32_rows(
     const double *TISSERAND_RESTRICT a,
+    int stride,
     double (*TISSERAND_RESTRICT x)[32],
     double (*TISSERAND_RESTRICT y)[32])
 {
-    const double a00 = a[0], a01 = a[8], a02 = a[16], a03 = a[24];
-    const double a10 = a[1], a11 = a[8 + 1], a12 = a[16 + 1], a13 = a[24 + 1];
-    const double a20 = a[2], a21 = a[8 + 2], a22 = a[16 + 2], a23 = a[24 + 2];
-    const double a30 = a[3], a31 = a[8 + 3], a32 = a[16 + 3], a33 = a[24 + 3];
+    const double a00 = a[0], a01 = a[stride], a02 = a[2 * stride], a03 = a[3 * stride];
+    const double a10 = a[1], a11 = a[stride + 1], a12 = a[2 * stride + 1], a13 = a[3 * stride + 1];
+    const double a20 = a[2], a21 = a[stride + 2], a22 = a[2 * stride + 2], a23 = a[3 * stride + 2];
+    const double a30 = a[3], a31 = a[stride + 3], a32 = a[2 * stride + 3], a33 = a[3 * stride + 3];
     for (int b = 0; b < 32; b++) {
         const double x0 = x[0][b], x1 = x[1][b], x2 = x[2][b], x3 = x[3][b];
         y[0][b] = y[0][b] + a00 * x0 + a01 * x1 + a02 * x2 + a03 * x3;
@@ -1773,16 +2132,15 @@ int body_symbolic_mass_batch(
                 }
             }
             for (int j = 0; j < 8; j += 4) {
-                const double *panel = tables + 72 * j + i;
-                body_symbolic_block32_rows(panel + 0, alpha + j, S_11 + i);
-                body_symbolic_block32_rows(panel + 32, alpha + j, S_12 + i);
-                body_symbolic_block32_rows(panel + 64, alpha + j, S_13 + i);
-                body_symbolic_block32_rows(panel + 96, alpha + j, S_22 + i);
-                body_symbolic_block32_rows(panel + 128, alpha + j, S_23 + i);
-                body_symbolic_block32_rows(panel + 160, alpha + j, S_33 + i);
-                body_symbolic_block32_rows(panel + 192, minus_alpha + j, d3_1 + i);
-                body_symbolic_block32_rows(panel + 224, minus_alpha + j, d3_2 + i);
-                body_symbolic_block32_rows(panel + 256, minus_alpha + j, d3_3 + i);
+                body_symbolic_block32_rows(tables + 72 * i + 36 * j, 36, alpha + j, S_11 + i);
+                body_symbolic_block32_rows(tables + 4 + 72 * i + 36 * j, 36, alpha + j, S_12 + i);
+                body_symbolic_block32_rows(tables + 8 + 72 * i + 36 * j, 36, alpha + j, S_13 + i);
+                body_symbolic_block32_rows(tables + 12 + 72 * i + 36 * j, 36, alpha + j, S_22 + i);
+                body_symbolic_block32_rows(tables + 16 + 72 * i + 36 * j, 36, alpha + j, S_23 + i);
+                body_symbolic_block32_rows(tables + 20 + 72 * i + 36 * j, 36, alpha + j, S_33 + i);
+                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, minus_alpha + j, d3_1 + i);
+                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, minus_alpha + j, d3_2 + i);
+                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, minus_alpha + j, d3_3 + i);
             }
         }
         for (int i = 0; i < 24; i++) {
@@ -1890,16 +2248,15 @@ int body_symbolic_force_batch(
                 }
             }
             for (int j = 0; j < 8; j += 4) {
-                const double *panel = tables + 72 * j + i;
-                body_symbolic_block32_rows(panel + 0, alpha + j, S_11 + i);
-                body_symbolic_block32_rows(panel + 32, alpha + j, S_12 + i);
-                body_symbolic_block32_rows(panel + 64, alpha + j, S_13 + i);
-                body_symbolic_block32_rows(panel + 96, alpha + j, S_22 + i);
-                body_symbolic_block32_rows(panel + 128, alpha + j, S_23 + i);
-                body_symbolic_block32_rows(panel + 160, alpha + j, S_33 + i);
-                body_symbolic_block32_rows(panel + 192, alphadot + j, c7dot_1 + i);
-                body_symbolic_block32_rows(panel + 224, alphadot + j, c7dot_2 + i);
-                body_symbolic_block32_rows(panel + 256, alphadot + j, c7dot_3 + i);
+                body_symbolic_block32_rows(tables + 72 * i + 36 * j, 36, alpha + j, S_11 + i);
+                body_symbolic_block32_rows(tables + 4 + 72 * i + 36 * j, 36, alpha + j, S_12 + i);
+                body_symbolic_block32_rows(tables + 8 + 72 * i + 36 * j, 36, alpha + j, S_13 + i);
+                body_symbolic_block32_rows(tables + 12 + 72 * i + 36 * j, 36, alpha + j, S_22 + i);
+                body_symbolic_block32_rows(tables + 16 + 72 * i + 36 * j, 36, alpha + j, S_23 + i);
+                body_symbolic_block32_rows(tables + 20 + 72 * i + 36 * j, 36, alpha + j, S_33 + i);
+                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, alphadot + j, c7dot_1 + i);
+                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, alphadot + j, c7dot_2 + i);
+                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, alphadot + j, c7dot_3 + i);
             }
         }
         for (int i = 0; i < 60; i++) {
@@ -2056,19 +2413,18 @@ int body_symbolic_accel_batch(
                 }
             }
             for (int j = 0; j < 8; j += 4) {
-                const double *panel = tables + 72 * j + i;
-                body_symbolic_block32_rows(panel + 0, alpha + j, S_11 + i);
-                body_symbolic_block32_rows(panel + 32, alpha + j, S_12 + i);
-                body_symbolic_block32_rows(panel + 64, alpha + j, S_13 + i);
-                body_symbolic_block32_rows(panel + 96, alpha + j, S_22 + i);
-                body_symbolic_block32_rows(panel + 128, alpha + j, S_23 + i);
-                body_symbolic_block32_rows(panel + 160, alpha + j, S_33 + i);
-                body_symbolic_block32_rows(panel + 192, minus_alpha + j, d3_1 + i);
-                body_symbolic_block32_rows(panel + 224, minus_alpha + j, d3_2 + i);
-                body_symbolic_block32_rows(panel + 256, minus_alpha + j, d3_3 + i);
-                body_symbolic_block32_rows(panel + 192, alphadot + j, c7dot_1 + i);
-                body_symbolic_block32_rows(panel + 224, alphadot + j, c7dot_2 + i);
-                body_symbolic_block32_rows(panel + 256, alphadot + j, c7dot_3 + i);
+                body_symbolic_block32_rows(tables + 72 * i + 36 * j, 36, alpha + j, S_11 + i);
+                body_symbolic_block32_rows(tables + 4 + 72 * i + 36 * j, 36, alpha + j, S_12 + i);
+                body_symbolic_block32_rows(tables + 8 + 72 * i + 36 * j, 36, alpha + j, S_13 + i);
+                body_symbolic_block32_rows(tables + 12 + 72 * i + 36 * j, 36, alpha + j, S_22 + i);
+                body_symbolic_block32_rows(tables + 16 + 72 * i + 36 * j, 36, alpha + j, S_23 + i);
+                body_symbolic_block32_rows(tables + 20 + 72 * i + 36 * j, 36, alpha + j, S_33 + i);
+                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, minus_alpha + j, d3_1 + i);
+                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, alphadot + j, c7dot_1 + i);
+                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, minus_alpha + j, d3_2 + i);
+                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, alphadot + j, c7dot_2 + i);
+                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, minus_alpha + j, d3_3 + i);
+                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, alphadot + j, c7dot_3 + i);
             }
         }
         for (int i = 0; i < 60; i++) {
@@ -2510,7 +2866,7 @@ static const tisserand_variable body_symbolic_table_v[] = {
 };
 
 static const tisserand_model body_symbolic_descriptor = {
-    7,
+    6,
     "body_symbolic",
     BODY_SYMBOLIC_HASH,
     BODY_SYMBOLIC_NQ,
@@ -2553,8 +2909,6 @@ static const tisserand_model body_symbolic_descriptor = {
     0,
     0,
 #endif
-    0,
-    0,
     0,
     0
 };

@@ -131,7 +131,7 @@ def _columns(rows, groups, symmetric):
 
 
 NAME = "body_symbolic"
-HASH = "3281dbe7a91ee72a"
+HASH = "bb42d82ed7938bd6"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -233,15 +233,15 @@ def setup(p):
     # constants (appendix): shape integrals and stiffness in the layout of the loops
     even = _pairs(8, 1)
     odd = _pairs(8, -1)
-    _pack(xp, k, p_C5[..., 0::6], even, 9, 0, 8, 1)
-    _pack(xp, k, p_C5[..., 1::6], even, 9, 1, 8, 1)
-    _pack(xp, k, p_C5[..., 2::6], even, 9, 2, 8, 1)
-    _pack(xp, k, p_C5[..., 3::6], even, 9, 3, 8, 1)
-    _pack(xp, k, p_C5[..., 4::6], even, 9, 4, 8, 1)
-    _pack(xp, k, p_C5[..., 5::6], even, 9, 5, 8, 1)
-    _pack(xp, k, p_c7[..., 0::3], odd, 9, 6, 8, -1)
-    _pack(xp, k, p_c7[..., 1::3], odd, 9, 7, 8, -1)
-    _pack(xp, k, p_c7[..., 2::3], odd, 9, 8, 8, -1)
+    _pack(xp, k, p_C5[..., 0::6], even, 0, 36, 8, 1)
+    _pack(xp, k, p_C5[..., 1::6], even, 4, 36, 8, 1)
+    _pack(xp, k, p_C5[..., 2::6], even, 8, 36, 8, 1)
+    _pack(xp, k, p_C5[..., 3::6], even, 12, 36, 8, 1)
+    _pack(xp, k, p_C5[..., 4::6], even, 16, 36, 8, 1)
+    _pack(xp, k, p_C5[..., 5::6], even, 20, 36, 8, 1)
+    _pack(xp, k, p_c7[..., 0::3], odd, 24, 36, 8, -1)
+    _pack(xp, k, p_c7[..., 1::3], odd, 28, 36, 8, -1)
+    _pack(xp, k, p_c7[..., 2::3], odd, 32, 36, 8, -1)
     k[..., 576:584] = p_C4[..., 0::6]
     k[..., 584:592] = p_C4[..., 1::6]
     k[..., 592:600] = p_C4[..., 2::6]
@@ -293,15 +293,15 @@ def mass(q, k):
     minus_alpha = -alpha
 
     # tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i
-    S_11 = C4_11 + _product(xp, alpha, _table(tables, 9, 0, 8))
-    S_12 = C4_12 + _product(xp, alpha, _table(tables, 9, 1, 8))
-    S_13 = C4_13 + _product(xp, alpha, _table(tables, 9, 2, 8))
-    S_22 = C4_22 + _product(xp, alpha, _table(tables, 9, 3, 8))
-    S_23 = C4_23 + _product(xp, alpha, _table(tables, 9, 4, 8))
-    S_33 = C4_33 + _product(xp, alpha, _table(tables, 9, 5, 8))
-    d3_1 = _product(xp, minus_alpha, _table(tables, 9, 6, 8))
-    d3_2 = _product(xp, minus_alpha, _table(tables, 9, 7, 8))
-    d3_3 = _product(xp, minus_alpha, _table(tables, 9, 8, 8))
+    S_11 = C4_11 + _product(xp, alpha, _table(xp, tables, 0, 36, 8))
+    S_12 = C4_12 + _product(xp, alpha, _table(xp, tables, 4, 36, 8))
+    S_13 = C4_13 + _product(xp, alpha, _table(xp, tables, 8, 36, 8))
+    S_22 = C4_22 + _product(xp, alpha, _table(xp, tables, 12, 36, 8))
+    S_23 = C4_23 + _product(xp, alpha, _table(xp, tables, 16, 36, 8))
+    S_33 = C4_33 + _product(xp, alpha, _table(xp, tables, 20, 36, 8))
+    d3_1 = _product(xp, minus_alpha, _table(xp, tables, 24, 36, 8))
+    d3_2 = _product(xp, minus_alpha, _table(xp, tables, 28, 36, 8))
+    d3_3 = _product(xp, minus_alpha, _table(xp, tables, 32, 36, 8))
 
     # sums (appendix): J = int rho ((r . r) I - r r)
     J_11 = C3_11 + xp.sum(alpha * (C4_11 + S_11), axis=-1)
@@ -367,15 +367,15 @@ def force(t, q, v, k):
     h = _empty(xp, batch, 14)
 
     # tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot
-    S_11 = C4_11 + _product(xp, alpha, _table(tables, 9, 0, 8))
-    S_12 = C4_12 + _product(xp, alpha, _table(tables, 9, 1, 8))
-    S_13 = C4_13 + _product(xp, alpha, _table(tables, 9, 2, 8))
-    S_22 = C4_22 + _product(xp, alpha, _table(tables, 9, 3, 8))
-    S_23 = C4_23 + _product(xp, alpha, _table(tables, 9, 4, 8))
-    S_33 = C4_33 + _product(xp, alpha, _table(tables, 9, 5, 8))
-    c7dot_1 = _product(xp, alphadot, _table(tables, 9, 6, 8))
-    c7dot_2 = _product(xp, alphadot, _table(tables, 9, 7, 8))
-    c7dot_3 = _product(xp, alphadot, _table(tables, 9, 8, 8))
+    S_11 = C4_11 + _product(xp, alpha, _table(xp, tables, 0, 36, 8))
+    S_12 = C4_12 + _product(xp, alpha, _table(xp, tables, 4, 36, 8))
+    S_13 = C4_13 + _product(xp, alpha, _table(xp, tables, 8, 36, 8))
+    S_22 = C4_22 + _product(xp, alpha, _table(xp, tables, 12, 36, 8))
+    S_23 = C4_23 + _product(xp, alpha, _table(xp, tables, 16, 36, 8))
+    S_33 = C4_33 + _product(xp, alpha, _table(xp, tables, 20, 36, 8))
+    c7dot_1 = _product(xp, alphadot, _table(xp, tables, 24, 36, 8))
+    c7dot_2 = _product(xp, alphadot, _table(xp, tables, 28, 36, 8))
+    c7dot_3 = _product(xp, alphadot, _table(xp, tables, 32, 36, 8))
 
     # sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
     #     rates; d3dot = int rho r x rdot
@@ -486,18 +486,18 @@ def mass_force(t, q, v, k):
 
     # tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
     #     Phi_i x rdot
-    S_11 = C4_11 + _product(xp, alpha, _table(tables, 9, 0, 8))
-    S_12 = C4_12 + _product(xp, alpha, _table(tables, 9, 1, 8))
-    S_13 = C4_13 + _product(xp, alpha, _table(tables, 9, 2, 8))
-    S_22 = C4_22 + _product(xp, alpha, _table(tables, 9, 3, 8))
-    S_23 = C4_23 + _product(xp, alpha, _table(tables, 9, 4, 8))
-    S_33 = C4_33 + _product(xp, alpha, _table(tables, 9, 5, 8))
-    d3_1 = _product(xp, minus_alpha, _table(tables, 9, 6, 8))
-    d3_2 = _product(xp, minus_alpha, _table(tables, 9, 7, 8))
-    d3_3 = _product(xp, minus_alpha, _table(tables, 9, 8, 8))
-    c7dot_1 = _product(xp, alphadot, _table(tables, 9, 6, 8))
-    c7dot_2 = _product(xp, alphadot, _table(tables, 9, 7, 8))
-    c7dot_3 = _product(xp, alphadot, _table(tables, 9, 8, 8))
+    S_11 = C4_11 + _product(xp, alpha, _table(xp, tables, 0, 36, 8))
+    S_12 = C4_12 + _product(xp, alpha, _table(xp, tables, 4, 36, 8))
+    S_13 = C4_13 + _product(xp, alpha, _table(xp, tables, 8, 36, 8))
+    S_22 = C4_22 + _product(xp, alpha, _table(xp, tables, 12, 36, 8))
+    S_23 = C4_23 + _product(xp, alpha, _table(xp, tables, 16, 36, 8))
+    S_33 = C4_33 + _product(xp, alpha, _table(xp, tables, 20, 36, 8))
+    d3_1 = _product(xp, minus_alpha, _table(xp, tables, 24, 36, 8))
+    d3_2 = _product(xp, minus_alpha, _table(xp, tables, 28, 36, 8))
+    d3_3 = _product(xp, minus_alpha, _table(xp, tables, 32, 36, 8))
+    c7dot_1 = _product(xp, alphadot, _table(xp, tables, 24, 36, 8))
+    c7dot_2 = _product(xp, alphadot, _table(xp, tables, 28, 36, 8))
+    c7dot_3 = _product(xp, alphadot, _table(xp, tables, 32, 36, 8))
 
     # sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
     #     rates; d3dot = int rho r x rdot
@@ -619,18 +619,18 @@ def accel(t, q, v, k):
 
     # tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
     #     Phi_i x rdot
-    S_11 = C4_11 + _product(xp, alpha, _table(tables, 9, 0, 8))
-    S_12 = C4_12 + _product(xp, alpha, _table(tables, 9, 1, 8))
-    S_13 = C4_13 + _product(xp, alpha, _table(tables, 9, 2, 8))
-    S_22 = C4_22 + _product(xp, alpha, _table(tables, 9, 3, 8))
-    S_23 = C4_23 + _product(xp, alpha, _table(tables, 9, 4, 8))
-    S_33 = C4_33 + _product(xp, alpha, _table(tables, 9, 5, 8))
-    d3_1 = _product(xp, minus_alpha, _table(tables, 9, 6, 8))
-    d3_2 = _product(xp, minus_alpha, _table(tables, 9, 7, 8))
-    d3_3 = _product(xp, minus_alpha, _table(tables, 9, 8, 8))
-    c7dot_1 = _product(xp, alphadot, _table(tables, 9, 6, 8))
-    c7dot_2 = _product(xp, alphadot, _table(tables, 9, 7, 8))
-    c7dot_3 = _product(xp, alphadot, _table(tables, 9, 8, 8))
+    S_11 = C4_11 + _product(xp, alpha, _table(xp, tables, 0, 36, 8))
+    S_12 = C4_12 + _product(xp, alpha, _table(xp, tables, 4, 36, 8))
+    S_13 = C4_13 + _product(xp, alpha, _table(xp, tables, 8, 36, 8))
+    S_22 = C4_22 + _product(xp, alpha, _table(xp, tables, 12, 36, 8))
+    S_23 = C4_23 + _product(xp, alpha, _table(xp, tables, 16, 36, 8))
+    S_33 = C4_33 + _product(xp, alpha, _table(xp, tables, 20, 36, 8))
+    d3_1 = _product(xp, minus_alpha, _table(xp, tables, 24, 36, 8))
+    d3_2 = _product(xp, minus_alpha, _table(xp, tables, 28, 36, 8))
+    d3_3 = _product(xp, minus_alpha, _table(xp, tables, 32, 36, 8))
+    c7dot_1 = _product(xp, alphadot, _table(xp, tables, 24, 36, 8))
+    c7dot_2 = _product(xp, alphadot, _table(xp, tables, 28, 36, 8))
+    c7dot_3 = _product(xp, alphadot, _table(xp, tables, 32, 36, 8))
 
     # sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
     #     rates; d3dot = int rho r x rdot
@@ -809,15 +809,15 @@ def energy(q, v, k):
     K = k[..., 624:632]
 
     # tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot
-    S_11 = C4_11 + _product(xp, alpha, _table(tables, 9, 0, 8))
-    S_12 = C4_12 + _product(xp, alpha, _table(tables, 9, 1, 8))
-    S_13 = C4_13 + _product(xp, alpha, _table(tables, 9, 2, 8))
-    S_22 = C4_22 + _product(xp, alpha, _table(tables, 9, 3, 8))
-    S_23 = C4_23 + _product(xp, alpha, _table(tables, 9, 4, 8))
-    S_33 = C4_33 + _product(xp, alpha, _table(tables, 9, 5, 8))
-    c7dot_1 = _product(xp, alphadot, _table(tables, 9, 6, 8))
-    c7dot_2 = _product(xp, alphadot, _table(tables, 9, 7, 8))
-    c7dot_3 = _product(xp, alphadot, _table(tables, 9, 8, 8))
+    S_11 = C4_11 + _product(xp, alpha, _table(xp, tables, 0, 36, 8))
+    S_12 = C4_12 + _product(xp, alpha, _table(xp, tables, 4, 36, 8))
+    S_13 = C4_13 + _product(xp, alpha, _table(xp, tables, 8, 36, 8))
+    S_22 = C4_22 + _product(xp, alpha, _table(xp, tables, 12, 36, 8))
+    S_23 = C4_23 + _product(xp, alpha, _table(xp, tables, 16, 36, 8))
+    S_33 = C4_33 + _product(xp, alpha, _table(xp, tables, 20, 36, 8))
+    c7dot_1 = _product(xp, alphadot, _table(xp, tables, 24, 36, 8))
+    c7dot_2 = _product(xp, alphadot, _table(xp, tables, 28, 36, 8))
+    c7dot_3 = _product(xp, alphadot, _table(xp, tables, 32, 36, 8))
 
     # sums (appendix): J = int rho ((r . r) I - r r); d3dot = int rho r x rdot; c8dotdot = int rho
     #     rdot . rdot; strain = twice the strain energy
@@ -894,15 +894,15 @@ def momentum(q, v, k):
     _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot
-    S_11 = C4_11 + _product(xp, alpha, _table(tables, 9, 0, 8))
-    S_12 = C4_12 + _product(xp, alpha, _table(tables, 9, 1, 8))
-    S_13 = C4_13 + _product(xp, alpha, _table(tables, 9, 2, 8))
-    S_22 = C4_22 + _product(xp, alpha, _table(tables, 9, 3, 8))
-    S_23 = C4_23 + _product(xp, alpha, _table(tables, 9, 4, 8))
-    S_33 = C4_33 + _product(xp, alpha, _table(tables, 9, 5, 8))
-    c7dot_1 = _product(xp, alphadot, _table(tables, 9, 6, 8))
-    c7dot_2 = _product(xp, alphadot, _table(tables, 9, 7, 8))
-    c7dot_3 = _product(xp, alphadot, _table(tables, 9, 8, 8))
+    S_11 = C4_11 + _product(xp, alpha, _table(xp, tables, 0, 36, 8))
+    S_12 = C4_12 + _product(xp, alpha, _table(xp, tables, 4, 36, 8))
+    S_13 = C4_13 + _product(xp, alpha, _table(xp, tables, 8, 36, 8))
+    S_22 = C4_22 + _product(xp, alpha, _table(xp, tables, 12, 36, 8))
+    S_23 = C4_23 + _product(xp, alpha, _table(xp, tables, 16, 36, 8))
+    S_33 = C4_33 + _product(xp, alpha, _table(xp, tables, 20, 36, 8))
+    c7dot_1 = _product(xp, alphadot, _table(xp, tables, 24, 36, 8))
+    c7dot_2 = _product(xp, alphadot, _table(xp, tables, 28, 36, 8))
+    c7dot_3 = _product(xp, alphadot, _table(xp, tables, 32, 36, 8))
 
     # sums (appendix): J = int rho ((r . r) I - r r); d3dot = int rho r x rdot
     J_11 = C3_11 + xp.sum(alpha * (C4_11 + S_11), axis=-1)
@@ -1070,18 +1070,18 @@ def residual(t, y, ydot, k):
 
     # tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
     #     Phi_i x rdot
-    S_11 = C4_11 + _product(xp, alpha, _table(tables, 9, 0, 8))
-    S_12 = C4_12 + _product(xp, alpha, _table(tables, 9, 1, 8))
-    S_13 = C4_13 + _product(xp, alpha, _table(tables, 9, 2, 8))
-    S_22 = C4_22 + _product(xp, alpha, _table(tables, 9, 3, 8))
-    S_23 = C4_23 + _product(xp, alpha, _table(tables, 9, 4, 8))
-    S_33 = C4_33 + _product(xp, alpha, _table(tables, 9, 5, 8))
-    d3_1 = _product(xp, minus_alpha, _table(tables, 9, 6, 8))
-    d3_2 = _product(xp, minus_alpha, _table(tables, 9, 7, 8))
-    d3_3 = _product(xp, minus_alpha, _table(tables, 9, 8, 8))
-    c7dot_1 = _product(xp, alphadot, _table(tables, 9, 6, 8))
-    c7dot_2 = _product(xp, alphadot, _table(tables, 9, 7, 8))
-    c7dot_3 = _product(xp, alphadot, _table(tables, 9, 8, 8))
+    S_11 = C4_11 + _product(xp, alpha, _table(xp, tables, 0, 36, 8))
+    S_12 = C4_12 + _product(xp, alpha, _table(xp, tables, 4, 36, 8))
+    S_13 = C4_13 + _product(xp, alpha, _table(xp, tables, 8, 36, 8))
+    S_22 = C4_22 + _product(xp, alpha, _table(xp, tables, 12, 36, 8))
+    S_23 = C4_23 + _product(xp, alpha, _table(xp, tables, 16, 36, 8))
+    S_33 = C4_33 + _product(xp, alpha, _table(xp, tables, 20, 36, 8))
+    d3_1 = _product(xp, minus_alpha, _table(xp, tables, 24, 36, 8))
+    d3_2 = _product(xp, minus_alpha, _table(xp, tables, 28, 36, 8))
+    d3_3 = _product(xp, minus_alpha, _table(xp, tables, 32, 36, 8))
+    c7dot_1 = _product(xp, alphadot, _table(xp, tables, 24, 36, 8))
+    c7dot_2 = _product(xp, alphadot, _table(xp, tables, 28, 36, 8))
+    c7dot_3 = _product(xp, alphadot, _table(xp, tables, 32, 36, 8))
 
     # sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
     #     rates; d3dot = int rho r x rdot; d3ddot = int rho r x rddot
@@ -1219,27 +1219,27 @@ def jacobian(t, y, ydot, cj, k):
     # tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
     #     Phi_i x rdot; C5dot_i = sum over the modes of alphadot_j C5_i_j_11; c7ddot_i = sum over
     #     the modes of alphaddot_j c7_i_j_1
-    S_11 = C4_11 + _product(xp, alpha, _table(tables, 9, 0, 8))
-    S_12 = C4_12 + _product(xp, alpha, _table(tables, 9, 1, 8))
-    S_13 = C4_13 + _product(xp, alpha, _table(tables, 9, 2, 8))
-    S_22 = C4_22 + _product(xp, alpha, _table(tables, 9, 3, 8))
-    S_23 = C4_23 + _product(xp, alpha, _table(tables, 9, 4, 8))
-    S_33 = C4_33 + _product(xp, alpha, _table(tables, 9, 5, 8))
-    d3_1 = _product(xp, minus_alpha, _table(tables, 9, 6, 8))
-    d3_2 = _product(xp, minus_alpha, _table(tables, 9, 7, 8))
-    d3_3 = _product(xp, minus_alpha, _table(tables, 9, 8, 8))
-    c7dot_1 = _product(xp, alphadot, _table(tables, 9, 6, 8))
-    c7dot_2 = _product(xp, alphadot, _table(tables, 9, 7, 8))
-    c7dot_3 = _product(xp, alphadot, _table(tables, 9, 8, 8))
-    C5dot_11 = _product(xp, alphadot, _table(tables, 9, 0, 8))
-    C5dot_12 = _product(xp, alphadot, _table(tables, 9, 1, 8))
-    C5dot_13 = _product(xp, alphadot, _table(tables, 9, 2, 8))
-    c7ddot_1 = _product(xp, alphaddot, _table(tables, 9, 6, 8))
-    C5dot_22 = _product(xp, alphadot, _table(tables, 9, 3, 8))
-    C5dot_23 = _product(xp, alphadot, _table(tables, 9, 4, 8))
-    c7ddot_2 = _product(xp, alphaddot, _table(tables, 9, 7, 8))
-    C5dot_33 = _product(xp, alphadot, _table(tables, 9, 5, 8))
-    c7ddot_3 = _product(xp, alphaddot, _table(tables, 9, 8, 8))
+    S_11 = C4_11 + _product(xp, alpha, _table(xp, tables, 0, 36, 8))
+    S_12 = C4_12 + _product(xp, alpha, _table(xp, tables, 4, 36, 8))
+    S_13 = C4_13 + _product(xp, alpha, _table(xp, tables, 8, 36, 8))
+    S_22 = C4_22 + _product(xp, alpha, _table(xp, tables, 12, 36, 8))
+    S_23 = C4_23 + _product(xp, alpha, _table(xp, tables, 16, 36, 8))
+    S_33 = C4_33 + _product(xp, alpha, _table(xp, tables, 20, 36, 8))
+    d3_1 = _product(xp, minus_alpha, _table(xp, tables, 24, 36, 8))
+    d3_2 = _product(xp, minus_alpha, _table(xp, tables, 28, 36, 8))
+    d3_3 = _product(xp, minus_alpha, _table(xp, tables, 32, 36, 8))
+    c7dot_1 = _product(xp, alphadot, _table(xp, tables, 24, 36, 8))
+    c7dot_2 = _product(xp, alphadot, _table(xp, tables, 28, 36, 8))
+    c7dot_3 = _product(xp, alphadot, _table(xp, tables, 32, 36, 8))
+    C5dot_11 = _product(xp, alphadot, _table(xp, tables, 0, 36, 8))
+    C5dot_12 = _product(xp, alphadot, _table(xp, tables, 4, 36, 8))
+    C5dot_13 = _product(xp, alphadot, _table(xp, tables, 8, 36, 8))
+    c7ddot_1 = _product(xp, alphaddot, _table(xp, tables, 24, 36, 8))
+    C5dot_22 = _product(xp, alphadot, _table(xp, tables, 12, 36, 8))
+    C5dot_23 = _product(xp, alphadot, _table(xp, tables, 16, 36, 8))
+    c7ddot_2 = _product(xp, alphaddot, _table(xp, tables, 28, 36, 8))
+    C5dot_33 = _product(xp, alphadot, _table(xp, tables, 20, 36, 8))
+    c7ddot_3 = _product(xp, alphaddot, _table(xp, tables, 32, 36, 8))
 
     # sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
     #     rates; d3dot = int rho r x rdot
@@ -1401,15 +1401,15 @@ def jacobian(t, y, ydot, cj, k):
     jac[..., 167:252:12] = t31 + t32 + t33 + t30 + _last(omega2) * d3_3 - _last(omega3) * d3_2
     jac[..., 168:253:12] = t35 + t36 + t37 + t34 + _last(omega3) * d3_1 - _last(omega1) * d3_3
     jac[..., 169:254:12] = t39 + t40 + t41 + t38 + _last(omega1) * d3_2 - _last(omega2) * d3_1
-    C5_11 = _table(tables, 9, 0, 8)
-    C5_12 = _table(tables, 9, 1, 8)
-    C5_13 = _table(tables, 9, 2, 8)
-    C5_22 = _table(tables, 9, 3, 8)
-    C5_23 = _table(tables, 9, 4, 8)
-    C5_33 = _table(tables, 9, 5, 8)
-    c7_1 = _table(tables, 9, 6, 8)
-    c7_2 = _table(tables, 9, 7, 8)
-    c7_3 = _table(tables, 9, 8, 8)
+    C5_11 = _table(xp, tables, 0, 36, 8)
+    C5_12 = _table(xp, tables, 4, 36, 8)
+    C5_13 = _table(xp, tables, 8, 36, 8)
+    C5_22 = _table(xp, tables, 12, 36, 8)
+    C5_23 = _table(xp, tables, 16, 36, 8)
+    C5_33 = _table(xp, tables, 20, 36, 8)
+    c7_1 = _table(xp, tables, 24, 36, 8)
+    c7_2 = _table(xp, tables, 28, 36, 8)
+    c7_3 = _table(xp, tables, 32, 36, 8)
     block = (
         -(_last(_last(oo_11)) * C5_11) - _last(_last(f14)) * C5_12 - _last(_last(f11)) * C5_13
             - _last(_last(oo_22)) * C5_22 - _last(_last(f2)) * C5_23 - _last(_last(oo_33)) * C5_33
@@ -1420,9 +1420,9 @@ def jacobian(t, y, ydot, cj, k):
         first = 23 + 12 * j
         jac[..., first : first + 8] = block[..., j, :]
     jac[..., 23:115:13] = jac[..., 23:115:13] + (K)
-    c7_1 = _table(tables, 9, 6, 8)
-    c7_2 = _table(tables, 9, 7, 8)
-    c7_3 = _table(tables, 9, 8, 8)
+    c7_1 = _table(xp, tables, 24, 36, 8)
+    c7_2 = _table(xp, tables, 28, 36, 8)
+    c7_3 = _table(xp, tables, 32, 36, 8)
     block = -(_last(_last(f4)) * c7_1) - _last(_last(f5)) * c7_2 - _last(_last(f6)) * c7_3
     for j in range(8):
         first = 170 + 12 * j
@@ -1509,11 +1509,13 @@ def _last(value):
     return value if isinstance(value, (int, float)) else value[..., None]
 
 
-def _table(tables, number, index, count):
-    """A packed table as a matrix (..., j, i): panels of 4 columns hold the tables one after the other."""
+def _table(xp, tables, first, stride, count):
+    """A packed table as a matrix (..., j, i): blocks of 4 rows, in each the columns, `stride` apart."""
     size = -(-count // 4) * 4
-    panels = tables.reshape((*tables.shape[:-1], size // 4, number, 4, size))[..., index, :, :]
-    return panels.reshape((*tables.shape[:-1], size, size))[..., :count, :count]
+    last = first + stride * size * size // 4 - stride
+    rows = [tables[..., first + r : last + r + 1 : stride] for r in range(4)]
+    blocks = xp.stack(rows, axis=-1).reshape((*tables.shape[:-1], size // 4, size, 4))
+    return xp.moveaxis(blocks, -3, -2).reshape((*tables.shape[:-1], size, size))[..., :count, :count]
 
 
 def _product(xp, vector, matrix):
@@ -1542,16 +1544,16 @@ def _square(xp, values, count):
     return xp.asarray(values[..., positions]).reshape((*values.shape[:-1], count, count))
 
 
-def _pack(xp, k, values, pairs, number, index, count, parity):
-    """Write one table into the packed ones; columns j, in them rows i."""
+def _pack(xp, k, values, pairs, first, stride, count, parity):
+    """Write one table into the packed ones: blocks of 4 rows, in each the columns, `stride` apart."""
     positions, signs = pairs
     if values.shape[-1] == 0:
         return
     matrix = (values[..., positions] * xp.asarray(signs)).reshape((*values.shape[:-1], count, count))
     size = -(-count // 4) * 4
-    for j in range(count):
-        first = ((j // 4 * number + index) * 4 + j % 4) * size
-        k[..., first : first + count] = matrix[..., :, j]
+    for i in range(count):
+        start = first + i // 4 * stride * size + i % 4
+        k[..., start : start + stride * (count - 1) + 1 : stride] = matrix[..., i, :]
 
 
 def _forward(xp, factor, vector, count):

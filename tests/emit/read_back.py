@@ -10,7 +10,7 @@ from functools import cached_property
 STORE = re.compile(r"\s*(?:h|M)\[")
 DEFINE = re.compile(r"\s*(?:const )?double \*?(\w+)(?:\[\d+\])? =")
 LOAD = re.compile(r"= (?:q|v|k|p)(?:\[\d+\]| \+ \d+)?;$")
-PANEL = re.compile(r"\s*\w+_panel\((\w+),")
+PRODUCT = re.compile(r"\s*(\w+)_l \+= \w+\[\d+ \* j \+ l\] \* ")
 ELEMENT = re.compile(r"\s*(\w+)\[i\] =")
 
 
@@ -46,7 +46,7 @@ class Source:
         """
         found: dict[str, int] = {}
         for number, line in self.numbered:
-            match = PANEL.match(line) or ELEMENT.match(line) or DEFINE.match(line)
+            match = PRODUCT.match(line) or ELEMENT.match(line) or DEFINE.match(line)
             if match and not LOAD.search(line):
                 found[match[1]] = number
         return found

@@ -203,9 +203,21 @@ def test_loops_of_a_kernel_are_few_and_simple() -> None:
 
 @pytest.mark.parametrize("n", [1, 4, 5, 9])
 def test_packing_puts_each_entry_in_a_place_of_its_own(n: int) -> None:
-    packing = Packing("tables", n, ("a", "b", "c"))
+    packing = Packing("tables", n, (("a", "b"), ("c",)))
     places = {packing.position(t, i, j) for t in packing.tables for i in range(n) for j in range(n)}
     assert len(places) == 3 * n * n and max(places) < packing.size
+
+
+def test_tables_of_a_function_are_read_once_and_in_order() -> None:
+    """M reads C5 and c7 as they lie in memory, without a gap; h reads K in addition, which lies behind them."""
+    for name, groups in (("mass", 1), ("force", 2)):
+        (loop,) = (s for s in symbolic(8, "given").kernel(name).statements if isinstance(s, MatVec))
+        packing = loop.packing
+        read = {table for term in loop.terms for _, table in term.sums}
+        tables = [table for table in packing.tables if table in read]
+        assert tuple(tables) == sum(packing.groups[:groups], ())
+        cells = ((i, j, t) for group in packing.groups[:groups] for i in (0, 4) for j in range(8) for t in group)
+        assert [packing.position(t, i, j) for i, j, t in cells] == list(range(0, len(tables) * 64, 4))
 
 
 @pytest.mark.parametrize("n", [1, 2])

@@ -67,8 +67,8 @@ def batch_helpers(model: Model, widths: Mapping[str, int]) -> str:
         name = f"{model.name}_block{width}"
         kernels = [model.kernel(kernel) for kernel, w in widths.items() if w == width]
         bodies = [_Body(kernel, model.name, width) for kernel in kernels]
-        sizes = {s.packing.padded for k in kernels for s in k.statements if isinstance(s, MatVec)}
-        products = "".join(f"{line}\n" for size in sizes for line in rows_helper(name, size, width))
+        multiplies = any(isinstance(s, MatVec) for k in kernels for s in k.statements)
+        products = "".join(f"{line}\n" for line in rows_helper(name, width)) if multiplies else ""
         pads, gathers = any(body.states for body in bodies), any(body.views for body in bodies)
         blocks.append(Helpers(name, width, pads, gathers, products))
     checked = any(isinstance(s, Require) for kernel in KERNELS for s in model.kernel(kernel).statements)

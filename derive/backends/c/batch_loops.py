@@ -1,6 +1,6 @@
 """Loops over the modes as C for a block of states: inside each of them runs a loop over the states, the innermost.
 
-Additions have the order of the loops of one state: four lanes in a sum, panels of four columns in a matrix.
+Additions have the order of the loops of one state: four lanes in a sum, column after column in a matrix.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import assert_never
 
-from derive.backends.c.loops import SHORT
+from derive.backends.c.loops import SHORT, rounds
 from derive.backends.expression_text import C, Named, strided, text
 from derive.backends.wrapping import BreakableText, join, statement
 from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef, walk
@@ -18,9 +18,6 @@ from derive.ir.model import View
 from derive.ir.statements import LANES, Accumulate, Let, Map, MatVec, StoreLocal, StoreStrided, TriangularSolve, padded
 
 Lines = list[str]
-
-ROWS = 4
-"""Rows of a table that are taken together, so that what they are multiplied with is read once."""
 
 
 @dataclass(frozen=True)
@@ -139,23 +136,24 @@ class BlockLoops:
         ]
 
     def matvec(self, loop: MatVec) -> Lines:
-        """Some rows of all products, panel by panel."""
+        """The rows of a block of all products, some columns at a time."""
         packing, names = loop.packing, self.names
-        size, tables = packing.padded, len(packing.tables)
+        size = packing.padded
         self.arrays |= {term.name: size for term in loop.terms}
         start = [
             f"    {term.name}[r][b] = {names.element(term.base, BreakableText(('r',))) if term.base else '0.0'};"
             for term in loop.terms
         ]
-        first = [f"for (int r = i; r < i + {ROWS}; r++) {{", *map(_indented, names.loop(start)), "}"]
-        calls = []
-        for term in loop.terms:
-            for vector, table in term.sums:
-                first_row = packing.tables.index(table) * LANES * size
-                calls.append(f"    {self.prefix}_rows(panel + {first_row}, {vector} + j, {term.name} + i);")
-        panel = f"    const double *panel = {packing.array} + {tables * size} * j + i;"
-        inner = [*first, f"for (int j = 0; j < {size}; j += {LANES}) {{", panel, *calls, "}"]
-        return [f"for (int i = 0; i < {size}; i += {ROWS}) {{", *map(_indented, inner), "}"]
+        inner = [f"for (int r = i; r < i + {LANES}; r++) {{", *map(_indented, names.loop(start)), "}"]
+        for products in rounds(loop):
+            inner.append(f"for (int j = 0; j < {size}; j += {LANES}) {{")
+            for p in products:
+                first, stride = packing.first(p.table), packing.stride(p.table)
+                at = f"{packing.array}{f' + {first}' if first else ''}"
+                column = f"{at} + {packing.block(p.table) // LANES} * i + {stride} * j"
+                inner.append(f"    {self.prefix}_rows({column}, {stride}, {p.vector} + j, {p.name} + i);")
+            inner.append("}")
+        return [f"for (int i = 0; i < {size}; i += {LANES}) {{", *map(_indented, inner), "}"]
 
     def triangular_solve(self, loop: TriangularSolve) -> Lines:
         """Row by row, each of all states."""
@@ -205,23 +203,23 @@ def scatter(prefix: str, rows: int, to: str, source: str, first: int = 0) -> str
     return f"{prefix}_scatter(all, count, {rows}, {source}{f' + {first}' if first else ''}, {to});"
 
 
-def rows_helper(prefix: str, size: int, width: int) -> Lines:
-    """y += A x for some rows and four columns of A, of which a row has the states of a block."""
+def rows_helper(prefix: str, width: int) -> Lines:
+    """y += A x for the rows of a block and four columns of A, of which a row has the states of a block."""
     lines = [
-        f"/* y += A x for {ROWS} rows and {LANES} columns of A, where rows of x and y have {width} states */",
+        f"/* y += A x for {LANES} rows and {LANES} columns of A, where rows of x and y have {width} states */",
         f"static inline void {prefix}_rows(",
         "    const double *TISSERAND_RESTRICT a,",
+        "    int stride,",
         f"    double (*TISSERAND_RESTRICT x)[{width}],",
         f"    double (*TISSERAND_RESTRICT y)[{width}])",
         "{",
     ]
-    for r in range(ROWS):
-        offsets = (" + ".join(filter(None, [str(c * size) if c else "", str(r) if r else ""])) for c in range(LANES))
-        lines.append(
-            f"    const double {', '.join(f'a{r}{c} = a[{offset or 0}]' for c, offset in enumerate(offsets))};"
-        )
+    columns = ("", "stride", *(f"{c} * stride" for c in range(2, LANES)))
+    for r in range(LANES):
+        offsets = (" + ".join(filter(None, [column, str(r) if r else ""])) or "0" for column in columns)
+        lines.append(f"    const double {', '.join(f'a{r}{c} = a[{offset}]' for c, offset in enumerate(offsets))};")
     body = [f"    const double {', '.join(f'x{c} = x[{c}][b]' for c in range(LANES))};"]
-    for r in range(ROWS):
+    for r in range(LANES):
         body.append(f"    y[{r}][b] = y[{r}][b] + {' + '.join(f'a{r}{c} * x{c}' for c in range(LANES))};")
     loop = [states(width), *body, "}"]
     return [*lines, *map(_indented, loop), "}", ""]

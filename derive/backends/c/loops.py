@@ -1,19 +1,22 @@
 """Loops of a Kernel as C: contiguous, with counts that the compiler knows, in a form that it turns into vectors.
 
-Sums run in four lanes and matrices in panels of four columns, so that no compiler has to change the order of additions.
+Sums run in four lanes and matrices in blocks of four rows, so that no compiler has to change the order of additions.
+The loop over the lanes is outside of that over the modes: a sum stays in a vector register until it is complete.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import count
 from typing import assert_never
 
-from derive.backends.expression_text import C, element, strided, text
+from derive.backends.expression_text import C, Named, element, strided, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.backends.wrapping import PLUS, BreakableText, join, statement
-from derive.ir.expressions import Expr, MatrixEntry, Number, walk
+from derive.ir.analysis import reads
+from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, ScalarRef, walk
 from derive.ir.statements import (
     LANES,
     Accumulate,
@@ -26,10 +29,12 @@ from derive.ir.statements import (
     MatrixStore,
     MatVec,
     Pack,
+    Packing,
     PackSource,
     RequireFinite,
     StoreLocal,
     StoreStrided,
+    Sum,
     TriangularSolve,
     padded,
 )
@@ -38,11 +43,14 @@ Lines = list[SourceLine]
 ZERO = Number(Fraction(0))
 
 
-class CLoops:
-    """The loops of one function; `panel` is the name of the model's helper for products with a panel."""
+MAX_SUMS = 12
+"""Sums of one loop: sixteen vector registers hold as many, and the values that they are made of."""
 
-    def __init__(self, panel: str) -> None:
-        self.panel = panel
+
+class CLoops:
+    """The loops of one function."""
+
+    def __init__(self) -> None:
         self._arrays: set[str] = set()
         self._numbers: Iterator[int] = count(1)
 
@@ -85,68 +93,119 @@ class CLoops:
 
     def _accumulate(self, loop: Accumulate) -> Lines:
         name = f"sums{next(self._numbers)}"
-        many = len(loop.sums)
-
-        def body(index: BreakableText, lane: str) -> Lines:
-            lines = []
-            for let in loop.lets:
-                value = text(let.expr, C, lambda leaf: element(leaf, index))
-                lines += defining(statement("    ", f"const double {let.name} = ", value, ";"), let.name)
-            for k, total in enumerate(loop.sums):
-                value = text(total.term, C, lambda leaf: element(leaf, index))
-                lines += plain(*statement("    ", f"{name}[{k}][{lane}] += ", value, ";"))
-            return lines
-
         whole = loop.count // LANES * LANES
-        lines = plain(
-            f"double {name}[{many}][{LANES}];",
-            _for("i", many, 0, ""),
-            f"    {_for('l', LANES, 0, f'{name}[i][l] = 0.0;')}",
-        )
+        lines = plain(f"double {name}[{len(loop.sums)}][{LANES}];")
         if whole:
-            inner = [*plain(_for("l", LANES)), *body(BreakableText(("i", " + l")), "l"), *plain("}")]
-            lines += [*plain(f"for (int i = 0; i < {whole}; i += {LANES}) {{"), *indented(inner), *plain("}")]
+            for first in range(0, len(loop.sums), MAX_SUMS):
+                lines += self._lane_sums(loop, loop.sums[first : first + MAX_SUMS], first, name, whole)
+        else:
+            lines += plain(_for("i", len(loop.sums), 0, ""), f"    {_for('l', LANES, 0, f'{name}[i][l] = 0.0;')}")
         if loop.count > whole:
-            lines += [*plain(_for("i", loop.count, whole)), *body(BreakableText(("i",)), f"i % {LANES}"), *plain("}")]
+            rest = _lets(loop.lets, BreakableText(("i",)))
+            for k, total in enumerate(loop.sums):
+                term = text(total.term, C, lambda leaf: element(leaf, BreakableText(("i",))))
+                rest += plain(*statement("    ", f"{name}[{k}][i % {LANES}] += ", term, ";"))
+            lines += [*plain(_for("i", loop.count, whole)), *rest, *plain("}")]
         for k, total in enumerate(loop.sums):
             lanes = f"(({name}[{k}][0] + {name}[{k}][1]) + ({name}[{k}][2] + {name}[{k}][3]))"
             value = lanes if total.base == ZERO else f"{text(total.base, C)} + {lanes}"
             lines += defining([f"const double {total.name} = {value};"], total.name)
         return lines
 
+    def _lane_sums(self, loop: Accumulate, sums: tuple[Sum, ...], first: int, name: str, whole: int) -> Lines:
+        """Some sums in four lanes, over as many modes as fill all lanes."""
+        index = BreakableText(("i", " + l"))
+        inner = _lets(_needed(loop.lets, sums), index)
+        for total in sums:
+            value = text(total.term, C, lambda leaf: element(leaf, index))
+            inner += plain(*statement("    ", f"{total.name}_l += ", value, ";"))
+        body = [
+            *plain(*(f"double {total.name}_l = 0.0;" for total in sums)),
+            *plain(f"for (int i = 0; i < {whole}; i += {LANES}) {{"),
+            *inner,
+            *plain("}", *(f"{name}[{first + k}][l] = {total.name}_l;" for k, total in enumerate(sums))),
+        ]
+        return [*plain(_for("l", LANES)), *indented(body), *plain("}")]
+
     def _matvec(self, loop: MatVec) -> Lines:
         packing = loop.packing
-        size, tables = packing.padded, len(packing.tables)
-        lines = []
-        for vector in dict.fromkeys(vector for term in loop.terms for vector, _ in term.sums):
-            if f"x_{vector}" in self._arrays:
-                continue
-            self._arrays.add(f"x_{vector}")
-            lines += [
-                f"double x_{vector}[{size}];",
-                f"for (int i = 0; i < {packing.count}; i++) x_{vector}[i] = {vector}[i];",
-            ]
-            if size > packing.count:
-                lines.append(f"for (int i = {packing.count}; i < {size}; i++) x_{vector}[i] = 0.0;")
-        lines += [f"double {term.name}[{size}];" for term in loop.terms]
-        lines.append(_for("i", size))
-        start: Lines = []
-        for term in loop.terms:
-            start += defining([f"{term.name}[i] = {f'{term.base}[i]' if term.base else '0.0'};"], term.name)
-        calls: Lines = []
-        for term in loop.terms:
-            for vector, table in term.sums:
-                first = packing.tables.index(table) * LANES * size
-                calls += defining([f"{self.panel}({term.name}, panel + {first}, x_{vector} + j);"], term.name)
-        head = f"for (int j = 0; j < {size}; j += {LANES}) {{"
-        pointer = f"const double *panel = {packing.array} + {tables * size} * j;"
-        return [
-            *plain(*lines),
-            *indented(start),
-            *plain("}", head),
-            *indented([*plain(pointer), *calls]),
-            *plain("}"),
-        ]
+        size = packing.padded
+        lines = plain(*(f"double {term.name}[{size}];" for term in loop.terms))
+        body = plain(*(_pointer(packing, table) for table in _tables_of(loop)))
+        for products in rounds(loop):
+            for first in range(0, len(products), MAX_SUMS):
+                body += _products(packing, products[first : first + MAX_SUMS])
+        return [*lines, *plain(_blocks(size)), *indented(body), *plain("}")]
+
+
+@dataclass(frozen=True)
+class Product:
+    """name_i = base_i + sum over j of vector_j table_ij; no base is zero."""
+
+    name: str
+    base: str
+    vector: str
+    table: str
+
+
+def rounds(loop: MatVec) -> list[list[Product]]:
+    """The products of a statement: the first of each term, then the second of those that have one, and so on.
+
+    In a round, products with the same matrix are neighbours.
+    """
+    result = []
+    for k in range(max((len(term.sums) for term in loop.terms), default=0)):
+        present = [term for term in loop.terms if len(term.sums) > k]
+        products = [Product(t.name, t.name if k else t.base, *t.sums[k]) for t in present]
+        result.append(sorted(products, key=lambda product: loop.packing.first(product.table)))
+    return result
+
+
+def _products(packing: Packing, products: list[Product]) -> Lines:
+    """Some products of the rows of a block, each in a register until it is complete."""
+    starts = [f"double {p.name}_l = {f'{p.base}[i + l]' if p.base else '0.0'};" for p in products]
+    lines: Lines = plain(*starts, _for("j", packing.count, 0, short=False))
+    for p in products:
+        index = f"{packing.stride(p.table)} * j + l"
+        lines += defining([f"    {p.name}_l += {p.table}[{index}] * {p.vector}[j];"], p.name)
+    lines += plain("}", *(f"{p.name}[i + l] = {p.name}_l;" for p in products))
+    return [*plain(_for("l", LANES)), *indented(lines), *plain("}")]
+
+
+def _tables_of(loop: MatVec) -> list[str]:
+    used = {table for term in loop.terms for _, table in term.sums}
+    return [table for table in loop.packing.tables if table in used]
+
+
+def _pointer(packing: Packing, table: str, column: str = "") -> str:
+    """A name for the columns of a matrix in the block of row i."""
+    first = packing.first(table)
+    start = f"{packing.array}{f' + {first}' if first else ''}"
+    return f"const double *{table} = {start} + {packing.block(table) // LANES} * i{column};"
+
+
+def _blocks(rows: int) -> str:
+    """The head of a loop over blocks of rows."""
+    return f"for (int i = 0; i < {rows}; i += {LANES}) {{"
+
+
+def _lets(lets: Iterable[Let], index: BreakableText) -> Lines:
+    lines: Lines = []
+    for let in lets:
+        value = text(let.expr, C, lambda leaf: element(leaf, index))
+        lines += defining(statement("    ", f"const double {let.name} = ", value, ";"), let.name)
+    return lines
+
+
+def _needed(lets: tuple[Let, ...], sums: Iterable[Sum]) -> list[Let]:
+    """The values that some sums are made of, in their order."""
+    names = {n for total in sums for n in reads(Let("", total.term))}
+    kept: list[Let] = []
+    for let in reversed(lets):
+        if let.name in names:
+            names |= set(reads(let))
+            kept.insert(0, let)
+    return kept
 
 
 def _map_item(item: MapItem) -> Lines:
@@ -164,45 +223,66 @@ def _map_item(item: MapItem) -> Lines:
 
 
 def _matrix_store(loop: MatrixStore) -> Lines:
+    """Block by block, in it column by column, so that the tables are read in order."""
     packing = loop.packing
-    used = [t for t in packing.tables if _reads(loop.expr, t)]
-    pointer = f"double *column = {loop.output} + {loop.offset} + {loop.stride} * j;"
-    lines = storing([pointer], loop.output, loop.offset, over_modes=True)
-    if used:
-        columns = len(packing.tables) * LANES
-        first = f"(j / {LANES} * {columns} + j % {LANES}) * {packing.padded}"
-        lines += plain(f"const double *table = {packing.array} + {first};")
-        for name in used:
-            lines += plain(f"const double *{name} = table + {packing.tables.index(name) * LANES * packing.padded};")
-    body = statement("    ", "column[i] = ", text(loop.expr, C), ";")
-    lines += plain(_for("i", packing.count), *body, "}")
+    whole = packing.count // LANES * LANES
+    lines: Lines = []
+    if whole:
+        lines += [*plain(_blocks(whole)), *indented(_matrix_rows(loop, LANES)), *plain("}")]
+    if packing.count > whole:
+        rest = indented([*plain(f"const int i = {whole};"), *_matrix_rows(loop, packing.count - whole)])
+        lines += [*plain("{"), *rest, *plain("}")]
     if loop.diagonal is not None:
         diagonal = text(loop.diagonal, C, lambda leaf: element(leaf, BreakableText(("j",))))
-        lines += plain(*statement("", "column[j] += ", diagonal, ";"))
-    return [*plain(_for("j", packing.count)), *indented(lines), *plain("}")]
+        target = f"{loop.output}[{loop.offset} + {loop.stride + 1} * j] += "
+        lines += [*plain(_for("j", packing.count)), *plain(*statement("    ", target, diagonal, ";")), *plain("}")]
+    return lines
+
+
+def _matrix_rows(loop: MatrixStore, rows: int) -> Lines:
+    """The columns of a block, or of the rows that are left of it."""
+    packing = loop.packing
+    used = [t for t in packing.tables if _reads(loop.expr, t)]
+    target = f"double *column = {loop.output} + {loop.offset} + {loop.stride} * j + i;"
+    columns = storing([target], loop.output, loop.offset, over_modes=True)
+    columns += plain(*(_pointer(packing, table, f" + {packing.stride(table)} * j") for table in used))
+    value = text(loop.expr, C, _in_block)
+    columns += plain(_for("l", rows), *statement("    ", "column[l] = ", value, ";"), "}")
+    return [*plain(_for("j", packing.count, 0, short=False)), *indented(columns), *plain("}")]
+
+
+def _in_block(leaf: Named) -> BreakableText:
+    """A leaf of a matrix in row i + l and column j."""
+    match leaf:
+        case MatrixEntry():
+            return BreakableText((f"{leaf.table}[l]",))
+        case ArrayAccess():
+            return element(leaf, BreakableText(("i", " + l") if leaf.index == "i" else ("j",)))
+        case ScalarRef():
+            return element(leaf)
+        case _:
+            assert_never(leaf)
 
 
 def _pack(loop: Pack) -> Lines:
     packing = loop.packing
-    n, size, columns = packing.count, packing.padded, len(packing.tables) * LANES
+    n = packing.count
     even = [s for s in loop.sources if s.parity > 0]
     odd = [s for s in loop.sources if s.parity < 0]
 
-    def first(source: PackSource) -> int:
-        return packing.tables.index(source.table) * LANES * size
+    def entry(source: PackSource) -> str:
+        block = f"{packing.block(source.table)} * (i / {LANES}) + i % {LANES}"
+        return f"{loop.output}[{packing.first(source.table)} + {block} + {packing.stride(source.table)} * j]"
 
-    inner = [
-        "const int low = i < j ? i : j, high = i < j ? j : i;",
-        f"double *to = {loop.output} + (j / {LANES} * {columns} + j % {LANES}) * {size} + i;",
-    ]
+    inner = ["const int low = i < j ? i : j, high = i < j ? j : i;"]
     if even:
         inner.append(f"const int even = low * {n} - low * (low - 1) / 2 + high - low;")
-        inner += [f"to[{first(s)}] = {_parameter(s, 'even')};" for s in even]
+        inner += [f"{entry(s)} = {_parameter(s, 'even')};" for s in even]
     if odd:
         inner.append("if (i != j) {")
         inner.append(f"    const int odd = low * {n - 1} - low * (low - 1) / 2 + high - low - 1;")
         inner.append("    const double sign = i < j ? 1.0 : -1.0;")
-        inner += [f"    to[{first(s)}] = sign * {_parameter(s, 'odd')};" for s in odd]
+        inner += [f"    {entry(s)} = sign * {_parameter(s, 'odd')};" for s in odd]
         inner.append("}")
     rows = plain(_for("i", n), *(f"    {line}" for line in inner), "}")
     return [*plain(_for("j", n)), *indented(rows), *plain("}")]
@@ -255,27 +335,10 @@ LANES_MACRO = """\
 """
 
 
-def panel_helper(name: str, size: int) -> list[str]:
-    """y += A x for four columns of A."""
-    sum_of = " + ".join(f"a[{f'{k * size} + ' if k else ''}i] * x{k}" for k in range(LANES))
-    return [
-        "/* y += A x for a panel of four columns */",
-        f"static inline void {name}(",
-        "    double *TISSERAND_RESTRICT y,",
-        "    const double *TISSERAND_RESTRICT a,",
-        "    const double *TISSERAND_RESTRICT x)",
-        "{",
-        f"    const double {', '.join(f'x{k} = x[{k}]' for k in range(LANES))};",
-        f"    {_for('i', size, 0, f'y[i] = y[i] + {sum_of};')}",
-        "}",
-        "",
-    ]
-
-
-def _for(index: str, stop: int, start: int = 0, body: str = "{") -> str:
+def _for(index: str, stop: int, start: int = 0, body: str = "{", short: bool = True) -> str:
     """The head of a loop; see LANES_MACRO for the pragma before a short loop."""
-    short = "TISSERAND_LANES " if 1 < stop - start <= SHORT else ""
-    return f"{short}for (int {index} = {start}; {index} < {stop}; {index}++) {body}".rstrip()
+    pragma = "TISSERAND_LANES " if short and 1 < stop - start <= SHORT else ""
+    return f"{pragma}for (int {index} = {start}; {index} < {stop}; {index}++) {body}".rstrip()
 
 
 def indented(lines: Iterable[SourceLine]) -> Lines:

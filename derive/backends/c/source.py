@@ -10,7 +10,7 @@ from typing import assert_never
 from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_body, batch_helpers, batch_widths, stack
-from derive.backends.c.loops import LANES_MACRO, SHORT, CLoops, panel_helper
+from derive.backends.c.loops import LANES_MACRO, SHORT, CLoops
 from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
 from derive.backends.c.packed import entries, packed_functions
 from derive.backends.c.splines import spline_lines
@@ -27,7 +27,17 @@ from derive.backends.expression_text import C, text
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
 from derive.backends.wrapping import comment, join, prefixed, statement
 from derive.ir.model import Kernel, Model, Variable
-from derive.ir.statements import Accumulate, Let, MatVec, Require, RequireFinite, Requirement, ScalarStatement, Store
+from derive.ir.statements import (
+    Accumulate,
+    Let,
+    MatrixStore,
+    MatVec,
+    Require,
+    RequireFinite,
+    Requirement,
+    ScalarStatement,
+    Store,
+)
 from derive.rendering import render
 from derive.roles import Role
 
@@ -136,17 +146,15 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
 def _helpers(model: Model, widths: Mapping[str, int]) -> str:
     """What the loops of a model call."""
     every = [s for kernel in model.kernels for s in kernel.statements]
-    lanes = min(widths.values()) <= SHORT or any(isinstance(s, Accumulate) for s in every)
+    lanes = min(widths.values()) <= SHORT or any(isinstance(s, Accumulate | MatVec | MatrixStore) for s in every)
     lines = [LANES_MACRO] if lanes else []
-    sizes = {s.packing.padded for s in every if isinstance(s, MatVec)}
-    lines += [line for size in sizes for line in panel_helper(f"{model.name}_panel", size)]
     return "\n".join([*lines, *spline_lines(model)])
 
 
 def _function(model: Model, kernel: Kernel) -> list[SourceLine]:
     """The function of a kernel."""
     lines = plain(*_signature_of(model, kernel), "{", *_loads(kernel))
-    loops = CLoops(f"{model.name}_panel")
+    loops = CLoops()
     for k, section in enumerate(kernel.sections):
         lines += plain("", *comment([section_text(section)], "    "))
         for n, item in enumerate(section.body):

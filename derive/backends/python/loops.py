@@ -25,6 +25,7 @@ from derive.ir.statements import (
     MatrixStore,
     MatVec,
     Pack,
+    Packing,
     RequireFinite,
     StoreLocal,
     StoreStrided,
@@ -138,8 +139,7 @@ class PythonLoops:
         for term in loop.terms:
             parts = [self._array(ArrayAccess(term.base, "i"), n)] if term.base else []
             for vector, table in term.sums:
-                index = packing.tables.index(table)
-                matrix = f"_table({packing.array}, {len(packing.tables)}, {index}, {n})"
+                matrix = f"_table(xp, {packing.array}, {_places(packing, table)}, {n})"
                 parts.append(f"_product(xp, {vector}, {matrix})")
             value = join(parts[0], *(part for other in parts[1:] for part in (PLUS, other)))
             lines += defining(_short(term.name, value), term.name)
@@ -150,9 +150,9 @@ class PythonLoops:
         packing = loop.packing
         n = packing.count
         texts: list[str] = []
-        for index, name in enumerate(packing.tables):
+        for name in packing.tables:
             if any(isinstance(e, MatrixEntry) and e.table == name for e in walk(loop.expr)):
-                texts += _short(name, f"_table({packing.array}, {len(packing.tables)}, {index}, {n})")
+                texts += _short(name, f"_table(xp, {packing.array}, {_places(packing, name)}, {n})")
         texts += _short("block", self._text(loop.expr, n, 2))
         texts += [f"    for j in range({n}):", f"        first = {loop.offset} + {loop.stride} * j"]
         lines = plain(*texts)
@@ -174,6 +174,11 @@ def _slice(offset: int, stride: int, count: int) -> str:
     return f"..., {offset}:{stop}" + (f":{stride}" if stride > 1 else "")
 
 
+def _places(packing: Packing, table: str) -> str:
+    """Where a matrix is: its first element, and the distance of its columns."""
+    return f"{packing.first(table)}, {packing.stride(table)}"
+
+
 def _pack(loop: Pack) -> Lines:
     packing = loop.packing
     n = packing.count
@@ -184,8 +189,7 @@ def _pack(loop: Pack) -> Lines:
     for s in loop.sources:
         values = s.array if s.components == 1 else f"{s.array}[..., {s.component}::{s.components}]"
         pairs = "even" if s.parity > 0 else "odd"
-        index = packing.tables.index(s.table)
-        arguments = f"{values}, {pairs}, {len(packing.tables)}, {index}, {n}, {s.parity}"
+        arguments = f"{values}, {pairs}, {_places(packing, s.table)}, {n}, {s.parity}"
         lines.append(f"    _pack(xp, {loop.output}, {arguments})")
     return plain(*lines)
 
@@ -220,11 +224,13 @@ def _last(value):
     return value if isinstance(value, (int, float)) else value[..., None]
 
 
-def _table(tables, number, index, count):
-    """A packed table as a matrix (..., j, i): panels of {LANES} columns hold the tables one after the other."""
+def _table(xp, tables, first, stride, count):
+    """A packed table as a matrix (..., j, i): blocks of {LANES} rows, in each the columns, `stride` apart."""
     size = -(-count // {LANES}) * {LANES}
-    panels = tables.reshape((*tables.shape[:-1], size // {LANES}, number, {LANES}, size))[..., index, :, :]
-    return panels.reshape((*tables.shape[:-1], size, size))[..., :count, :count]
+    last = first + stride * size * size // {LANES} - stride
+    rows = [tables[..., first + r : last + r + 1 : stride] for r in range({LANES})]
+    blocks = xp.stack(rows, axis=-1).reshape((*tables.shape[:-1], size // {LANES}, size, {LANES}))
+    return xp.moveaxis(blocks, -3, -2).reshape((*tables.shape[:-1], size, size))[..., :count, :count]
 
 
 def _product(xp, vector, matrix):
@@ -253,16 +259,16 @@ def _square(xp, values, count):
     return xp.asarray(values[..., positions]).reshape((*values.shape[:-1], count, count))
 
 
-def _pack(xp, k, values, pairs, number, index, count, parity):
-    """Write one table into the packed ones; columns j, in them rows i."""
+def _pack(xp, k, values, pairs, first, stride, count, parity):
+    """Write one table into the packed ones: blocks of {LANES} rows, in each the columns, `stride` apart."""
     positions, signs = pairs
     if values.shape[-1] == 0:
         return
     matrix = (values[..., positions] * xp.asarray(signs)).reshape((*values.shape[:-1], count, count))
     size = -(-count // {LANES}) * {LANES}
-    for j in range(count):
-        first = ((j // {LANES} * number + index) * {LANES} + j % {LANES}) * size
-        k[..., first : first + count] = matrix[..., :, j]
+    for i in range(count):
+        start = first + i // {LANES} * stride * size + i % {LANES}
+        k[..., start : start + stride * (count - 1) + 1 : stride] = matrix[..., i, :]
 
 
 def _forward(xp, factor, vector, count):

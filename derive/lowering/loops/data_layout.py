@@ -40,7 +40,14 @@ from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.roles import Role, Source
 
 TABLES, TRIANGLE, ROOT = "tables", "c8_pairs", "root"
-PACKED = (Family.C5, Family.STIFFNESS, Family.C7, Family.DAMPING, Family.C8, Family.C9, Family.C10, Family.POINT_SECOND)
+GROUPS = (
+    (Family.C5, Family.C7, Family.C9, Family.C10),
+    (Family.STIFFNESS, Family.DAMPING),
+    (Family.C8,),
+    (Family.POINT_SECOND,),
+)
+"""Families of square tables that are read together: those of M and h, those of h, and those of few functions."""
+PACKED = tuple(family for group in GROUPS for family in group)
 
 
 @dataclass(frozen=True)
@@ -76,9 +83,10 @@ def layout(eq: Equations) -> DataLayout:
     """The layout of p and k for the equations of a body."""
     n = eq.modes
     kept = [t for t in eq.tables if size(t, n)]
-    packed = [t for family in PACKED for t in kept if t.family is family and t.kind is TableKind.FULL]
-    names = tuple(name for t in packed for name in arrays(t))
-    packing = Packing(TABLES, n, names)
+    full = [t for t in kept if t.kind is TableKind.FULL]
+    groups = (tuple(a for f in group for t in full if t.family is f for a in arrays(t)) for group in GROUPS)
+    packing = Packing(TABLES, n, tuple(group for group in groups if group))
+    names = packing.tables
     views = [View(TABLES, 0, packing.size)] if names else []
     vectors = [name for t in kept if t.kind is TableKind.DIAGONAL or t.counted == 1 for name in arrays(t)]
     offset = packing.size if names else 0
