@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_bb42d82ed7938bd6
+#ifndef BODY_SYMBOLIC_HASH_8e01fa50a8317253
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -2866,7 +2866,7 @@ static const tisserand_variable body_symbolic_table_v[] = {
 };
 
 static const tisserand_model body_symbolic_descriptor = {
-    6,
+    7,
     "body_symbolic",
     BODY_SYMBOLIC_HASH,
     BODY_SYMBOLIC_NQ,
@@ -2909,6 +2909,8 @@ static const tisserand_model body_symbolic_descriptor = {
     0,
     0,
 #endif
+    0,
+    0,
     0,
     0
 };
