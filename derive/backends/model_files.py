@@ -12,6 +12,7 @@ from typing import Any
 
 from derive.artifacts import MARK, File
 from derive.backends.c.source import ABI, CBackend
+from derive.backends.c.stack_use import stack_bytes
 from derive.backends.description import MODEL_HASH
 from derive.backends.protocol import Backend
 from derive.backends.python.module import PythonBackend
@@ -107,6 +108,7 @@ def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> Fil
         "tools": {"tisserand": VERSION, **{name: version(name) for name in ("sympy", "casadi", "jinja2")}},
         "lowering": {"kind": model.lowering, "choice": model.choice},
         "operations": {kernel.name: kernel.operations for kernel in model.kernels},
+        "stack_bytes": {kernel.name: stack_bytes(kernel) for kernel in model.kernels},
         "nonzeros": {
             "mass": {"structural": mass.full_nnz, "of": mass.rows * mass.cols, "stored": len(mass.rowidx)},
             "jacobian": {"structural": len(jacobian.rowidx), "of": jacobian.rows * jacobian.cols},

@@ -1,0 +1,25 @@
+"""The stack that the manifest states for each function is enough for gcc and clang."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from toolchain import MODELS, run, text_of, tool, written
+
+
+@pytest.mark.parametrize("command", [("gcc", "-O0"), ("clang", "-O3")], ids=" ".join)
+@pytest.mark.parametrize("name", ["mean_2", "mean_3_table", "mean_2_flat", "mean_20_table"])
+def test_functions_take_no_more_than_is_stated(name: str, command: tuple[str, str], tmp_path: Path) -> None:
+    """tests/hosts has more levels of optimisation, models, and a processor with 32 bits."""
+    made = MODELS[name]()
+    (source,) = written(made.files, tmp_path)
+    compiler, level = command
+    run(tool(compiler), "-std=c99", level, "-ffp-contract=off", "-fstack-usage", "-c", source, cwd=tmp_path)
+    lines = [line.split("\t") for line in (tmp_path / f"{source.stem}.su").read_text().splitlines()]
+    taken = {line[0].split(":")[-1]: int(line[1]) for line in lines}
+    stated = json.loads(text_of(made, "manifest.json"))["stack_bytes"]
+    assert stated.keys() == {kernel.name for kernel in made.model.kernels}
+    for kernel, limit in stated.items():
+        assert taken[f"{made.model.name}_{kernel}"] <= limit, kernel
