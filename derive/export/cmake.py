@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from derive.artifacts import MARK, File
 from derive.backends.c.source import ABI
 from derive.backends.description import LICENCE
 from derive.backends.wrapping import prefixed
+from derive.export.cpp_wrapper import methods
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
 from derive.export.reference_motion import reference_motion
+from derive.ir.statements import ReturnCode
 from derive.rendering import render
 
 INTEGRATOR = ("adaptive_rows", "adaptive", "dormand_prince", "fixed_step")
@@ -30,12 +34,21 @@ def cmake_files(model: HostModel) -> tuple[File, ...]:
         "velocities": model.velocities,
         "states": model.states,
         "inputs": list(zip(model.inputs, model.held_inputs, strict=True)),
+        "outputs": model.outputs,
+        "parameters": model.parameters,
         "multipliers": model.multipliers,
+        "energies": model.model.kernel("energy").outputs[0].size,
+        "start": model.model.start,
+        "codes": list(ReturnCode),
+        "methods": methods(model),
         "integrators": [f"{part}.c" for part in INTEGRATOR],
         "times": motion.times,
         "times_text": _numbers(motion.times.tolist()),
         "states_text": _numbers(motion.states.ravel().tolist()),
         "tolerances_text": _numbers(motion.tolerances.tolist()),
+        "q_text": _numbers([x.start for x in model.coordinates]),
+        "v_text": _numbers([x.start for x in model.velocities]),
+        "u_text": _numbers(model.held_inputs),
         "number": repr,
     }
 
@@ -46,10 +59,12 @@ def cmake_files(model: HostModel) -> tuple[File, ...]:
         made("CMakeLists.txt", "CMakeLists.txt"),
         made(f"{name}.pc.in", "model.pc.in"),
         File(f"include/{name}.h", model.header.text),
+        made(f"include/{name}.hpp", "model.hpp"),
         File(f"src/{name}.c", model.source.text),
         File("manifest.json", model.manifest.text),
         made("sample/CMakeLists.txt", "sample.cmake"),
         made("sample/sample.c", "sample.c"),
+        made("sample/sample.cpp", "sample.cpp"),
         made("sample/reference.h", "reference.h"),
         *(_copy(f"{part}{ending}") for part in INTEGRATOR for ending in (".c", ".h")),
     )
@@ -60,8 +75,9 @@ def _copy(name: str) -> File:
     return File(f"sample/{name}", f"/* {MARK}: a copy of templates/host/{name}. */\n{render(f'host/{name}', {})}")
 
 
-def _numbers(values: list[float]) -> str:
-    return "\n".join(prefixed([", ".join(map(repr, values))], "    "))
+def _numbers(values: Iterable[float | None]) -> str:
+    """Numbers as the elements of an array of C."""
+    return "\n".join(prefixed([", ".join(map(repr, values))], "        "))
 
 
 CMAKE = Interface(

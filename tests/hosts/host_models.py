@@ -53,6 +53,7 @@ STEERED = """
 name = "steered"
 parameters = { amplitude = { default = 0.5, unit = "rad" } }
 ground.markers = { pivot = [0, 0] }
+scene.gravity = [0, -9.81]
 
 [bodies.arm]
 mass = 2
