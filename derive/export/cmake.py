@@ -8,7 +8,7 @@ from derive.artifacts import MARK, File
 from derive.backends.c.source import ABI
 from derive.backends.description import LICENCE
 from derive.backends.wrapping import prefixed
-from derive.export.cpp_wrapper import methods
+from derive.export.cpp_wrapper import member_functions
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
 from derive.export.reference_motion import reference_motion
@@ -40,7 +40,7 @@ def cmake_files(model: HostModel) -> tuple[File, ...]:
         "energies": model.model.kernel("energy").outputs[0].size,
         "start": model.model.start,
         "codes": list(ReturnCode),
-        "methods": methods(model),
+        "methods": member_functions(model),
         "integrators": [f"{part}.c" for part in INTEGRATOR],
         "times": motion.times,
         "times_text": _numbers(motion.times.tolist()),

@@ -13,7 +13,7 @@ KEPT = ("u", "k")
 
 
 @dataclass(frozen=True)
-class Method:
+class MemberFunction:
     """A member function: comment, name, parameters with their types, and the arguments of the C function."""
 
     doc: str
@@ -22,12 +22,12 @@ class Method:
     arguments: str
 
 
-def methods(model: HostModel) -> list[Method]:
+def member_functions(model: HostModel) -> list[MemberFunction]:
     """The functions of a model but `setup`, in the order of its header; batches are called in C."""
-    return [_method(kernel) for kernel in model.model.kernels if kernel.name != "setup"]
+    return [_member_function(kernel) for kernel in model.model.kernels if kernel.name != "setup"]
 
 
-def _method(kernel: Kernel) -> Method:
+def _member_function(kernel: Kernel) -> MemberFunction:
     parameters, arguments = [], []
     for argument in kernel.arguments:
         if argument.name in KEPT:
@@ -42,4 +42,4 @@ def _method(kernel: Kernel) -> Method:
         parameters.append(f"tisserand::span<double, {output.size}> {output.name}")
         arguments.append(f"{output.name}.data()")
     doc = "\n".join(comment((kernel.doc,), "    "))
-    return Method(doc, kernel.name, ", ".join(parameters), ", ".join(arguments))
+    return MemberFunction(doc, kernel.name, ", ".join(parameters), ", ".join(arguments))
