@@ -93,7 +93,7 @@ def _add_build(commands: Any) -> None:
     build.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help=SPEC)
     _add_folder(build, "generated")
     build.add_argument(
-        "--sensitivities", action="store_true", help="with the derivatives of the equations by the parameters"
+        "--sensitivities", action="store_true", help="with the derivatives of the equations by parameters and inputs"
     )
     build.add_argument("--json", action="store_true", help="print the table of stages as JSON")
 

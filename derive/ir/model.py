@@ -19,7 +19,7 @@ from derive.roles import Role
 from derive.spec.model.time_function import Spline
 
 PARAMETER_JACOBIAN = "parameter_jacobian"
-"""The name of the kernel of derivatives with respect to the parameters."""
+"""The name of the kernel of derivatives with respect to parameters and inputs."""
 
 
 @dataclass(frozen=True)
@@ -244,7 +244,7 @@ class Model:
 
     @property
     def sensitivities(self) -> bool:
-        """Whether there is the kernel of derivatives with respect to the parameters."""
+        """Whether there are the kernels of sensitivities, of which this is one."""
         return any(kernel.name == PARAMETER_JACOBIAN for kernel in self.kernels)
 
     def kernel(self, name: str) -> Kernel:

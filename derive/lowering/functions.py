@@ -39,6 +39,7 @@ class FunctionKind(Enum):
     RESIDUAL = "residual"
     JACOBIAN = "jacobian"
     PARAMETER_JACOBIAN = PARAMETER_JACOBIAN
+    SOLVE_KKT = "solve_kkt"
 
 
 @dataclass(frozen=True)
@@ -90,12 +91,12 @@ ITERATION_MATRIX = {"jac": "values of the iteration matrix by columns"}
 
 
 def functions_of(equations: Equations, sensitivities: bool = False) -> tuple[ModelFunction, ...]:
-    """All functions of a model, in the order of the generated code; `sensitivities` adds that of the parameters."""
+    """All functions of a model, in the order of the generated code; `sensitivities` adds those for derivatives."""
     mechanism = bool(equations.poses)
     specific = _of_mechanisms(bool(equations.outputs)) if mechanism else _of_bodies()
     every = (*_dynamics(mechanism), *_invariants(equations, mechanism), *_of_markers(equations), *specific)
     if sensitivities:
-        every += (_of_parameters(mechanism),)
+        every += tuple(_of_sensitivities(mechanism))
     return tuple(map(_with_inputs, every)) if equations.inputs else every
 
 
@@ -163,16 +164,19 @@ def _of_bodies() -> Iterator[ModelFunction]:
     yield ModelFunction(FunctionKind.JACOBIAN, matrix, ("t", "y", "ydot", "cj", "k"), ITERATION_MATRIX)
 
 
-def _of_parameters(mechanism: bool) -> ModelFunction:
-    """The function for derivatives with respect to the parameters."""
-    rows, y = (
-        ("M vdot + h - G^T lambda, g, gdot and G vdot - gamma", "[q; v; lambda]")
-        if mechanism
-        else ("M vdot + h", "[q; v]")
-    )
-    doc = f"Derivatives of {rows} with respect to the parameters, at fixed t, y = {y} and ydot: values by columns."
-    return ModelFunction(
-        FunctionKind.PARAMETER_JACOBIAN, doc, ("t", "y", "ydot", "k"), {"jac": "values of the derivatives by columns"}
+def _of_sensitivities(mechanism: bool) -> Iterator[ModelFunction]:
+    """The functions for derivatives with respect to parameters and inputs, and for what follows from them."""
+    rows = "M vdot + h - G^T lambda, g, gdot, G vdot - gamma and the outputs" if mechanism else "M vdot + h"
+    columns = "the parameters and the inputs" if mechanism else "the parameters"
+    state = "[q; v; lambda]" if mechanism else "[q; v]"
+    doc = f"Derivatives of {rows} with respect to {columns}, at fixed t, y = {state} and ydot: values by columns."
+    values = {"jac": "values of the derivatives by columns"}
+    yield ModelFunction(FunctionKind.PARAMETER_JACOBIAN, doc, ("t", "y", "ydot", "k"), values)
+    yield ModelFunction(
+        FunctionKind.SOLVE_KKT,
+        f"Solution of {'M x - G^T lambda = a, G x = b' if mechanism else 'M x = a; b and lambda are empty'}",
+        ("t", "q", "k", "a", "b"),
+        {"x": "one value for each generalised velocity", "lam": "one value for each constraint"},
     )
 
 

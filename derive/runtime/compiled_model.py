@@ -86,6 +86,7 @@ class Native:
         self.parameter_pattern = pattern_of(m.parameter_pattern.contents) if m.parameter_pattern else None
         if self.parameter_pattern:
             self._add(m, "parameter_jacobian", (n, n, m.nk), (len(self.parameter_pattern.rowidx),))
+            self._add(m, "solve_kkt", (m.nq, m.nk, m.nv, m.nlambda), (m.nv, m.nlambda), constants=1)
         for i, point in enumerate(self.markers):
             marker = m.markers[i]
             nnz = marker.pattern.contents.nnz
@@ -198,14 +199,25 @@ class Native:
         return self._compiled["jacobian"]((y, ydot, self.own_at(t, k)), t, cj, out=out)
 
     def parameter_jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
-        """Values of the derivatives with respect to the parameters, in the order of `parameter_pattern`.
+        """Values of the derivatives with respect to parameters and inputs [p; u], in the order of `parameter_pattern`.
 
-        The rows are those of M vdot + h - G^T lambda, g, gdot and G vdot - gamma, of a body those of M vdot + h; t, y
-        and ydot are fixed. Raises CompilerError if the model was generated without sensitivities.
+        The rows are those of M vdot + h - G^T lambda, g, gdot, G vdot - gamma and the outputs, of a body those of
+        M vdot + h; t, y and ydot are fixed. Raises CompilerError if the model was generated without sensitivities.
         """
+        return self._of_sensitivities("parameter_jacobian")((y, ydot, self.own_at(t, k)), t)
+
+    def solve_kkt(self, t: float, q: ArrayLike, k: ArrayLike, a: ArrayLike, b: ArrayLike = ()) -> tuple[Vector, Vector]:
+        """x (nv,) and lambda (nlambda,) of M x - G^T lambda = a (nv,), G x = b (nlambda,).
+
+        Raises ModelError if a pivot vanishes, CompilerError if the model was generated without sensitivities.
+        """
+        x, lam = self._of_sensitivities("solve_kkt").results((q, self.own_at(t, k), a, b), t)
+        return x, lam
+
+    def _of_sensitivities(self, name: str) -> CompiledFunction:
         if self.parameter_pattern is None:
-            raise CompilerError(f"{self.name} has no derivatives by parameters; generate it with sensitivities")
-        return self._compiled["parameter_jacobian"]((y, ydot, self.own_at(t, k)), t)
+            raise CompilerError(f"{self.name} has no {name}; generate it with sensitivities")
+        return self._compiled[name]
 
     def mass_batch(self, q: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
         """Values of M (n, nnz) for each row of q (n, nq). The C takes structures of arrays: both are transposed.

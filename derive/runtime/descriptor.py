@@ -134,6 +134,7 @@ class ModelStruct(ctypes.Structure):
         ("ports", ctypes.POINTER(PortsStruct)),
         ("parameter_pattern", ctypes.POINTER(PatternStruct)),
         ("parameter_jacobian", _function(_T, *[Doubles] * 4)),
+        ("solve_kkt", _function(_T, *[Doubles] * 6)),
     ]
 
 

@@ -1,4 +1,4 @@
-"""The derivatives of the equations with respect to the parameters, against differences in 50 digits."""
+"""The derivatives of the equations with respect to parameters and inputs, against differences in 50 digits."""
 
 from __future__ import annotations
 
@@ -45,6 +45,18 @@ value = "5"
 [forces.push]
 at = "rod.right"
 components = [{ input = "push" }, 0]
+[inputs.turn]
+value = "t"
+unit = "rad"
+[drives.motor]
+joint = "pin"
+motion = { input = "turn" }
+[outputs.tip]
+kind = "position"
+marker = "rod.right"
+[outputs.pull]
+kind = "reaction"
+joint = "pin"
 """
 AXIAL = """
 [bodies.rod.axial]
@@ -72,8 +84,8 @@ def made(name: str) -> tuple[Model, tuple[derive.File, ...], Any]:
     return model, files, derive.load(files, QUICK)
 
 
-def exact(model: Model, p: np.ndarray, given: dict[str, Any]) -> np.ndarray:
-    """The rows (rows, parameters) by central differences of setup, residuals and constraints."""
+def exact(model: Model, pu: np.ndarray, given: dict[str, Any]) -> np.ndarray:
+    """The rows (rows, parameters and inputs) by central differences of setup, residuals and constraints."""
     settings: Any = {
         "number": lambda x: mpmath.mpf(x.numerator) / x.denominator,
         "functions": FUNCTIONS,
@@ -83,21 +95,25 @@ def exact(model: Model, p: np.ndarray, given: dict[str, Any]) -> np.ndarray:
     nq, nv, n = (sum(v.size for v in of) for of in (model.coordinates, model.velocities, model.multipliers))
     given |= {"q": given["y"][:nq], "v": given["y"][nq : nq + nv]}
 
-    def rows(p: list[Any]) -> np.ndarray:
+    given |= {"vdot": given["ydot"][nq : nq + nv], "lam": given["y"][nq + nv :]}
+
+    def rows(pu: list[Any]) -> np.ndarray:
         def value(kernel: str, output: str) -> list[Any]:
-            result: list[Any] = interpret(model.kernel(kernel), given | {"k": k}, **settings)[output]
+            result: list[Any] = interpret(model.kernel(kernel), given | {"k": k, "u": u}, **settings)[output]
             return result
 
+        p, u = pu[: len(model.parameters)], pu[len(model.parameters) :]
         k = interpret(model.kernel("setup"), {"p": p}, **settings)["k"]
         dynamics = value("residual", "F")[nq : nq + nv]
         if not n:
             return np.array(dynamics)
         bias = value("residual_index1", "F")[-n:]
-        return np.array([*dynamics, *value("constraints", "g"), *value("constraint_rates", "gdot"), *bias])
+        outputs = value("outputs", "out") if model.outputs else []
+        return np.array([*dynamics, *value("constraints", "g"), *value("constraint_rates", "gdot"), *bias, *outputs])
 
     h, columns = mpmath.mpf(10) ** -15, []
-    for j in range(len(p)):
-        moved = [[mpmath.mpf(float(x)) + (i == j) * step for i, x in enumerate(p)] for step in (h, -h)]
+    for j in range(len(pu)):
+        moved = [[mpmath.mpf(float(x)) + (i == j) * step for i, x in enumerate(pu)] for step in (h, -h)]
         columns.append((rows(moved[0]) - rows(moved[1])) / (2 * h))
     return np.array(columns).T
 
@@ -111,9 +127,9 @@ def test_they_are_the_derivatives_of_all_rows(name: str) -> None:
     y = np.concatenate([q, v, rng.uniform(-2, 2, native.nlambda)])
     ydot = rng.uniform(-2, 2, len(y))
     u = np.full(len(model.inputs), 0.7)
-    numbers = {n: [mpmath.mpf(float(x)) for x in a] for n, a in (("y", y), ("ydot", ydot), ("u", u))}
+    numbers = {n: [mpmath.mpf(float(x)) for x in a] for n, a in (("y", y), ("ydot", ydot))}
     with mpmath.workdps(50):
-        expected = exact(model, p, {"t": mpmath.mpf(t), **numbers})
+        expected = exact(model, np.append(p, u), {"t": mpmath.mpf(t), **numbers})
     k = native.setup(p)
     k = native.with_inputs(k, u) if len(u) else k
     close(native.parameter_pattern.dense(native.parameter_jacobian(t, y, ydot, k)), expected, 1e-13)
@@ -124,6 +140,29 @@ def test_they_are_the_derivatives_of_all_rows(name: str) -> None:
     assert not np.any(np.abs(expected.astype(float))[~structural] > 0)
     if name not in ("functions", "tables"):  # whose branches and intervals are without parameters here and there
         assert structural.sum() == (np.abs(expected.astype(float)) > 0).sum()
+
+
+@pytest.mark.parametrize("name", ["loads", "stretching", "point"])
+def test_the_solution_satisfies_its_equations(name: str) -> None:
+    model, files, native = made(name)
+    t, q = state(native, 4)[0], 0.3 * state(native, 4)[1]  # far enough from where M is not definite
+    rng, k = np.random.default_rng(2), native.setup()
+    a, b = rng.normal(size=native.nv), rng.normal(size=native.nlambda)
+    x, lam = native.solve_kkt(t, q, k, a, b)
+    M = native.mass_pattern.dense(native.mass(q, k))
+    G = native.constraint_pattern.dense(native.constraint_jacobian(t, q, k)) if len(b) else np.zeros((0, len(a)))
+    close(M @ x - G.T @ lam, a, 1e-11)
+    close(G @ x, b, 1e-11)
+    module = run_module(files)
+    for values, expected in zip(
+        module["solve_kkt"](t, q, *given_inputs(model), module["setup"](native.defaults), a, b), (x, lam), strict=True
+    ):
+        close(values, expected, 1e-11)
+
+
+def given_inputs(model: Model) -> tuple[np.ndarray, ...]:
+    """The argument u of the generated Python, if there is one."""
+    return (np.zeros(len(model.inputs)),) if model.inputs else ()
 
 
 def test_what_has_no_derivatives_says_so() -> None:

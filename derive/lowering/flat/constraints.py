@@ -84,14 +84,14 @@ def accelerations_and_multipliers(context: Context, function: ModelFunction) -> 
     symbols = context.symbols(context.t, context.q, context.v)
     right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
     outputs = {"vdot": OutputElements(context.accelerations), "lam": OutputElements(context.multipliers)}
-    return _by_factors(context, function, outputs, symbols, right)
+    return by_factors(context, function, outputs, symbols, right)
 
 
 def accelerations(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of vdot alone, for integrators of first-order equations."""
     symbols = context.symbols(context.t, context.q, context.v)
     right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
-    return _by_factors(context, function, {"vdot": OutputElements(context.accelerations)}, symbols, right)
+    return by_factors(context, function, {"vdot": OutputElements(context.accelerations)}, symbols, right)
 
 
 def project_velocity(context: Context, function: ModelFunction) -> Kernel:
@@ -101,7 +101,7 @@ def project_velocity(context: Context, function: ModelFunction) -> Kernel:
     symbols = context.symbols(context.t, context.q, prescribed)
     right = [ca.SX(0) for _ in context.rows]
     right += [-value for value in symbols.values_of(prescribed.symbols)]
-    return _by_factors(context, function, {"dv": OutputElements(context.rates)}, symbols, right, (prescribed,))
+    return by_factors(context, function, {"dv": OutputElements(context.rates)}, symbols, right, (prescribed,))
 
 
 def poses(context: Context, function: ModelFunction) -> Kernel:
@@ -173,7 +173,7 @@ class DependentConstraints(LoweringError):
     """Constraints that others imply in every state, so that their multipliers have no unique value."""
 
 
-def _by_factors(
+def by_factors(
     context: Context,
     function: ModelFunction,
     outputs: Mapping[str, OutputElements],

@@ -11,7 +11,7 @@ from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat import constraints, dae, functions, outputs
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
-from derive.lowering.flat.sensitivities import parameter_jacobian, with_derivatives
+from derive.lowering.flat.sensitivities import parameter_jacobian, solve_kkt, with_derivatives
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.terms import model_terms
@@ -32,6 +32,7 @@ OF_BODIES: Mapping[FunctionKind, Implementation] = {
     FunctionKind.RESIDUAL: functions.residual,
     FunctionKind.JACOBIAN: functions.jacobian,
     FunctionKind.PARAMETER_JACOBIAN: parameter_jacobian,
+    FunctionKind.SOLVE_KKT: solve_kkt,
 }
 OF_MECHANISMS: Mapping[FunctionKind, Implementation] = {
     FunctionKind.ACCEL: constraints.accelerations,

@@ -1,9 +1,11 @@
-"""The derivatives of the equations of motion with respect to the parameters, for sensitivities and gradients.
+"""What sensitivities need beside iteration matrices: derivatives by parameters and inputs, and solutions with M and G.
 
 With y = [q; v; lambda] and its rate fixed, a parameter p acts through the constants c of the model, which depend on
 parameters alone: dF/dp = (dF/dc) (dc/dp). CasADi has the first factor, SymPy the second, which setup computes. The rows
-are those from which all forms of a scene are made: of M vdot + h - G^T lambda, of g, of gdot, and of G vdot - gamma; a
-body has the first alone. Kinematics, qdot = v, has no parameters.
+are those from which all forms of a scene are made, M vdot + h - G^T lambda, g, gdot and G vdot - gamma, and then the
+outputs; a body has the first alone. Kinematics, qdot = v, has no parameters. Where M vdot + h - G^T lambda and
+G vdot - gamma change by dF and dg while vdot and lambda are fixed, the changes of these are the solution of
+M dvdot - G^T dlambda = -dF, G dvdot = -dg.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import sympy as sp
 from derive.ir.model import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import acceleration_residual, jacobian_entries
+from derive.lowering.flat.constraints import acceleration_residual, by_factors, jacobian_entries
 from derive.lowering.flat.context import Context, array_input, stores
 from derive.lowering.flat.schedule import Step
 from derive.lowering.functions import ModelFunction, OutputElements
@@ -32,26 +34,42 @@ def with_derivatives(equations: Equations) -> Equations:
 
 
 def parameter_jacobian(context: Context, function: ModelFunction) -> Kernel:
-    """The kernel of the derivatives with respect to the parameters, of equations `with_derivatives`."""
+    """The kernel of the derivatives with respect to the parameters and the inputs, of equations `with_derivatives`."""
     eq, multipliers = context.equations, context.forces
     y = array_input("y", context.state + multipliers, "state [q; v; lambda]" if multipliers else context.y.argument.doc)
     ydot = array_input("ydot", (*context.state_rates, *map(state_rate, multipliers)), "time derivative of y")
     symbols = context.symbols(context.t, y, ydot)
     rows = _rows(context, symbols)
-    by_parameters = _by_parameters(context, symbols, ca.vertcat(*rows.values()))
-    names = tuple(str(p.symbol) for p in eq.parameters)
-    entries = set(zip(*by_parameters.sparsity().get_triplet(), strict=True))
+    values = ca.vertcat(*rows.values())
+    by_inputs = ca.jacobian(values, ca.vertcat(*symbols.values_of(context.u.symbols)))
+    matrix = ca.horzcat(_by_parameters(context, symbols, values), by_inputs)
+    names = (*(str(p.symbol) for p in eq.parameters), *context.u.elements)
+    entries = set(zip(*matrix.sparsity().get_triplet(), strict=True))
     shape = pattern(len(rows), len(names), entries)
     residuals = tuple(rows)
     labels = tuple(f"d {residuals[i]} / d {names[j]}" for i, j in shape.entries)
-    values = [by_parameters[i, j] for i, j in shape.entries]
     return context.kernel(
         function,
         {"jac": OutputElements(labels, shape)},
         symbols,
-        Step("parameter_jacobian", "(15)", "derivatives of the rows by the parameters", stores("jac", values)),
+        Step(
+            "parameter_jacobian",
+            "(15)",
+            "derivatives of the rows by parameters and inputs",
+            stores("jac", [matrix[i, j] for i, j in shape.entries]),
+        ),
         inputs=(y, ydot),
     )
+
+
+def solve_kkt(context: Context, function: ModelFunction) -> Kernel:
+    """The kernel that solves M x - G^T lambda = a, G x = b."""
+    a = array_input("a", (local(f"a_{name}") for name in context.rows), "right-hand side of the equations of motion")
+    b = array_input("b", (local(f"b_{name}") for name in context.multipliers), "right-hand side of the constraints")
+    symbols = context.symbols(context.t, context.q, a, b)
+    right = [*symbols.values_of(a.symbols), *(-value for value in symbols.values_of(b.symbols))]
+    outputs = {"x": OutputElements(context.accelerations), "lam": OutputElements(context.multipliers)}
+    return by_factors(context, function, outputs, symbols, right, (a, b))
 
 
 def _rows(context: Context, symbols: Symbols) -> dict[str, ca.SX]:
@@ -64,7 +82,8 @@ def _rows(context: Context, symbols: Symbols) -> dict[str, ca.SX]:
     rows = {f"F[{row.name}]": symbols(eq.sum_of(row.name)) - reactions[row.name] for row in eq.rows}
     rows |= {f"g[{c.name}]": symbols(c.position) for c in eq.constraints}
     rows |= {f"gdot[{c.name}]": symbols(c.rate) for c in eq.constraints}
-    return rows | {f"gddot[{c.name}]": acceleration_residual(c, context, symbols) for c in eq.constraints}
+    rows |= {f"gddot[{c.name}]": acceleration_residual(c, context, symbols) for c in eq.constraints}
+    return rows | {output.name: symbols(output.expr) for output in eq.outputs}
 
 
 def _derivatives(equations: Equations) -> Iterator[ModelConstant]:
