@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_a5b4f609fe9ce384
+#ifndef BLOCK_HASH_32a7b11478069512
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -3699,6 +3699,7 @@ static const tisserand_model block_descriptor = {
     0,
     0,
 #endif
+    0,
     0,
     0,
     0,

@@ -196,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "a5b4f609fe9ce384"
+HASH = "32a7b11478069512"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_8e01fa50a8317253
+#ifndef BODY_SYMBOLIC_HASH_4124d8d2a58266f1
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -2909,6 +2909,7 @@ static const tisserand_model body_symbolic_descriptor = {
     0,
     0,
 #endif
+    0,
     0,
     0,
     0,

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef CRANK_SLIDER_3_HASH_04eb1aed18f0305b
+#ifndef CRANK_SLIDER_3_HASH_326a6e2b33ddb0aa
 #  error "crank_slider_3.h and crank_slider_3.c are of different builds; run tisserand build again"
 #endif
 
@@ -6376,6 +6376,7 @@ static const tisserand_model crank_slider_3_descriptor = {
     0,
 #endif
     &crank_slider_3_scene,
+    0,
     0,
     0,
     0

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_650a66bc7f8d1c92
+#ifndef DOUBLE_PENDULUM_HASH_881b0b22c15683b9
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -3858,6 +3858,7 @@ static const tisserand_model double_pendulum_descriptor = {
     0,
 #endif
     &double_pendulum_scene,
+    0,
     0,
     0,
     0

@@ -155,7 +155,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "650a66bc7f8d1c92"
+HASH = "881b0b22c15683b9"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_e129d7e02fbc6012
+#ifndef FOUR_BAR_HASH_e96168a35f39676a
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 
@@ -6474,6 +6474,7 @@ static const tisserand_model four_bar_descriptor = {
     0,
 #endif
     &four_bar_scene,
+    0,
     0,
     0,
     0

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_abbfb205717798e1
+#ifndef FREE_BEAM_MEAN_HASH_2fc192ef7ddfefc6
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -1056,6 +1056,7 @@ static const tisserand_model free_beam_mean_descriptor = {
     0,
     0,
 #endif
+    0,
     0,
     0,
     0,

@@ -243,10 +243,12 @@ typedef struct {
     int (*accel_batch)(int n, double t, const double *q, const double *v, const double *k, double *vdot);
     const tisserand_scene *scene; /* 0 for a body */
     const tisserand_ports *ports; /* 0 without inputs and outputs */
-    /* Derivatives with respect to p, at fixed y and ydot, of the rows M vdot + h - G^T lambda, g, gdot and
-       G vdot - gamma (of a body M vdot + h); 0 where the model was generated without sensitivities. */
+    /* For sensitivities, 0 where the model was generated without: derivatives with respect to [p; u], at fixed y and ydot,
+       of the rows M vdot + h - G^T lambda, g, gdot, G vdot - gamma and outputs (of a body M vdot + h); and the solution
+       of M x - G^T lam = a, G x = b. */
     const tisserand_pattern *parameter_pattern;
     int (*parameter_jacobian)(double t, const double *y, const double *ydot, const double *k, double *jac);
+    int (*solve_kkt)(double t, const double *q, const double *k, const double *a, const double *b, double *x, double *lam);
 } tisserand_model;
 
 #elif TISSERAND_ABI != 7
@@ -255,8 +257,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "abbfb205717798e1"
-#define FREE_BEAM_MEAN_HASH_abbfb205717798e1
+#define FREE_BEAM_MEAN_HASH "2fc192ef7ddfefc6"
+#define FREE_BEAM_MEAN_HASH_2fc192ef7ddfefc6
 
 /* ---- sizes and indices ---- */
 

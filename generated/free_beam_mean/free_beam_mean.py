@@ -119,7 +119,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "abbfb205717798e1"
+HASH = "2fc192ef7ddfefc6"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")

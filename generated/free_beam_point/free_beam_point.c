@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_POINT_HASH_cbe39850a4217d25
+#ifndef FREE_BEAM_POINT_HASH_031aaeb28bf77d38
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
@@ -1331,6 +1331,7 @@ static const tisserand_model free_beam_point_descriptor = {
     0,
     0,
 #endif
+    0,
     0,
     0,
     0,

@@ -105,7 +105,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_point"
-HASH = "cbe39850a4217d25"
+HASH = "031aaeb28bf77d38"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_09ff600db563947c
+#ifndef SOLID_BEAM_HASH_3b2a35a532dba7c2
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -3620,6 +3620,7 @@ static const tisserand_model solid_beam_descriptor = {
     0,
     0,
 #endif
+    0,
     0,
     0,
     0,

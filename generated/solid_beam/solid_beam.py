@@ -281,7 +281,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "solid_beam"
-HASH = "09ff600db563947c"
+HASH = "3b2a35a532dba7c2"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPINNING_BEAM_HASH_d20598a589d48f66
+#ifndef SPINNING_BEAM_HASH_2de8bc4168372985
 #  error "spinning_beam.h and spinning_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -1777,6 +1777,7 @@ static const tisserand_model spinning_beam_descriptor = {
     0,
 #endif
     &spinning_beam_scene,
+    0,
     0,
     0,
     0

@@ -128,7 +128,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spinning_beam"
-HASH = "d20598a589d48f66"
+HASH = "2de8bc4168372985"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2")
 VELOCITIES = ("beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot")
 PARAMETERS = ("m", "l", "EI")

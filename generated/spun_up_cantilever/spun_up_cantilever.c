@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPUN_UP_CANTILEVER_HASH_a34f28e446c8e393
+#ifndef SPUN_UP_CANTILEVER_HASH_626856c125eb5411
 #  error "spun_up_cantilever.h and spun_up_cantilever.c are of different builds; run tisserand build again"
 #endif
 
@@ -2791,6 +2791,7 @@ static const tisserand_model spun_up_cantilever_descriptor = {
     0,
 #endif
     &spun_up_cantilever_scene,
+    0,
     0,
     0,
     0

@@ -97,7 +97,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spun_up_cantilever"
-HASH = "a34f28e446c8e393"
+HASH = "626856c125eb5411"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2", "beam_alpha3")
 VELOCITIES = (
     "beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot",
