@@ -9,7 +9,7 @@ from derive.backends.c.source import ABI
 from derive.rendering import render
 from derive.roles import Role
 
-LAYOUT = (6, "4e9b7f2d6a9cadf186d5cce87ccd1497fec78cdbcabab2425265e1acec7d93d3")
+LAYOUT = (7, "dc9402bcfbe0dfad559736ab1f00558b2d803b34922ff92502f99a08cefc803b")
 """The number of the interface, and the SHA-256 of the descriptor's declarations without comments."""
 
 
