@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import sympy as sp
 
 from derive.mechanics import zeros
 from derive.mechanics.body import Body
-from derive.mechanics.motion.body_motion import Motion
+from derive.mechanics.motion.body_motion import ExpandedSums, Motion
 from derive.mechanics.motion.full_second_order import DependentAmplitudes
 from derive.mechanics.motion.material_points import marker
 from derive.mechanics.sums import of_index
+from derive.mechanics.symbols import Symbol
 from derive.mechanics.terms import (
     EquationOfMotion,
     Intermediate,
@@ -33,6 +34,9 @@ from derive.mechanics.virtual_work_equations import (
     rigid_weight,
     weight_energy,
 )
+
+Absent = dict[tuple[str, sp.Expr], list[Symbol]]
+"""Vanishing entries of sums by their row and their factor."""
 
 TRANSLATIONS = "the mass enters as m I, so translations along different axes do not couple"
 
@@ -73,21 +77,25 @@ def expand(body: Body) -> ExpandedEquations:
     first, reasons = zeros.drop_definitions(needed, zeros.reasons_of(every))
     moments, reasons = _moments(dependent, fields, reasons)
     composed = (*first, *moments)
+    sums = fields.sums_without(() if dependent.numbers else reasons)
     strain = _quadratic(body.stiffness, motion.alpha)
     preloaded = tuple(zip(motion.alpha, body.preload, strict=True)) if body.preload else ()
     at_rest = tuple(Term(str(a), "preload", c.equation, c.symbol) for a, c in preloaded)
     work_at_rest = sp.Add(*(c.symbol * a for a, c in preloaded))
     accelerations = tuple(row.a for row in motion.rows[len(motion.rows) - len(motion.alpha) :])
     rotary = tuple(_products(motion, "rotary", "(10)", body.rotary_inertia, accelerations))
-    elastic = tuple(_products(motion, "elastic", "(13), (22)", body.stiffness, motion.alpha))
-    damping = tuple(_products(motion, "damping", "(13)", body.damping, motion.alphadot))
-    complete = (*dependent.projected(_inertia(fields)), *rotary, *elastic, *at_rest, *damping)
-    complete += dependent.projected(_weight(fields)) if body.gravity else ()
+    elastic = tuple(_products(motion, "elastic", "(13), (22)", body.stiffness, motion.alpha, reasons))
+    damping = tuple(_products(motion, "damping", "(13)", body.damping, motion.alphadot, reasons))
+    inertia = tuple(_inertia(fields))
+    written = (replace(t, expr=sums.put_in(t.expr)) for t in inertia)
+    complete = (*dependent.projected(written), *rotary, *elastic, *at_rest, *damping)
+    if body.gravity:
+        complete += dependent.projected(replace(t, expr=sums.put_in(t.expr)) for t in _weight(fields))
     spin = _quadratic(body.rotary_inertia, motion.alphadot)
     terms, vanished = zeros.drop_terms(complete, reasons)
 
     def total(expr: sp.Expr) -> sp.Expr:
-        return zeros.drop(dependent.put_in(fields.summed(expr)), reasons)
+        return zeros.drop(dependent.put_in(sums.put_in(expr)), reasons)
 
     return ExpandedEquations(
         rows=motion.rows,
@@ -97,7 +105,7 @@ def expand(body: Body) -> ExpandedEquations:
         terms=terms,
         vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
         mass=_mass_matrix(motion, terms),
-        mass_zeros=_mass_zeros(motion, complete, reasons),
+        mass_zeros=_mass_zeros(motion, complete, reasons, _absent(inertia, sums)),
         kinetic_energy=total(kinetic_energy(fields)) + zeros.drop(spin, reasons),
         strain_energy=zeros.drop(strain + work_at_rest, reasons),
         weight_energy=total(weight_energy(fields)) if body.gravity else None,
@@ -117,45 +125,66 @@ def _moments(
     return zeros.drop_definitions(tuple(in_amplitudes), reasons)
 
 
-def _inertia(motion: Motion) -> tuple[Term, ...]:
-    """The virtual work of the inertia forces, with expanded sums."""
-    terms = [replace(t, expr=motion.summed(t.expr)) for t in rigid_inertia(motion)]
-    return (*terms, *_of_each_shape(motion, generic_inertia(motion)))
+def _inertia(motion: Motion) -> Iterator[Term]:
+    """The virtual work of the inertia forces; sums are named."""
+    yield from rigid_inertia(motion)
+    yield from _of_each_shape(motion, generic_inertia(motion))
 
 
 def _of_each_shape(motion: Motion, generic: tuple[Term, ...]) -> Iterator[Term]:
-    """The terms of a generic mode, repeated for each mode with expanded sums."""
+    """The terms of a generic mode, repeated for each mode."""
     for i, alpha in enumerate(motion.alpha, 1):
         for t in generic:
-            yield replace(t, row=str(alpha), expr=motion.summed(of_index(t.expr, i)))
+            yield replace(t, row=str(alpha), expr=of_index(t.expr, i))
+
+
+def _absent(terms: Iterable[Term], sums: ExpandedSums) -> Absent:
+    """The entries that vanish in the sums of terms, by the row and the factor that they have in it."""
+    result: Absent = {}
+    for term in terms:
+        for symbol in term.expr.free_symbols & sums.absent.keys():
+            for entry, factor in sums.absent[symbol]:
+                result.setdefault((term.row, factor), []).append(entry)
+    return result
 
 
 def _quadratic(entries: tuple[ModelConstant, ...], of: Sequence[sp.Symbol]) -> sp.Expr:
-    """The quadratic form 1/2 of . T of of a symmetric table that is given by its entries i <= j."""
+    """The quadratic form 1/2 of . T of of a symmetric table that is given by its entries i <= j, without its zeros."""
     products = []
-    for c in entries:
+    for c in (c for c in entries if not c.zero):
         i, j = (s - 1 for s in c.symbol.identity.shapes)
         products.append((sp.S.Half if i == j else sp.S.One) * c.symbol * of[i] * of[j])
     return sp.Add(*products)
 
 
 def _products(
-    motion: Motion, name: str, equation: str, entries: tuple[ModelConstant, ...], of: Sequence[sp.Symbol]
+    motion: Motion,
+    name: str,
+    equation: str,
+    entries: tuple[ModelConstant, ...],
+    of: Sequence[sp.Symbol],
+    vanishing: Container[sp.Basic] = (),
 ) -> Iterator[Term]:
-    """The product of a symmetric table with amplitudes, or with their velocities or accelerations, term by term."""
-    forces: list[list[sp.Expr]] = [[] for _ in of]
+    """The product of a symmetric table with amplitudes, or with their velocities or accelerations, term by term.
+
+    vanishing: symbols that are left out of a term, unless all of it vanishes.
+    """
+    forces: list[list[tuple[sp.Symbol, sp.Symbol]]] = [[] for _ in of]
     for c in entries:
         i, j = (s - 1 for s in c.symbol.identity.shapes)
-        forces[i].append(c.symbol * of[j])
+        forces[i].append((c.symbol, of[j]))
         if i != j:
-            forces[j].append(c.symbol * of[i])
-    for alpha, products in zip(motion.alpha, forces, strict=True):
-        if products:
-            yield Term(str(alpha), name, equation, sp.Add(*products))
+            forces[j].append((c.symbol, of[i]))
+    for alpha, pairs in zip(motion.alpha, forces, strict=True):
+        if pairs:
+            kept = [pair for pair in pairs if pair[0] not in vanishing] or pairs
+            yield Term(str(alpha), name, equation, sp.Add(*(entry * factor for entry, factor in kept)))
 
 
-def _weight(motion: Motion) -> tuple[Term, ...]:
-    return (*rigid_weight(motion), *_of_each_shape(motion, generic_weight(motion)))
+def _weight(motion: Motion) -> Iterator[Term]:
+    """The virtual work of gravity; sums are named."""
+    yield from rigid_weight(motion)
+    yield from _of_each_shape(motion, generic_weight(motion))
 
 
 def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
@@ -182,19 +211,23 @@ def linear_factors(expr: sp.Expr, symbols: Sequence[sp.Symbol]) -> dict[sp.Symbo
 
 
 def _mass_zeros(
-    motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reasons
+    motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reasons, absent: Absent
 ) -> tuple[tuple[int, int, Reason], ...]:
-    """Row, column and reason of each structural zero of the mass matrix (lower triangle)."""
+    """Row, column and reason of each structural zero of the mass matrix (lower triangle).
+
+    absent: what the terms leave out.
+    """
     full = _mass_matrix(motion, complete)
     n = len(motion.rows)
     lower = ((i, j, full[i, j]) for i in range(n) for j in range(i + 1))
     vanishing = ((i, j, entry) for i, j, entry in lower if zeros.drop(entry, reasons) == 0)
-    return tuple((i, j, _reason(motion, entry, reasons, i, j)) for i, j, entry in vanishing)
+    return tuple((i, j, _reason(motion, entry, reasons, absent, i, j)) for i, j, entry in vanishing)
 
 
-def _reason(motion: Motion, entry: sp.Expr, reasons: zeros.Reasons, i: int, j: int) -> Reason:
+def _reason(motion: Motion, entry: sp.Expr, reasons: zeros.Reasons, absent: Absent, i: int, j: int) -> Reason:
     """The reason of a zero of the mass matrix: the integrals in it, or that translations are independent."""
-    known = zeros.why(entry, reasons)
+    gone = absent.get((motion.rows[i].name, motion.rows[j].a), ())
+    known = Reason(zeros.behind((*entry.free_symbols, *gone), reasons))
     if known:
         return known
     if max(i, j) < motion.rotation.rows:

@@ -9,8 +9,10 @@ and j.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -36,8 +38,18 @@ ALPHA, ALPHADOT, ALPHADDOT = (amplitude(J, derivative) for derivative in range(3
 HALF_ALPHA = ALPHA / 2
 """The factor of what is quadratic in the amplitudes."""
 
+IJ, JI = (I, J), (J, I)
+"""The indices of an entry of a table."""
+
 Vectors = Mapping[Symbol, Sequence[Symbol]]
 """The symbols of each factor of a sum, mode by mode."""
+
+
+class AbsentPart(NamedTuple):
+    """A part of a sum that vanishes: the entry that is zero, and its factor."""
+
+    entry: Symbol
+    factor: sp.Expr
 
 
 @dataclass(frozen=True)
@@ -100,58 +112,65 @@ def of_index(expr: sp.Expr, i: ShapeIndex, index: Index = I) -> sp.Expr:
     return expr.xreplace(generic)
 
 
-def at(symbol: sp.Basic, i: int, j: int = 0) -> sp.Expr:
-    """A generic symbol at the modes i and j; an entry of an odd table gets its sign, and is 0 for i = j."""
-    known = identity(symbol)
-    if set(known.shapes) != {I, J}:
-        return exchanged(symbol, {I: i, J: j})
-    parity = PARITY[known.family]
-    first, second = (i, j) if known.shapes == (I, J) else (j, i)
-    if first == second and parity < 0:
-        return sp.S.Zero
-    sign = parity if first > second else 1
-    return sign * Symbol(replace(known, shapes=tuple(sorted((i, j)))))
+def signed_entry(symbol: Symbol, i: int = 0, j: int = 0) -> tuple[int, Symbol]:
+    """A generic symbol at the modes i and j, with its sign; that of an entry of an odd table is 0 for i = j."""
+    generic, sign = symbol.identity.shapes, 1
+    shapes = tuple([i if s is I else j if s is J else s for s in generic])
+    if generic in (IJ, JI):
+        if i == j:
+            sign = max(0, PARITY[symbol.identity.family])
+        elif (i > j) is (generic == IJ):
+            shapes, sign = shapes[::-1], PARITY[symbol.identity.family]
+    entries = _known_entries(symbol)
+    entry = entries.get(shapes)
+    if entry is None:
+        entry = entries[shapes] = Symbol(replace(symbol.identity, shapes=shapes))
+    return sign, entry
+
+
+@cache
+def _known_entries(symbol: Symbol) -> dict[tuple[ShapeIndex, ...], Symbol]:
+    """The symbols that a generic symbol stands for, as far as there are some: to look one up is faster than to make it.
+
+    An entry of a table is the same with its indices exchanged.
+    """
+    return _known_entries(swapped(symbol)) if symbol.identity.shapes == JI else {}
 
 
 def expanded_sum(
     indexed_sum: IndexedSum, i: int, vectors: Vectors, vanishing: Container[sp.Basic] = ()
-) -> tuple[sp.Expr, list[sp.Basic]]:
+) -> tuple[sp.Expr, list[AbsentPart]]:
     """The indexed sum for mode i as an explicit sum without the entries that vanish, and these.
 
     vectors: the symbols of each factor. vanishing: the symbols that are zero.
     """
-    parts, gone = list[sp.Expr](), list[sp.Basic]()
-    offset = [(None, at(indexed_sum.offset, i))] if indexed_sum.offset else []
-    for factor, entry in (*offset, *_entries(indexed_sum, i, vectors)):
-        symbol = entry.as_coeff_Mul()[1]
+    parts, gone = list[sp.Expr](), list[AbsentPart]()
+    if indexed_sum.offset:
+        _, symbol = signed_entry(indexed_sum.offset, i)
         if symbol in vanishing:
-            gone.append(symbol)
+            gone.append(AbsentPart(symbol, sp.S.One))
         else:
-            parts.append(entry if factor is None else _product(*factor, entry))
-    return sp.Add(*parts), gone
-
-
-def _entries(
-    indexed_sum: IndexedSum, i: int, vectors: Vectors
-) -> Iterator[tuple[tuple[sp.Rational, sp.Symbol], sp.Expr]]:
-    """The products of an indexed sum: the number and the symbol of each factor, and the entry of the table."""
+            parts.append(symbol)
     for factor, entry in indexed_sum.sums:
         number, vector = factor.as_coeff_Mul()
         for j, a in enumerate(vectors[vector], 1):
-            yield (number, a), at(entry, i, j)
+            sign, symbol = signed_entry(entry, i, j)
+            if symbol in vanishing:
+                gone.append(AbsentPart(symbol, a))
+            elif sign:
+                parts.append(_product(sign * number, a, symbol))
+    return sp.Add(*parts), gone
 
 
-def _product(number: sp.Rational, a: sp.Symbol, entry: sp.Expr) -> sp.Expr:
-    """number a entry, where the entry is a symbol, its negative, or zero.
+def _product(number: sp.Rational, a: sp.Symbol, entry: Symbol) -> sp.Expr:
+    """number a entry.
 
     The factors get the order of SymPy, which is most of its work in a product of any expressions.
     """
-    coefficient, symbol = entry.as_coeff_Mul()
-    coefficient *= number
-    if coefficient.is_zero or a == symbol:
-        return coefficient * a * symbol
-    factors = (a, symbol) if a.compare(symbol) < 0 else (symbol, a)
-    return sp.Mul._from_args(factors if coefficient is sp.S.One else (coefficient, *factors), True)
+    if number.is_zero or a == entry:
+        return number * a * entry
+    factors = (a, entry) if a.compare(entry) < 0 else (entry, a)
+    return sp.Mul._from_args(factors if number is sp.S.One else (number, *factors), True)
 
 
 @dataclass(frozen=True)

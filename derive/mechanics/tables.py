@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from itertools import combinations_with_replacement, product
 
-from derive.mechanics.sums import PARITY
+from derive.mechanics.sums import PARITY, signed_entry
 from derive.mechanics.symbols import Family, I, Identity, J, ShapeIndex, Symbol
 from derive.mechanics.terms import ModelConstant
 
@@ -122,8 +122,9 @@ def entries(table: CoefficientTable, n: int) -> Iterator[Symbol]:
         [(i,) for i in shapes],
         [(i, j) for i in shapes for j in shapes if i < j or (i == j and not odd)],
     )
-    for numbers, component in product(counted[table.counted], table.components):
-        yield table.entry(component, *numbers)
+    for numbers, generic in product(counted[table.counted], table.generic_entries):
+        _, entry = signed_entry(generic, *numbers)
+        yield entry
 
 
 def point_tables(

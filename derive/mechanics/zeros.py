@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 
 import sympy as sp
 
@@ -83,6 +84,7 @@ def drop_terms(terms: tuple[Term, ...], reasons: Reasons) -> tuple[tuple[Term, .
     return tuple(stay), tuple(gone)
 
 
+@cache
 def _order(symbol: sp.Symbol) -> tuple[str, tuple[int, ...], tuple[int, ...], str]:
     """Integrals sort by their family, then by their indices as numbers: c8_2_1 before c8_10_1."""
     known = identity(symbol)

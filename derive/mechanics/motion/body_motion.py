@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import groupby
 
 import sympy as sp
@@ -11,7 +12,16 @@ import sympy as sp
 from derive.mechanics import zeros
 from derive.mechanics.motion.kinematics import ONE, Field, MovingFrame
 from derive.mechanics.motion.moments import Moments, total
-from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum, Vectors, exchanged, expanded_sum
+from derive.mechanics.sums import (
+    ALPHA,
+    ALPHADDOT,
+    ALPHADOT,
+    AbsentPart,
+    IndexedSum,
+    Vectors,
+    exchanged,
+    expanded_sum,
+)
 from derive.mechanics.symbols import MASS, Family, I
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate, Reason
 
@@ -22,7 +32,7 @@ __all__ = ["MASS", "Motion"]
 class Motion:
     """How a body with some number of shapes moves: coordinates, rotation tensor Q, moving frame, and moments.
 
-    `moment_sums` define d1, D2, d3, J in terms of the shape integrals; `sums` occur in a single equation or contain
+    `moment_sums` define d1, D2, d3, J in terms of the shape integrals; `row_sums` occur in a single equation or contain
     accelerations, and are expanded in place; `products` gives names to products of velocities, which `named` defines.
     `rotation_generators` are the tensors e_k x, in the inertial and in the body frame. `identities` are the reasons of
     terms that cancel in any body, by row and name.
@@ -38,7 +48,7 @@ class Motion:
     moments: Moments
     named: tuple[Intermediate, ...]
     moment_sums: tuple[IndexedSum, ...]
-    sums: dict[sp.Symbol, sp.Expr]
+    row_sums: tuple[IndexedSum, ...]
     products: dict[sp.Expr, sp.Symbol]
     rotation_generators: tuple[tuple[sp.Matrix, sp.Matrix], ...]
     identities: dict[tuple[str, str], str]
@@ -79,15 +89,13 @@ class Motion:
 
         reasons: of all symbols that vanish; those of the vanished moments are added to those that are returned.
         """
-        alphaddot = tuple(row.a for row in self.rows[len(self.rows) - len(self.alpha) :])
-        vectors = {ALPHA: self.alpha, ALPHADOT: self.alphadot, ALPHADDOT: alphaddot}
         known, result = dict(reasons), list(self.named)
         for s, i in _every(self.moment_sums, len(self.alpha)):
             symbol = exchanged(s.symbol, {I: i})
-            expr, vanished = expanded_sum(s, i, vectors, known)
+            expr, vanished = expanded_sum(s, i, self._vectors, known)
             zero = None
             if expr == 0:
-                known[symbol] = zeros.behind(vanished, known)
+                known[symbol] = zeros.behind((part.entry for part in vanished), known)
                 zero = str(Reason(known[symbol], "it vanishes identically"))
             result.append(Intermediate(symbol, expr, s.section, s.source, s.described(i), zero))
         return tuple(result), known
@@ -96,10 +104,48 @@ class Motion:
         """int rho a . b over the body, for a generic index i if a or b holds PHI."""
         return total(a, b, self.moments)
 
-    def summed(self, expr: sp.Expr) -> sp.Expr:
-        """An expression in which the sums without a name of their own are expanded."""
-        known = self.sums.get(expr)
-        return sp.expand(expr.xreplace(self.sums)) if known is None else known
+    def sums_without(self, vanishing: Iterable[sp.Basic] = ()) -> ExpandedSums:
+        """The sums without a name of their own, expanded, without the parts that vanish.
+
+        A sum that refers to an earlier one contains its expansion. One whose parts all vanish keeps them, so that they
+        are known where it occurs.
+        """
+        exprs: dict[sp.Symbol, sp.Expr] = {}
+        absent: dict[sp.Symbol, tuple[AbsentPart, ...]] = {}
+        earlier: set[tuple[Family, int]] = set()
+        known = {*vanishing}
+        for s in self.row_sums:
+            entries = (*(entry for _, entry in s.sums), *([s.offset] if s.offset else []))
+            refers = any((e.identity.family, e.identity.derivative) in earlier for e in entries)
+            for i in range(1, len(self.alpha) + 1) if s.indexed else (0,):
+                symbol = exchanged(s.symbol, {I: i})
+                expr, gone = expanded_sum(s, i, self._vectors, known)
+                if expr == 0:
+                    known.add(symbol)
+                    expr, gone = expanded_sum(s, i, self._vectors)
+                exprs[symbol] = sp.expand(expr.xreplace(exprs)) if refers else expr
+                absent[symbol] = tuple(gone)
+            earlier.add((s.symbol.identity.family, s.symbol.identity.derivative))
+        return ExpandedSums(exprs, absent)
+
+    @cached_property
+    def _vectors(self) -> Vectors:
+        """The symbols of the factors of sums."""
+        alphaddot = tuple(row.a for row in self.rows[len(self.rows) - len(self.alpha) :])
+        return {ALPHA: self.alpha, ALPHADOT: self.alphadot, ALPHADDOT: alphaddot}
+
+
+@dataclass(frozen=True)
+class ExpandedSums:
+    """Sums over the shapes by their symbols, written out, and the parts that these leave out because they vanish."""
+
+    exprs: Mapping[sp.Symbol, sp.Expr]
+    absent: Mapping[sp.Symbol, tuple[AbsentPart, ...]]
+
+    def put_in(self, expr: sp.Expr) -> sp.Expr:
+        """An expression in which the sums are written out."""
+        known = self.exprs.get(expr)
+        return sp.expand(expr.xreplace(self.exprs)) if known is None else known
 
 
 def _every(indexed_sums: Iterable[IndexedSum], n: int) -> Iterator[tuple[IndexedSum, int]]:
@@ -109,17 +155,3 @@ def _every(indexed_sums: Iterable[IndexedSum], n: int) -> Iterator[tuple[Indexed
         for i in range(1, n + 1) if members[0].indexed else (0,):
             for s in members:
                 yield s, i
-
-
-def sums_of(indexed_sums: Iterable[IndexedSum], vectors: Vectors, n: int) -> dict[sp.Symbol, sp.Expr]:
-    """The sums expanded for n shape functions; a sum that refers to an earlier one contains its expansion."""
-    result: dict[sp.Symbol, sp.Expr] = {}
-    earlier: set[tuple[Family, int]] = set()
-    for s in indexed_sums:
-        entries = (*(entry for _, entry in s.sums), *([s.offset] if s.offset else []))
-        refers = any((e.identity.family, e.identity.derivative) in earlier for e in entries)
-        for i in range(1, n + 1) if s.indexed else (0,):
-            total, _ = expanded_sum(s, i, vectors)
-            result[exchanged(s.symbol, {I: i})] = sp.expand(total.xreplace(result)) if refers else total
-        earlier.add((s.symbol.identity.family, s.symbol.identity.derivative))
-    return result

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from derive.mechanics.motion.body_motion import MASS, Motion, sums_of
+from derive.mechanics.motion.body_motion import MASS, Motion
 from derive.mechanics.motion.kinematics import MovingFrame, PlanarRotation
 from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, PlanarMoments
 from derive.mechanics.motion.second_order import second_order_moment_sums, second_order_row_sums
@@ -20,8 +20,6 @@ def planar_motion(n: int, second_order: bool = False) -> Motion:
     alpha = tuple(c.q for c in coordinates[3:])
     rotation, phi = PlanarRotation(coordinates[2].q), rows[2]
     generator = rotation.generator  # about e3, which both frames share
-    shapes = rows[3:]
-    vectors = {ALPHA: alpha, ALPHADOT: tuple(row.v for row in shapes), ALPHADDOT: tuple(row.a for row in shapes)}
     moment_sums, row_sums = planar_sums(second_order)
     return Motion(
         coordinates=coordinates,
@@ -34,7 +32,7 @@ def planar_motion(n: int, second_order: bool = False) -> Motion:
         moments=PlanarMoments(MASS, rotation.tensor, FIRST_OF_SECOND_ORDER if second_order else FIRST),
         named=(),
         moment_sums=moment_sums,
-        sums=sums_of(row_sums, vectors, n),
+        row_sums=row_sums,
         products={},
         rotation_generators=((generator, generator),),
         identities={("phi", "centrifugal"): "planar motion: omega x (J . omega) = 0"},

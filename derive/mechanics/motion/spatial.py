@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derive.mechanics.motion.body_motion import MASS, Motion, sums_of
+from derive.mechanics.motion.body_motion import MASS, Motion
 from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
 from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, Moment, moment, transposed
 from derive.mechanics.motion.second_order import SPACE, second_order_moment_sums, second_order_row_sums
@@ -107,8 +107,7 @@ def spatial_motion(n: int, truncated: bool = False) -> Motion:
     rows = _rows(shapes)
     rotation, quaternion = symbols_of_rotation(), tuple(quantity(Family.QUATERNION, k) for k in range(4))
     omega, omegadot = (tuple(getattr(row, x) for row in rows[3:6]) for x in ("v", "a"))
-    alphadot, alphaddot = (tuple(getattr(row, x) for row in rows[6:]) for x in ("v", "a"))
-    vectors = {ALPHA: alpha, ALPHADOT: alphadot, ALPHADDOT: alphaddot}
+    alphadot = tuple(row.v for row in rows[6:])
     products = {omega[i - 1] * omega[j - 1]: quantity(Family.OMEGA_PRODUCT, i, j) for i, j in PAIRS}
     named = tuple(Intermediate(s, p, "oo", "(5)", "products of omega") for p, s in products.items())
     axes = sp.eye(3)
@@ -124,7 +123,7 @@ def spatial_motion(n: int, truncated: bool = False) -> Motion:
         moments=SpatialMoments(MASS, rotation, truncated),
         named=named,
         moment_sums=moment_sums,
-        sums=sums_of(row_sums, vectors, n),
+        row_sums=row_sums,
         products=products,
         rotation_generators=tuple((skew(axes[:, k]), skew(rotation[k, :])) for k in range(3)),
         identities={},
