@@ -38,8 +38,7 @@ print(json.dumps([stage.seconds for stage in build(Path(sys.argv[1])).stages]))
 SPARSE = """
 import sys, time
 from bodies import beam
-import derive.backends.c.source, derive.mechanics.indexed_equations, derive.lowering.flat.lower
-import derive
+import derive, derive.derivation, sympy.assumptions.refine, sympy.tensor.array
 body, start = beam(int(sys.argv[1])), time.process_time()
 derive.lower(derive.derive_modal(body, lowering="flat"))
 print(time.process_time() - start)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.errors import Problem, SpecError
+from derive.garbage_collection import paused
 from derive.ir.model import Model
 from derive.lowering import cost_model
 from derive.lowering.flat.lower import lower as lower_flat
@@ -24,11 +25,11 @@ from derive.mechanics.bodies.spatial_tables import symbolic_tables
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody import assembly
 from derive.mechanics.multibody.mechanism import Mechanism
-from derive.reduction import reduce
 from derive.spec.model.body import Gravity, Lowering, NodalBody, PlanarBeam, SymbolicBody
 from derive.spec.model.scene import Scene, Specification
 
 
+@paused()
 def derive(spec: Specification) -> Equations | Mechanism:
     """The equations of motion of a body, or the mechanism that a scene describes.
 
@@ -50,9 +51,12 @@ def derive(spec: Specification) -> Equations | Mechanism:
 
 def modal(spec: NodalBody) -> ModalBody:
     """The shape integrals of a finite-element body, in its frame. Raises SpecError with a list of all faults."""
+    from derive.reduction import reduce  # only a body of nodes needs it, and SciPy's rotations
+
     return reduce(spec)
 
 
+@paused()
 def derive_modal(body: ModalBody, gravity: Gravity | None = None, lowering: Lowering = "auto") -> Equations:
     """The equations of motion of a body given by its shape integrals; `lowering` is auto, flat or table."""
     return indexed_equations.derive_body(modal_body(body, gravity), lowering)
@@ -68,6 +72,7 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
     return parameters_of(body, symbolic_tables(spec), spec.gravity)
 
 
+@paused()
 def lower(derived: Equations | Mechanism, sensitivities: bool = False) -> Model:
     """The kernels of a model: straight-line code, or loops over the modes of a spatial body if these are faster.
 

@@ -104,7 +104,7 @@ def expand(body: Body) -> ExpandedEquations:
         definitions=(*motion.rotation_definitions, *composed),
         terms=terms,
         vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
-        mass=_mass_matrix(motion, terms),
+        mass=sp.ImmutableMatrix(_mass_matrix(motion, terms)),
         mass_zeros=_mass_zeros(motion, complete, reasons, _absent(inertia, sums)),
         kinetic_energy=total(kinetic_energy(fields)) + zeros.drop(spin, reasons),
         strain_energy=zeros.drop(strain + work_at_rest, reasons),
@@ -187,12 +187,14 @@ def _weight(motion: Motion) -> Iterator[Term]:
     yield from _of_each_shape(motion, generic_weight(motion))
 
 
-def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
+def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> list[list[sp.Expr]]:
     """The factors of the accelerations in each row."""
     accelerations = [row.a for row in motion.rows]
-    sums_of = [sp.Add(*(t.expr for t in terms if t.row == row.name)) for row in motion.rows]
-    factors = [linear_factors(left, accelerations) for left in sums_of]
-    return sp.ImmutableMatrix([[row[a] for a in accelerations] for row in factors])
+    exprs: dict[str, list[sp.Expr]] = {row.name: [] for row in motion.rows}
+    for term in terms:
+        exprs[term.row].append(term.expr)
+    factors = [linear_factors(sp.Add(*exprs[row.name]), accelerations) for row in motion.rows]
+    return [[row[a] for a in accelerations] for row in factors]
 
 
 def linear_factors(expr: sp.Expr, symbols: Sequence[sp.Symbol]) -> dict[sp.Symbol, sp.Expr]:
@@ -219,8 +221,8 @@ def _mass_zeros(
     """
     full = _mass_matrix(motion, complete)
     n = len(motion.rows)
-    lower = ((i, j, full[i, j]) for i in range(n) for j in range(i + 1))
-    vanishing = ((i, j, entry) for i, j, entry in lower if zeros.drop(entry, reasons) == 0)
+    lower = ((i, j, full[i][j]) for i in range(n) for j in range(i + 1))
+    vanishing = ((i, j, entry) for i, j, entry in lower if entry == 0 or zeros.drop(entry, reasons) == 0)
     return tuple((i, j, _reason(motion, entry, reasons, absent, i, j)) for i, j, entry in vanishing)
 
 

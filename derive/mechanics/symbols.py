@@ -48,7 +48,10 @@ class Kind(Enum):
 
 
 class Family(Enum):
-    """The families of quantities that the derivation knows: the stem of their names, and their kind."""
+    """The families of quantities that the derivation knows: `stem`, what their names begin with, and their `kind`."""
+
+    def __init__(self, stem: str, kind: Kind) -> None:
+        self.stem, self.kind = stem, kind
 
     TRANSLATION = "c", Kind.MOTION
     ANGLE = "phi", Kind.MOTION
@@ -118,16 +121,6 @@ class Family(Enum):
     INPUT = "u", Kind.INPUT
     LOCAL = "local", Kind.LOCAL
 
-    @property
-    def stem(self) -> str:
-        """What the names of the family begin with."""
-        return self.value[0]
-
-    @property
-    def kind(self) -> Kind:
-        """What the family is."""
-        return self.value[1]
-
 
 @dataclass(frozen=True)
 class Identity:
@@ -180,6 +173,11 @@ class Identity:
         """The name of the array of the values of all shapes: S_i_11 is an element of S_11."""
         return replace(self, shapes=()).name if self.indexed else self.name
 
+    @cached_property
+    def order(self) -> tuple[str, tuple[int, ...], tuple[int, ...], str]:
+        """The sort key of integrals: their family, then their indices as numbers, so that c8_2_1 is before c8_10_1."""
+        return self.section, tuple(s for s in self.shapes if isinstance(s, int)), self.components, self.name
+
     @property
     def section(self) -> str:
         """The family with its time derivatives, under which generated code groups definitions."""
@@ -211,7 +209,8 @@ class Symbol(sp.Symbol):  # type: ignore[misc]  # SymPy has no types
 
     def __new__(cls, identity: Identity, **assumptions: bool | None) -> Symbol:
         """The symbol of an identity, the same object for equal arguments."""
-        return _interned(identity, tuple(sorted((k, v) for k, v in assumptions.items() if v is not None)))
+        given = tuple(sorted((k, v) for k, v in assumptions.items() if v is not None)) if assumptions else ()
+        return _interned(identity, given)
 
     def _hashable_content(self) -> tuple[Any, ...]:
         return (*super()._hashable_content(), self.identity)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import sympy as sp
 
@@ -104,6 +105,11 @@ class Intermediate:
     zero: str | None = None
     divisor: sp.Symbol | None = None
     divisor_text: str = ""
+
+    @cached_property
+    def needs(self) -> frozenset[sp.Symbol]:
+        """The symbols in its expression: a long sum is searched once, not for each kernel."""
+        return frozenset(self.expr.free_symbols)
 
 
 def rotation_symbols(definitions: Iterable[Intermediate]) -> frozenset[sp.Symbol]:

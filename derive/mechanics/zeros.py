@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from functools import cache
 
 import sympy as sp
 
-from derive.mechanics.symbols import identity
 from derive.mechanics.terms import Intermediate, ModelConstant, Reason, Term, Vanished
 
 Reasons = dict[sp.Symbol, tuple[tuple[sp.Symbol, str], ...]]
@@ -53,8 +51,8 @@ def why(expr: sp.Expr, reasons: Reasons) -> Reason:
 
 def behind(symbols: Iterable[sp.Basic], reasons: Reasons) -> tuple[tuple[sp.Symbol, str], ...]:
     """The integrals behind vanishing symbols, each with its reason, in order."""
-    pairs = {pair for symbol in symbols if symbol in reasons for pair in reasons[symbol]}
-    return tuple(sorted(pairs, key=lambda pair: _order(pair[0])))
+    pairs = {pair[0]: pair for symbol in symbols for pair in reasons.get(symbol, ())}
+    return tuple(sorted(pairs.values(), key=lambda pair: pair[0].identity.order))
 
 
 def drop_definitions(
@@ -82,10 +80,3 @@ def drop_terms(terms: tuple[Term, ...], reasons: Reasons) -> tuple[tuple[Term, .
         else:
             gone.append(Vanished(term, why(term.expr, reasons)))
     return tuple(stay), tuple(gone)
-
-
-@cache
-def _order(symbol: sp.Symbol) -> tuple[str, tuple[int, ...], tuple[int, ...], str]:
-    """Integrals sort by their family, then by their indices as numbers: c8_2_1 before c8_10_1."""
-    known = identity(symbol)
-    return known.section, tuple(s for s in known.shapes if isinstance(s, int)), known.components, known.name

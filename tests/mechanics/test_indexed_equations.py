@@ -12,8 +12,8 @@ from beams import FRAMES
 from conftest import ROOT
 from derive.mechanics.body import Body
 from derive.mechanics.equations import Equations
-from derive.mechanics.sums import at, exchanged
-from derive.mechanics.symbols import I, J, amplitude
+from derive.mechanics.sums import exchanged, signed_entry
+from derive.mechanics.symbols import I, J, Symbol, amplitude
 
 SCENES = sorted(path for path in (ROOT / "scenes").glob("*.toml"))
 
@@ -33,6 +33,12 @@ def evaluated(equations: Equations, row: str, shape: int) -> sp.Expr:
 def evaluated_energy(equations: Equations) -> sp.Expr:
     """The kinetic energy of the indexed form."""
     return carried_out(equations, equations.kinetic_energy, 1)
+
+
+def at(symbol: Symbol, i: int, j: int = 0) -> sp.Expr:
+    """A generic symbol at modes i and j, with its sign."""
+    sign, entry = signed_entry(symbol, i, j)
+    return sign * entry
 
 
 def carried_out(equations: Equations, of_form: sp.Expr, shape: int) -> sp.Expr:

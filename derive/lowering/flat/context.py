@@ -156,7 +156,7 @@ def define(symbols: Symbols, definitions: tuple[Intermediate, ...]) -> tuple[Nam
     """Add the definitions that follow from the symbols so far; returns their values by name."""
     result = []
     for d in definitions:
-        if d.expr.free_symbols <= symbols.values.keys():
+        if d.needs <= symbols.values.keys():
             result.append(NamedValue(str(d.symbol), symbols.define(d.symbol, d.expr)))
     return tuple(result)
 

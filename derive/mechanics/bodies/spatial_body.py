@@ -5,7 +5,7 @@ The parameters of a body are m, then the tables that it has, entry by entry in t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -76,10 +76,15 @@ class NumberValues:
 
     def constants(self, table: CoefficientTable) -> Iterator[ModelConstant]:
         """See `Values`."""
-        pairs = zip(entries(table, self.body.modes), table_values(self.body, table), strict=True)
-        for entry, value in pairs:
-            zero = None if value else self.body.zeros.get(entry.name, NOTHING)
-            yield _constant(entry, table, sp.Rational(float(value)), zero)
+        pairs = zip(entries(table, self.body.modes), table_values(self.body, table).tolist(), strict=True)
+        zeros = self.body.zeros
+        return _constants(
+            table,
+            (
+                (entry, sp.Rational(value), None) if value else (entry, sp.S.Zero, zeros.get(entry.name, NOTHING))
+                for entry, value in pairs
+            ),
+        )
 
     def present(self, table: CoefficientTable) -> NDArray[np.bool_]:
         """See `Values`."""
@@ -104,13 +109,7 @@ class ParameterValues:
 
     def constants(self, table: CoefficientTable) -> Iterator[ModelConstant]:
         """See `Values`."""
-        for entry in entries(table, self.modes):
-            if table.kind is TableKind.ZERO or (table.kind is not TableKind.FULL and not _on_diagonal(entry)):
-                yield _constant(entry, table, sp.S.Zero, table.zero)
-            elif table.kind is TableKind.UNIT:
-                yield _constant(entry, table, sp.S.One, None)
-            else:
-                yield _constant(entry, table, _as_parameter(entry), None)
+        return _constants(table, ((entry, *_parametric(entry, table)) for entry in entries(table, self.modes)))
 
     def present(self, table: CoefficientTable) -> NDArray[np.bool_]:
         """See `Values`."""
@@ -125,12 +124,28 @@ class ParameterValues:
         return None
 
 
-def _constant(entry: Symbol, table: CoefficientTable, value: sp.Expr, zero: str | None) -> ModelConstant:
+def _constants(
+    table: CoefficientTable, values: Iterable[tuple[Symbol, sp.Expr, str | None]]
+) -> Iterator[ModelConstant]:
+    """The constants of the entries of a table, from these, their values, and the reasons of those that vanish."""
+    source = _source(table)
+    for entry, value, zero in values:
+        yield ModelConstant(entry, value, source, table.doc, table.unit, zero)
+
+
+def _parametric(entry: Symbol, table: CoefficientTable) -> tuple[sp.Expr, str | None]:
+    """The value of an entry that is a parameter if the table has it, and the reason if it vanishes."""
+    if table.kind is TableKind.ZERO or (table.kind is not TableKind.FULL and not _on_diagonal(entry)):
+        return sp.S.Zero, table.zero
+    return sp.S.One if table.kind is TableKind.UNIT else _as_parameter(entry), None
+
+
+def _source(table: CoefficientTable) -> str:
+    """The equation that the entries of a table come from."""
     family = table.family
-    equation = "(13)" if family in (Family.STIFFNESS, Family.DAMPING) else Source.APPENDIX
     if (table.doc, table.unit) == SECOND_ORDER_DOCS[family] != DOCS.get(family):
-        equation = Source.SECOND_ORDER
-    return ModelConstant(entry, value, equation, table.doc, table.unit, zero)
+        return Source.SECOND_ORDER
+    return "(13)" if family in (Family.STIFFNESS, Family.DAMPING) else Source.APPENDIX
 
 
 def _as_parameter(entry: Symbol) -> Symbol:

@@ -140,5 +140,7 @@ def kept_entries(table: CoefficientTable, n: int, values: Array) -> Array:
 
 def _reason(given: ModalBody, family: Family) -> str:
     """The reason that a table vanishes (off its diagonal): the reason of its first zero entry in the body."""
+    if not given.zeros:
+        return NOTHING
     names = (entry.name for entry in entries(full_table(family), given.modes))
     return next((given.zeros[name] for name in names if name in given.zeros), NOTHING)

@@ -143,9 +143,11 @@ class ExpandedSums:
     absent: Mapping[sp.Symbol, tuple[AbsentPart, ...]]
 
     def put_in(self, expr: sp.Expr) -> sp.Expr:
-        """An expression in which the sums are written out."""
+        """An expression, which is expanded, with the sums in it written out, likewise expanded."""
         known = self.exprs.get(expr)
-        return sp.expand(expr.xreplace(self.exprs)) if known is None else known
+        if known is not None:
+            return known
+        return sp.expand(expr.xreplace(self.exprs)) if expr.free_symbols & self.exprs.keys() else expr
 
 
 def _every(indexed_sums: Iterable[IndexedSum], n: int) -> Iterator[tuple[IndexedSum, int]]:
