@@ -9,7 +9,7 @@ from derive.backends.c.source import ABI
 from derive.rendering import render
 from derive.roles import Role
 
-LAYOUT = (7, "dc9402bcfbe0dfad559736ab1f00558b2d803b34922ff92502f99a08cefc803b")
+LAYOUT = (7, "e1f381e5bdd938e2ae843f407ce3b1dfa09127a23780697eb6260de06e905983")
 """The number of the interface, and the SHA-256 of the descriptor's declarations without comments."""
 
 
