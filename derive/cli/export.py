@@ -24,7 +24,7 @@ def run(options: argparse.Namespace) -> int:
     spec, changes = read_changed(options.spec, options.set)
     show_progress(f"{spec.name}: deriving the equations and computing the initial state ...")
     try:
-        model = host_model(spec)
+        model = host_model(spec, interface.sensitivities)
         show_progress(f"{spec.name}: making the files for {options.to} ...")
         files = exported_files(model, options.to, interface)
     except SpecError as error:

@@ -97,16 +97,17 @@ class HostModel:
         return next(file for file in self.files if PurePosixPath(file.path).name == name)
 
 
-def host_model(spec: Specification) -> HostModel:
+def host_model(spec: Specification, sensitivities: bool = False) -> HostModel:
     """The model of a specification as hosts see it, with its consistent initial state.
 
-    Raises SpecError and SimulationError where there is no initial state, as `simulate` does.
+    sensitivities: see `derive.lower`. Raises SpecError and SimulationError where there is no initial state, as
+    `simulate` does.
     """
     if isinstance(spec, SymbolicBody):
         raise SpecError((Problem("", SYMBOLIC),), None)
     if isinstance(spec, PlanarBeam):
         spec = beam_scene(spec)
-    model, _ = generated(spec)
+    model = lower(derive(spec), sensitivities=True) if sensitivities else generated(spec)[0]
     if isinstance(spec, Scene):
         inputs = _inputs(spec, model)
         start = _start_of_scene(spec, model)

@@ -17,4 +17,4 @@ def exported(spec: Specification, kind: str) -> tuple[HostFile, ...]:
     kind: a name in `INTERFACES`. `derive.write` writes the files. Raises UnknownNameError, SpecError, SimulationError.
     """
     interface = INTERFACES[kind]
-    return exported_files(host_model(spec), kind, interface)
+    return exported_files(host_model(spec, interface.sensitivities), kind, interface)
