@@ -21,7 +21,7 @@ from numpy.polynomial import Polynomial
 from numpy.polynomial.legendre import Legendre
 from numpy.typing import NDArray
 from problem import PARAMETERS, Problem, beam, problem
-from variants import HAND, casadi_c, constants, entries, state_symbols, to_casadi, zeros
+from variants import HAND, constants, entries, state_symbols, to_casadi, zeros
 
 from derive.runtime.compiler import FLAGS as LOADED
 from derive.runtime.compiler import compiler
@@ -38,7 +38,7 @@ PEERS = {"CasADi, LDL^T": "ldl", "CasADi, QR": "qr"}
 
 
 def rows(sizes: Sequence[int] = SIZES, flags: Sequence[str] = FLAGS, repeats: int = REPEATS) -> list[dict[str, Any]]:
-    """The rows of the table: the times (ns) of an evaluation, the faster peer, the ratio of ours to the hand's, the goal."""
+    """The rows of the table: times (ns) of an evaluation, the faster peer, the ratio to the time by hand, the goal."""
     result = []
     for frame in FRAMES:
         for n in sizes:
@@ -70,11 +70,17 @@ def times(frame: str, n: int, flags: Sequence[str], repeats: int = REPEATS) -> d
             TimedCall("ours", f"{name}_accel(0.0, {state}, k, out);", nv),
             TimedCall("hand", f"hand_{frame}_accel({state}, hand, out);", nv),
             *(
-                TimedCall(peer, f"given[0] = qs + s * {nv}; given[1] = vs + s * {nv}; casadi_{method}(given, result, 0, 0, 0);", nv)
+                TimedCall(
+                    peer,
+                    f"given[0] = qs + s * {nv}; given[1] = vs + s * {nv}; casadi_{method}(given, result, 0, 0, 0);",
+                    nv,
+                )
                 for peer, method in PEERS.items()
             ),
         ]
-        peers = "".join(f"int casadi_{m}(const double **, double **, long long *, double *, int);\n" for m in PEERS.values())
+        peers = "".join(
+            f"int casadi_{m}(const double **, double **, long long *, double *, int);\n" for m in PEERS.values()
+        )
         ns, values = interleaved(
             calls,
             declare=f'#include "{folder}/{name}.h"\n{peers}'
@@ -142,21 +148,21 @@ def casadi_accelerations(made: Problem, method: str) -> str:
 
 def hand_constants(frame: str, n: int) -> Array:
     """The constants of handwritten_accelerations.c, from Gauss quadrature over the beam."""
-    m, l, EI = (PARAMETERS[name] for name in ("m", "l", "EI"))
+    m, length, EI = (PARAMETERS[name] for name in ("m", "l", "EI"))
     x, weights = np.polynomial.legendre.leggauss(n + 4)
     weights = weights / 2
     shapes = [Polynomial.basis(i + 2) if frame == "point" else Legendre.basis(i + 2) for i in range(n)]
     phi, curvature = np.array([s(x) for s in shapes]), np.array([s.deriv(2)(x) for s in shapes])
-    c2, c6, c8 = phi @ weights, phi @ (weights * x * l / 2), phi * weights @ phi.T
-    K = 16 * EI / (m * l**3) * (curvature * weights @ curvature.T)
+    c2, c6, c8 = phi @ weights, phi @ (weights * x * length / 2), phi * weights @ phi.T
+    K = 16 * EI / (m * length**3) * (curvature * weights @ curvature.T)
     G = c8 - np.outer(c2, c2)
     B = np.linalg.solve(G, K)
     blocks = [*(A[i::2, i::2].ravel() for A in (G, B) for i in (0, 1))]
     if frame == "mean":
-        return np.concatenate([[l**2 / 12], np.diag(c8), *blocks[2:]])
+        return np.concatenate([[length**2 / 12], np.diag(c8), *blocks[2:]])
     share = np.linalg.solve(G, c6)
     parts = [blocks, [(c2 @ B)[::2], c2[::2], c6[1::2], share[1::2], (share @ K)[1::2]]]
-    return np.concatenate([[l**2 / 12 - c6 @ share], *parts[0], *parts[1]])
+    return np.concatenate([[length**2 / 12 - c6 @ share], *parts[0], *parts[1]])
 
 
 def main() -> None:

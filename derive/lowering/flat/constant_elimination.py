@@ -14,15 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import sympy as sp
 from sympy.polys.matrices import DomainMatrix
 
+from derive.lowering.flat.functions import VANISHING
 from derive.lowering.flat.polynomials import Coefficient, NotPolynomialError, Polynomial, StatePolynomials, rational
-from derive.lowering.ldlt import VANISHING
 from derive.mechanics.equations import Equations
 
-Matrix = list[list[Polynomial]]
+Matrix: TypeAlias = list[list[Polynomial]]
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class ReducedSystem:
 
 
 def reduced_system(equations: Equations) -> ReducedSystem | None:
-    """The system of a planar body, None where the structure is not there or a block is nearly singular."""
+    """The system of a planar body, None where M has another structure or is nearly singular."""
     if equations.body is None or equations.body.dimension != 2:
         return None
     try:
@@ -78,16 +79,11 @@ def reduced_system(equations: Equations) -> ReducedSystem | None:
     free = _solved(polynomials, known, {i: -force[i] for i in others})
     coupling = _solved(polynomials, known, column)
     zero = polynomials.ring.zero
-    return ReducedSystem(
-        polynomials,
-        row,
-        pivot=mass[row][row] - sum((column[i] * coupling[i] for i in others), start=zero),
-        right=-force[row] - sum((column[i] * free[i] for i in others), start=zero),
-        column=column,
-        free=free,
-        coupling=coupling,
-        blocks=known,
-    )
+    pivot = mass[row][row] - sum((column[i] * coupling[i] for i in others), start=zero)
+    right = -force[row] - sum((column[i] * free[i] for i in others), start=zero)
+    if max(map(polynomials.degree, (pivot, right, *free.values(), *coupling.values()))) > 2:
+        return None
+    return ReducedSystem(polynomials, row, pivot, right, column, free, coupling, known)
 
 
 def _in_body_frame(equations: Equations, polynomials: StatePolynomials) -> tuple[Matrix, list[Polynomial]]:
@@ -151,9 +147,9 @@ def _block(polynomials: StatePolynomials, mass: Matrix, rows: tuple[int, ...]) -
         if not unit or not all(mass[i][j].is_ground for j in rows):
             return None
         ratios = [rational(domain, mass[i][j].coeff(1) / unit) for j in rows]
+        values.append([sp.Rational(r.numerator, r.denominator) for r in ratios if r is not None])
         if None in ratios:
             return None
-        values.append([sp.Rational(r.numerator, r.denominator) for r in ratios])
     if not _is_definite(values):
         return None
     inverse = DomainMatrix(values, (len(rows), len(rows)), sp.QQ).inv().to_list()

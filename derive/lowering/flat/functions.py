@@ -14,9 +14,12 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, array_input, define, stores
 from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step
 from derive.lowering.functions import ModelFunction, OutputElements
-from derive.lowering.ldlt import VANISHING, Factorisation
+from derive.lowering.ldlt import Factorisation
 from derive.mechanics.symbols import state_rate
-from derive.roles import Source
+
+VANISHING = Fraction(1, 2**44)
+"""A pivot counts as zero below this fraction of its diagonal entry, because rounding errors are of that size."""
+
 
 def mass(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of the mass matrix M(q)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -18,8 +19,24 @@ Powers = tuple[int, ...]
 Signed = tuple[int, ca.SX]
 """A sign and a value, so that a minus becomes a subtraction."""
 
-Leaf = Callable[[Coefficient, str], Signed]
-"""The value of a coefficient, as a number or as a constant of setup; the text names the polynomial and the monomial."""
+
+@dataclass(frozen=True)
+class Label:
+    """The name and the description of a polynomial, or of the coefficient of one of its monomials."""
+
+    name: str
+    doc: str
+
+    def per(self, *generators: str) -> Label:
+        """The label of the coefficient of a product of generators."""
+        if not generators:
+            return self
+        per = "" if " per " in self.doc else " per"
+        return Label("_".join([self.name, *generators]), " ".join([self.doc + per, *generators]))
+
+
+Leaf = Callable[[Coefficient, Label], Signed]
+"""The value of a coefficient, as a number or as a constant of setup, which gets the name of the label."""
 
 
 class PolynomialCode:
@@ -32,14 +49,14 @@ class PolynomialCode:
         self.ring, self.leaf = polynomials.ring, leaf
         self.names = [symbol.name for symbol in self.ring.symbols]
         self.amplitudes = frozenset(self.ring.symbols.index(s) for s in polynomials.amplitudes)
-        self.values = [values.get(symbol) for symbol in self.ring.symbols]
+        self.values = [values[symbol] for symbol in self.ring.symbols]
         self._forms: dict[tuple[tuple[Powers, Any], ...], tuple[Coefficient, ca.SX]] = {}
 
-    def __call__(self, polynomial: Polynomial, name: str) -> ca.SX:
-        """The value of a polynomial; `name` begins the names of its coefficients."""
-        return _value(self._signed(polynomial, name))
+    def __call__(self, polynomial: Polynomial, label: Label) -> ca.SX:
+        """The value of a polynomial."""
+        return _value(self._signed(polynomial, label))
 
-    def _signed(self, polynomial: Polynomial, name: str) -> list[Signed]:
+    def _signed(self, polynomial: Polynomial, label: Label) -> list[Signed]:
         parts = self._split(polynomial)
         shared: dict[Fraction, dict[Powers, Signed]] = {}
         constant: dict[Powers, Coefficient] = {}
@@ -47,13 +64,13 @@ class PolynomialCode:
         result: list[Signed] = []
         linear = [form for (_, degree), form in parts.items() if degree == 1]
         for (velocities, degree), form in parts.items():
-            stem = "_".join([name, *self._named(velocities)])
+            inner = label.per(*self._named(velocities))
             if degree == 0:
                 constant[velocities] = form.LC
             elif degree == 2:
-                result.append((1, self._times(velocities, self._quadratic(form, stem))))
+                result.append((1, self._times(velocities, self._quadratic(form, inner))))
             elif len(linear) == 1 or self._is_known(form):
-                ratio, value = self._linear(form, stem)
+                ratio, value = self._linear(form, inner)
                 shared.setdefault(abs(ratio), {})[velocities] = (1 if ratio > 0 else -1, value)
             else:
                 for powers, coefficient in form.terms():
@@ -61,9 +78,9 @@ class PolynomialCode:
         for ratio, forms in shared.items():
             result += self._with_common_factor(forms, ratio)
         for amplitude, coefficients in sorted(of_amplitudes.items()):
-            factor = _value(self._of_velocities(coefficients, f"{name}_{self.names[amplitude]}"))
-            result.append(_product(factor, self.values[amplitude]))
-        return [*result, *self._of_velocities(constant, name)]
+            factor = _value(self._of_velocities(coefficients, label.per(self.names[amplitude])))
+            result.append((1, _times(factor, self.values[amplitude])))
+        return [*result, *self._of_velocities(constant, label)]
 
     def _split(self, polynomial: Polynomial) -> dict[tuple[Powers, int], Polynomial]:
         """The polynomials in the amplitudes that the products of the other generators multiply, by degree."""
@@ -75,13 +92,13 @@ class PolynomialCode:
             result[key] = result.get(key, self.ring.zero) + self.ring({inner: coefficient})
         return result
 
-    def _quadratic(self, form: Polynomial, name: str) -> ca.SX:
+    def _quadratic(self, form: Polynomial, label: Label) -> ca.SX:
         """A quadratic form as the sum of each amplitude times half of the derivative with respect to it."""
         terms: list[Signed] = []
         for k in sorted(self.amplitudes):
             half = form.diff(self.ring.gens[k]) / 2
             if half:
-                ratio, value = self._linear(half, f"{name}_{self.names[k]}")
+                ratio, value = self._linear(half, label.per(self.names[k]))
                 terms.append((1 if ratio > 0 else -1, self._scaled(abs(ratio), self.values[k]) * value))
         return _value(terms)
 
@@ -90,38 +107,41 @@ class PolynomialCode:
 
     def _known(self, form: Polynomial) -> tuple[Fraction, ca.SX] | None:
         """An earlier linear form, and the ratio of the form to it."""
-        lead, value = self._forms.get(_normalised(form), (None, None))
-        ratio = None if lead is None else rational(self.ring.domain, form.LC / lead)
-        return (ratio, value) if ratio in SHARED else None
+        earlier = self._forms.get(_normalised(form))
+        if earlier is None:
+            return None
+        lead, value = earlier
+        ratio = rational(self.ring.domain, form.LC / lead)
+        return None if ratio is None or ratio not in SHARED else (ratio, value)
 
-    def _linear(self, form: Polynomial, name: str) -> tuple[Fraction, ca.SX]:
-        """A linear form in the amplitudes as a ratio times a value, which is that of an earlier form if there is one."""
+    def _linear(self, form: Polynomial, label: Label) -> tuple[Fraction, ca.SX]:
+        """A linear form in the amplitudes as a ratio times a value, that of an earlier form if there is one."""
         if known := self._known(form):
             return known
         terms = []
         for powers, coefficient in form.terms():
             k = powers.index(1)
-            sign, value = self.leaf(coefficient, f"{name}_{self.names[k]}")
+            sign, value = self.leaf(coefficient, label.per(self.names[k]))
             terms.append((sign, _times(value, self.values[k])))
         first = terms[0][0]
         value = _value([(sign * first, term) for sign, term in terms])
         self._forms[_normalised(form)] = (form.LC * first, value)
         return Fraction(first), value
 
-    def _of_velocities(self, coefficients: Mapping[Powers, Coefficient], name: str) -> list[Signed]:
+    def _of_velocities(self, coefficients: Mapping[Powers, Coefficient], label: Label) -> list[Signed]:
         """A polynomial in the velocities, by Horner's rule for the velocity that occurs in most of its terms."""
         if len(coefficients) == 1:
             ((powers, coefficient),) = coefficients.items()
-            sign, value = self.leaf(coefficient, "_".join([name, *self._named(powers)]))
+            sign, value = self.leaf(coefficient, label.per(*self._named(powers)))
             return [(sign, self._times(powers, value))]
         counts = {k: sum(powers[k] > 0 for powers in coefficients) for k in range(len(self.names))}
         common = max(counts, key=counts.__getitem__)
         if counts[common] < 2:
-            return [term for p, c in coefficients.items() for term in self._of_velocities({p: c}, name)]
+            return [term for p, c in coefficients.items() for term in self._of_velocities({p: c}, label)]
         inside = {_lowered(p, common): c for p, c in coefficients.items() if p[common]}
         outside = {p: c for p, c in coefficients.items() if not p[common]}
-        value = self.values[common] * _value(self._of_velocities(inside, f"{name}_{self.names[common]}"))
-        return [(1, value), *(self._of_velocities(outside, name) if outside else [])]
+        value = self.values[common] * _value(self._of_velocities(inside, label.per(self.names[common])))
+        return [(1, value), *(self._of_velocities(outside, label) if outside else [])]
 
     def _with_common_factor(self, forms: Mapping[Powers, Signed], ratio: Fraction) -> list[Signed]:
         """The sum of products of velocities and forms, from which the factors that all of them have are taken out."""
@@ -164,10 +184,6 @@ def _lowered(powers: Powers, k: int) -> Powers:
 def _times(a: ca.SX, b: ca.SX) -> ca.SX:
     """A product, without factors of one."""
     return b if a.is_one() else a if b.is_one() else a * b
-
-
-def _product(a: ca.SX, b: ca.SX) -> Signed:
-    return (1, _times(a, b))
 
 
 def _value(terms: list[Signed]) -> ca.SX:

@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy as sp
 from sympy.polys.polyerrors import CoercionFailed
-from sympy.polys.rings import PolyElement, PolyRing
+from sympy.polys.rings import PolyRing
 
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, identity
 
-Polynomial = PolyElement[Any]
-Coefficient = Any
+Polynomial: TypeAlias = Any
+"""A polynomial of SymPy's sparse rings, `PolyElement`, which has no type annotations."""
+
+Coefficient: TypeAlias = Any
 """An element of the field of the coefficients: a rational number, or a rational function of the parameters."""
 
 
@@ -25,7 +27,7 @@ class NotPolynomialError(Exception):
 
 @dataclass(frozen=True)
 class BodyGravity:
-    """A component of gravity in the body frame: the symbol of its definition, and its value in terms of the rotation."""
+    """A component of gravity in the body frame: its symbol, and its value in terms of the rotation."""
 
     generator: Polynomial
     value: Polynomial
@@ -42,7 +44,9 @@ class StatePolynomials:
     def __init__(self, equations: Equations) -> None:
         """Raises NotPolynomialError if the coefficients are no rational functions of the parameters."""
         of = {d.symbol: identity(d.symbol) for d in equations.definitions if not d.zero}
-        gravity = {known.components[0] - 1: symbol for symbol, known in of.items() if known.family is Family.BODY_GRAVITY}
+        gravity = {
+            known.components[0] - 1: symbol for symbol, known in of.items() if known.family is Family.BODY_GRAVITY
+        }
         self.velocities = (*(row.v for row in equations.rows), *gravity.values())
         self.amplitudes = tuple(c.q for c in equations.coordinates if identity(c.q).family is Family.AMPLITUDE)
         self.cosine, self.sine = (
@@ -62,9 +66,7 @@ class StatePolynomials:
             except CoercionFailed as error:
                 raise NotPolynomialError(str(c.symbol)) from error
         definitions = {d.symbol: d.expr for d in equations.definitions}
-        self.weight = {
-            k: BodyGravity(self._values[symbol], self(definitions[symbol])) for k, symbol in gravity.items()
-        }
+        self.weight = {k: BodyGravity(self._values[symbol], self(definitions[symbol])) for k, symbol in gravity.items()}
 
     def __call__(self, expr: sp.Expr) -> Polynomial:
         """The polynomial of an expression of sums, products and powers. Raises NotPolynomialError."""
@@ -92,6 +94,11 @@ class StatePolynomials:
         cosine, sine = self(self.cosine), self(self.sine)
         return polynomial.rem([sine**2 + cosine**2 - 1])
 
+    def degree(self, polynomial: Polynomial) -> int:
+        """The degree in the amplitudes."""
+        indices = [self.ring.symbols.index(s) for s in self.amplitudes]
+        return max((sum(powers[k] for k in indices) for powers in polynomial), default=0)
+
     def rotates(self, polynomials: Iterable[Polynomial]) -> bool:
         """Whether one of the polynomials depends on the rotation."""
         indices = [self.ring.symbols.index(s) for s in (self.cosine, self.sine)]
@@ -102,4 +109,3 @@ def rational(domain: Any, coefficient: Coefficient) -> Fraction | None:
     """The value of a coefficient that does not depend on the parameters, otherwise None."""
     value = domain.to_sympy(coefficient)
     return Fraction(int(value.p), int(value.q)) if value.is_Rational else None
-
