@@ -62,15 +62,15 @@ def reduced_system(equations: Equations) -> ReducedSystem | None:
         return None
     try:
         polynomials = StatePolynomials(equations)
-        mass, force = _in_body_frame(equations, polynomials)
+        mass = _mass_in_body_frame(equations, polynomials)
+        varying = [i for i, line in enumerate(mass) if not line[i].is_ground]
+        if len(varying) != 1:
+            return None
+        force = _force_in_body_frame(equations, polynomials, mass)
     except NotPolynomialError:
         return None
-    size = range(len(force))
-    varying = [i for i in size if not mass[i][i].is_ground]
-    if len(varying) != 1:
-        return None
     row = varying[0]
-    others = [i for i in size if i != row]
+    others = [i for i in range(len(mass)) if i != row]
     blocks = [_block(polynomials, mass, rows) for rows in _components(mass, others)]
     known = tuple(block for block in blocks if block is not None)
     if len(known) < len(blocks):
@@ -86,26 +86,39 @@ def reduced_system(equations: Equations) -> ReducedSystem | None:
     return ReducedSystem(polynomials, row, pivot, right, column, free, coupling, known)
 
 
-def _in_body_frame(equations: Equations, polynomials: StatePolynomials) -> tuple[Matrix, list[Polynomial]]:
-    """T^T M T and T^T h. Raises NotPolynomialError if they depend on the rotation.
-
-    Gravity, which is constant in the inertial frame, appears in terms of its components in the body frame.
-    """
-    assert equations.body is not None
+def _mass_in_body_frame(equations: Equations, polynomials: StatePolynomials) -> Matrix:
+    """T^T M T. Raises NotPolynomialError if it depends on the rotation."""
     size = equations.mass.rows
-    rotation = equations.body.motion.rotation
-    turn = [[polynomials.ring.one if i == j else polynomials.ring.zero for j in range(size)] for i in range(size)]
+    turn = _turn(equations, polynomials)
+    inertial = [[polynomials(equations.mass[i, j]) for j in range(size)] for i in range(size)]
+    mass = _product(_transposed(turn), _product(inertial, turn, polynomials), polynomials)
+    if polynomials.rotates(entry for line in mass for entry in line):
+        raise NotPolynomialError("the mass matrix in the body frame depends on the rotation")
+    return mass
+
+
+def _force_in_body_frame(equations: Equations, polynomials: StatePolynomials, mass: Matrix) -> list[Polynomial]:
+    """T^T h, with gravity in terms of its components in the body frame. Raises NotPolynomialError like the former."""
+    turned = _product(
+        _transposed(_turn(equations, polynomials)), [[polynomials(h)] for h in equations.force], polynomials
+    )
+    force = [line[0] for line in turned]
+    for k, seen in polynomials.weight.items():
+        force[k] = polynomials.reduced(force[k] + mass[k][k] * (seen.value - seen.generator))
+    if polynomials.rotates(force):
+        raise NotPolynomialError("the forces in the body frame depend on the rotation")
+    return force
+
+
+def _turn(equations: Equations, polynomials: StatePolynomials) -> Matrix:
+    """T = diag(Q, I)."""
+    assert equations.body is not None
+    ring, size, rotation = polynomials.ring, equations.mass.rows, equations.body.motion.rotation
+    turn = [[ring.one if i == j else ring.zero for j in range(size)] for i in range(size)]
     for i in range(rotation.rows):
         for j in range(rotation.rows):
             turn[i][j] = polynomials(rotation[i, j])
-    inertial = [[polynomials(equations.mass[i, j]) for j in range(size)] for i in range(size)]
-    mass = _product(_transposed(turn), _product(inertial, turn, polynomials), polynomials)
-    force = [row[0] for row in _product(_transposed(turn), [[polynomials(h)] for h in equations.force], polynomials)]
-    for k, seen in polynomials.weight.items():
-        force[k] = polynomials.reduced(force[k] + mass[k][k] * (seen.value - seen.generator))
-    if polynomials.rotates([*force, *(entry for row in mass for entry in row)]):
-        raise NotPolynomialError("the equations in the body frame depend on the rotation")
-    return mass, force
+    return turn
 
 
 def _transposed(matrix: Matrix) -> Matrix:

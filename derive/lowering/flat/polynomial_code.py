@@ -78,8 +78,8 @@ class PolynomialCode:
         for ratio, forms in shared.items():
             result += self._with_common_factor(forms, ratio)
         for amplitude, coefficients in sorted(of_amplitudes.items()):
-            factor = _value(self._of_velocities(coefficients, label.per(self.names[amplitude])))
-            result.append((1, _times(factor, self.values[amplitude])))
+            sign, factor = _sum(self._of_velocities(coefficients, label.per(self.names[amplitude])))
+            result.append((sign, _times(factor, self.values[amplitude])))
         return [*result, *self._of_velocities(constant, label)]
 
     def _split(self, polynomial: Polynomial) -> dict[tuple[Powers, int], Polynomial]:
@@ -140,8 +140,9 @@ class PolynomialCode:
             return [term for p, c in coefficients.items() for term in self._of_velocities({p: c}, label)]
         inside = {_lowered(p, common): c for p, c in coefficients.items() if p[common]}
         outside = {p: c for p, c in coefficients.items() if not p[common]}
-        value = self.values[common] * _value(self._of_velocities(inside, label.per(self.names[common])))
-        return [(1, value), *(self._of_velocities(outside, label) if outside else [])]
+        sign, factor = _sum(self._of_velocities(inside, label.per(self.names[common])))
+        product = _times(self.values[common], factor)
+        return [(sign, product), *(self._of_velocities(outside, label) if outside else [])]
 
     def _with_common_factor(self, forms: Mapping[Powers, Signed], ratio: Fraction) -> list[Signed]:
         """The sum of products of velocities and forms, from which the factors that all of them have are taken out."""
@@ -152,9 +153,8 @@ class PolynomialCode:
             terms.append((sign, self._times(rest, value)))
         if not any(common) and ratio == 1:
             return terms
-        flipped = -1 if all(sign < 0 for sign, _ in terms) else 1
-        factor = self._scaled(ratio, self._times(common, ca.SX(1)))
-        return [(flipped, _times(factor, _value([(flipped * sign, value) for sign, value in terms])))]
+        sign, total = _sum(terms)
+        return [(sign, _times(self._scaled(ratio, self._times(common, ca.SX(1))), total))]
 
     def _scaled(self, ratio: Fraction, value: ca.SX) -> ca.SX:
         return value if ratio == 1 else 2 * value if ratio == 2 else value / 2
@@ -186,12 +186,18 @@ def _times(a: ca.SX, b: ca.SX) -> ca.SX:
     return b if a.is_one() else a if b.is_one() else a * b
 
 
+def _sum(terms: list[Signed]) -> Signed:
+    """A sum that begins with a positive term; if there is none, the sum of the opposites, and a minus."""
+    flipped = 1 if any(sign > 0 for sign, _ in terms) else -1
+    (_, total), *others = sorted(terms, key=lambda term: -flipped * term[0])
+    for sign, term in others:
+        total = total + term if flipped * sign > 0 else total - term
+    return flipped, total
+
+
 def _value(terms: list[Signed]) -> ca.SX:
-    """A sum that begins with a positive term, if there is one; 0 if there are no terms."""
+    """A sum as a value; 0 if there are no terms."""
     if not terms:
         return ca.SX(0)
-    terms = sorted(terms, key=lambda term: -term[0])
-    total = terms[0][1] if terms[0][0] > 0 else -terms[0][1]
-    for sign, term in terms[1:]:
-        total = total + term if sign > 0 else total - term
-    return total
+    sign, total = _sum(terms)
+    return total if sign > 0 else -total
