@@ -21,6 +21,7 @@ from numpy.polynomial import Polynomial
 from numpy.polynomial.legendre import Legendre
 from numpy.typing import NDArray
 from problem import PARAMETERS, Problem, beam, problem
+from rows import Row, row
 from variants import HAND, constants, entries, state_symbols, to_casadi, zeros
 
 from derive.runtime.compiler import FLAGS as LOADED
@@ -37,25 +38,20 @@ PEERS = {"CasADi, LDL^T": "ldl", "CasADi, QR": "qr"}
 """The solutions of M vdot = -h that CasADi writes out."""
 
 
-def rows(sizes: Sequence[int] = SIZES, flags: Sequence[str] = FLAGS, repeats: int = REPEATS) -> list[dict[str, Any]]:
-    """The rows of the table: times (ns) of an evaluation, the faster peer, the ratio to the time by hand, the goal."""
-    result = []
+def rows(quick: bool = False) -> list[Row]:
+    """The rows of `rows.py` for both sets of flags."""
+    sizes, repeats = (SIZES[:1], 1) if quick else (SIZES, REPEATS)
+    return [row for flags in (FLAGS, LOADED) for row in table(sizes, flags, repeats)]
+
+
+def table(sizes: Sequence[int], flags: Sequence[str], repeats: int) -> Iterator[Row]:
+    """A row for each frame and size."""
     for frame in FRAMES:
         for n in sizes:
             ns = times(frame, n, flags, repeats)
-            peer = min(PEERS, key=ns.__getitem__)
-            result.append(
-                {
-                    "name": f"{frame} frame, accelerations, N = {n}",
-                    "ours_ns": ns["ours"],
-                    "peer_ns": ns[peer],
-                    "peer_name": peer,
-                    "hand_ns": ns["hand"],
-                    "ratio": ns["ours"] / ns["hand"],
-                    "goal": GOAL,
-                }
-            )
-    return result
+            peers = {peer: ns[peer] for peer in PEERS}
+            name = f"accelerations, {frame} frame, N = {n}, {' '.join(flags[-2:])}"
+            yield row(name, ns["ours"], peers=peers, hand=ns["hand"], goal=GOAL)
 
 
 def times(frame: str, n: int, flags: Sequence[str], repeats: int = REPEATS) -> dict[str, float]:
@@ -172,11 +168,11 @@ def main() -> None:
     options = parser.parse_args()
     print("\n".join(described("casadi")))
     for flags in (FLAGS, LOADED):
-        print(f"\n{shlex.join(flags)}: nanoseconds of an evaluation")
-        print("".ljust(36) + "".join(f"{title:>10}" for title in ("ours", "peer", "hand", "ratio")))
-        for row in rows(options.shapes, flags, options.repeats):
-            numbers = "".join(f"{row[key]:10.1f}" for key in ("ours_ns", "peer_ns", "hand_ns"))
-            print(f"{row['name']:<36}{numbers}{row['ratio']:10.2f}  {row['peer_name']}", flush=True)
+        print(f"\nflags     {shlex.join(flags)}; nanoseconds of an evaluation")
+        print("".ljust(72) + "".join(f"{title:>8}" for title in ("ours", "peer", "hand", "ratio")) + "  best peer")
+        for given in table(options.shapes, flags, options.repeats):
+            numbers = "".join(f"{given[key]:8.1f}" for key in ("ours_ns", "peer_ns", "hand_ns"))
+            print(f"{given['name']:72}{numbers}{given['ratio']:8.2f}  {given['peer_name']}", flush=True)
 
 
 if __name__ == "__main__":
