@@ -22,17 +22,25 @@ Signed = tuple[int, ca.SX]
 
 @dataclass(frozen=True)
 class Label:
-    """The name and the description of a polynomial, or of the coefficient of one of its monomials."""
+    """What a polynomial is called and what it is; with a `monomial`, the coefficient of that product of generators."""
 
-    name: str
-    doc: str
+    stem: str
+    of: str
+    monomial: tuple[str, ...] = ()
 
     def per(self, *generators: str) -> Label:
-        """The label of the coefficient of a product of generators."""
-        if not generators:
-            return self
-        per = "" if " per " in self.doc else " per"
-        return Label("_".join([self.name, *generators]), " ".join([self.doc + per, *generators]))
+        """The label of the coefficient of a further product of generators."""
+        return Label(self.stem, self.of, (*self.monomial, *generators))
+
+    @property
+    def name(self) -> str:
+        """The name of the coefficient."""
+        return "_".join([self.stem, *self.monomial])
+
+    @property
+    def doc(self) -> str:
+        """The description of the coefficient."""
+        return " per ".join([self.of, *([" ".join(self.monomial)] if self.monomial else [])])
 
 
 Leaf = Callable[[Coefficient, Label], Signed]
