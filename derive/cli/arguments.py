@@ -199,7 +199,10 @@ def _add_export(commands: Any) -> None:
     )
     export.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
     export.add_argument(
-        "--to", required=True, metavar="KIND", help="the interface: cmake (C and C++ by CMake and pkg-config)"
+        "--to",
+        required=True,
+        metavar="KIND",
+        help="the interface: cmake (C and C++ by CMake and pkg-config), fmu2 (FMI 2.0), fmu3 (FMI 3.0)",
     )
     _add_folder(export, "exported")
     add_set(export)

@@ -139,7 +139,7 @@ def _files(version: int, model: HostModel) -> tuple[HostFile, ...]:
 
 def _interface(version: int) -> Interface:
     doc = f"programs that take functional mock-up units of FMI {version}.0, for model exchange and co-simulation"
-    return Interface(doc, partial(_files, version), "fmpy simulate {folder}/{name}.fmu --show-plot")
+    return Interface(doc, partial(_files, version), "fmpy validate {folder}/{name}.fmu")
 
 
 FMU2, FMU3 = _interface(2), _interface(3)

@@ -69,7 +69,7 @@ def c_files(names: Iterable[str]) -> list[str]:
 def compiled(sources: Mapping[str, str], target: Platform) -> bytes:
     """The library of the sources, which are texts by file names, for a platform.
 
-    On this platform the C compiler makes it that also makes models for simulations, on others Zig. Raises CompilerError.
+    The C compiler of simulations makes that of this platform, Zig those of others. Raises CompilerError.
     """
     with tempfile.TemporaryDirectory(prefix="tisserand-") as name:
         folder = Path(name)
