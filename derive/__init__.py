@@ -29,6 +29,7 @@ The public interface, by stages:
     simulation      simulate, initial_state, equilibrium, integrate; Trajectory, BodyTrajectory, Solution,
                     InitialState, Equilibrium, INTEGRATORS
     sweeps          sweep; grid, listed, random_samples; Samples, SweepResult
+    other programs  host_model, casadi_function; HostModel
     C integrators   FixedStep, GeneralisedAlpha, Ida; Integration
     errors          TisserandError and its subclasses SpecError, UnknownNameError, CompilerError, ModelError,
                     IntegratorError, SimulationError
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
     from derive.artifacts import File, write
     from derive.derivation import derive, derive_modal, lower, modal, parameters
     from derive.errors import SpecError, TisserandError
+    from derive.export.casadi_loading import casadi_function
+    from derive.export.host_model import HostModel, host_model
     from derive.ir.interpreter import interpret
     from derive.ir.model import Model
     from derive.mechanics.bodies.modal_body import ModalBody
@@ -133,6 +136,8 @@ _MODULES = {
         "SpecError",
         "TisserandError",
     ),
+    "derive.export.casadi_loading": ("casadi_function",),
+    "derive.export.host_model": ("HostModel", "host_model"),
     "derive.ir.interpreter": ("interpret",),
     "derive.ir.model": ("Model",),
     "derive.mechanics.bodies.modal_body": ("ModalBody",),
@@ -270,6 +275,7 @@ __all__ = [
     "Force",
     "Frame",
     "GeneralisedAlpha",
+    "HostModel",
     "Ida",
     "InitialState",
     "InitialValues",
@@ -314,10 +320,12 @@ __all__ = [
     "Trajectory",
     "UnknownNameError",
     "__version__",
+    "casadi_function",
     "derive",
     "derive_modal",
     "equilibrium",
     "grid",
+    "host_model",
     "initial_state",
     "integrate",
     "interpret",

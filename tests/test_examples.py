@@ -64,6 +64,7 @@ CHECKS: dict[str, Check] = {
     "joint_of_my_own": near(1, 1e-8),
     "mean_or_point_frame": lambda value: value == (15, 5),
     "monomial_conditioning": lambda value: value == pytest.approx((hilbert_condition(10), 23 / 5), rel=1e-6),
+    "optimal_slewing": lambda value: min(value[0]) > 0.05 and value[1][0] < 5e-3 and value[1][1] < 5e-4,
     "parameter_sweep": near(0.5, 1e-12),
     "pendulum_reaction": near(2.5, 1e-6),
     "python_without_tisserand": near(1.6875, 1e-14),
@@ -83,6 +84,7 @@ CHECKS: dict[str, Check] = {
         value[0] == pytest.approx(3.5160, rel=5e-4) and value[1] == pytest.approx(1, abs=0.01) and value[2] > 10
     ),
     "static_equilibrium": near(1, 1e-5),
+    "stiffness_from_motion": near(1, 2e-3),
     "symbolic_body": lambda value: value < 1e-9,
 }
 
