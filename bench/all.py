@@ -25,7 +25,7 @@ from rows import Row, is_met
 
 from derive.runtime.compiler import FLAGS
 
-MODULES = ("python_calls", "tool_speed")
+MODULES = ("beam_accelerations", "python_calls", "tool_speed")
 """The benchmarks that have a function `rows`, in the order of the table."""
 PACKAGES = ("casadi", "sympy", "numpy", "scipy", "numba", "pydantic", "jinja2")
 

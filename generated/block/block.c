@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_32a7b11478069512
+#ifndef BLOCK_HASH_dd102c2d61d66904
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -921,8 +921,8 @@ int block_accel(
     vdot[13] = -t65;
 
     /* check: check that the result is finite */
-    if (!isfinite(t60 + t59 + t55 + t61 + t62 - t63 + t58 + t57 + t56 - t64
-        - t65)) return 2; /* an acceleration is not finite */
+    if (!isfinite(t60 + t59 + (t55 + (t61 + t62)) + (t58 + t57 - t63 + (t56 - (t64
+        + t65))))) return 2; /* an acceleration is not finite */
     return 0;
 }
 
@@ -3482,7 +3482,7 @@ int block_accel_batch(
             const double t65 = t44 + d3_8_1 * t60 + d3_8_3 * t55;
             vdot_block[13][b] = -t65;
             double code_b = 0.0;
-            const double finite = t60 + t59 + t55 + t61 + t62 - t63 + t58 + t57 + t56 - t64 - t65;
+            const double finite = t60 + t59 + (t55 + (t61 + t62)) + (t58 + t57 - t63 + (t56 - (t64 + t65)));
             code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
             code_b = pivot_pi3
                 - 5.684341886080802e-14 * J_33 > 0.0 ? code_b : 1.0; /* the pivot of pi3 vanished */

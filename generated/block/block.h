@@ -336,8 +336,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "32a7b11478069512"
-#define BLOCK_HASH_32a7b11478069512
+#define BLOCK_HASH "dd102c2d61d66904"
+#define BLOCK_HASH_dd102c2d61d66904
 
 /* ---- sizes and indices ---- */
 

@@ -196,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "32a7b11478069512"
+HASH = "dd102c2d61d66904"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -1379,7 +1379,7 @@ def accel(t, q, v, k):
     vdot_13 = -t65
 
     # check: check that the result is finite
-    valid_7 = xp.isfinite(t60 + t59 + t55 + t61 + t62 - t63 + t58 + t57 + t56 - t64 - t65)
+    valid_7 = xp.isfinite(t60 + t59 + (t55 + (t61 + t62)) + (t58 + t57 - t63 + (t56 - (t64 + t65))))
     _require(batch[0] or valid_7, 2, "an acceleration is not finite")
 
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_2fc192ef7ddfefc6
+#ifndef FREE_BEAM_MEAN_HASH_cf5de41028bd567a
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -33,13 +33,15 @@ int free_beam_mean_setup(
     const double C3 = t1 * p_m / 12.0;
     const double c8_1_1 = p_m / 5.0;
     const double c8_2_2 = p_m / 7.0;
-    const double t2 = p_EI / (t1 * p_l);
-    const double K_1_1 = 144.0 * t2;
-    const double K_2_2 = 1200.0 * t2;
+    const double t2 = t1 * p_l;
+    const double t3 = p_EI / t2;
+    const double K_1_1 = 144.0 * t3;
+    const double K_2_2 = 1200.0 * t3;
     const double X_right = 0.5 * p_l;
     const double X_left = -X_right;
-    const double inverse_c8_1_1 = 1.0 / c8_1_1;
-    const double inverse_c8_2_2 = 1.0 / c8_2_2;
+    const double t4 = p_EI / (t2 * p_m);
+    const double free_alpha1_alpha1 = 720.0 * t4;
+    const double free_alpha2_alpha2 = 8400.0 * t4;
 
     /* constants: constants that the kernels read */
     k[0] = p_m;
@@ -50,8 +52,8 @@ int free_beam_mean_setup(
     k[5] = K_2_2;
     k[6] = X_left;
     k[7] = X_right;
-    k[8] = inverse_c8_1_1;
-    k[9] = inverse_c8_2_2;
+    k[8] = free_alpha1_alpha1;
+    k[9] = free_alpha2_alpha2;
 
     /* checks: checks of the parameters */
     if (!(p_m > 0.0)) return 2; /* m must be positive */
@@ -68,8 +70,8 @@ int free_beam_mean_setup(
     if (!isfinite(K_2_2)) return 2; /* K_2_2 is not finite */
     if (!isfinite(X_left)) return 2; /* X_left is not finite */
     if (!isfinite(X_right)) return 2; /* X_right is not finite */
-    if (!isfinite(inverse_c8_1_1)) return 2; /* inverse_c8_1_1 is not finite */
-    if (!isfinite(inverse_c8_2_2)) return 2; /* inverse_c8_2_2 is not finite */
+    if (!isfinite(free_alpha1_alpha1)) return 2; /* free_alpha1_alpha1 is not finite */
+    if (!isfinite(free_alpha2_alpha2)) return 2; /* free_alpha2_alpha2 is not finite */
     if (!(p_m > 0.0)) return 1; /* the pivot of c1 vanished */
     if (!(c8_1_1 > 0.0)) return 1; /* the pivot of alpha1 vanished */
     if (!(c8_2_2 > 0.0)) return 1; /* the pivot of alpha2 vanished */
@@ -209,37 +211,28 @@ int free_beam_mean_accel(
     const double C3 = k[1];
     const double c8_1_1 = k[2];
     const double c8_2_2 = k[3];
-    const double K_1_1 = k[4];
-    const double K_2_2 = k[5];
-    const double inverse_c8_1_1 = k[8];
-    const double inverse_c8_2_2 = k[9];
+    const double free_alpha1_alpha1 = k[8];
+    const double free_alpha2_alpha2 = k[9];
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
-    const double D2_1 = alpha1 * c8_1_1;
-    const double D2_2 = alpha2 * c8_2_2;
+    /* pivot (LDL^T): translations x in the body frame; eliminate x1, x2, alpha1, alpha2, phi */
+    const double t1 = c8_1_1 * alpha1;
+    const double t2 = c8_2_2 * alpha2;
+    const double pivot_phi = alpha1 * t1 + alpha2 * t2 + C3;
 
-    /* J (appendix): J = int rho r . r */
-    const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
-
-    /* pivots (LDL^T): eliminate c1, c2, phi, alpha1, alpha2; no fill-in */
-    if (!(J > 0.0)) return 1; /* the pivot of phi vanished */
-
-    /* D2dot (appendix): D2dot = int rho r . rdot */
-    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
-
-    /* solution (LDL^T): forward, diagonal and back substitution */
+    /* solution (LDL^T): back substitution; x in the inertial frame */
     vdot[0] = 0.0;
     vdot[1] = 0.0;
-    const double t1 = 2.0 * phidot * D2dot / J;
-    vdot[2] = -t1;
-    const double t2 = phidot * phidot;
-    const double t3 = (K_1_1 * alpha1 - t2 * D2_1) * inverse_c8_1_1;
-    vdot[3] = -t3;
-    const double t4 = (K_2_2 * alpha2 - t2 * D2_2) * inverse_c8_2_2;
-    vdot[4] = -t4;
+    const double t3 = 2.0 * phidot * (alpha1dot * t1 + alpha2dot * t2) / pivot_phi;
+    vdot[2] = -t3;
+    const double t4 = phidot * phidot;
+    const double t5 = (t4 - free_alpha1_alpha1) * alpha1;
+    vdot[3] = t5;
+    const double t6 = (t4 - free_alpha2_alpha2) * alpha2;
+    vdot[4] = t6;
 
-    /* check: check that the result is finite */
-    if (!isfinite(-(t1 + t3) - t4)) return 2; /* an acceleration is not finite */
+    /* check: check the pivot and that the result is finite */
+    if (!(pivot_phi > 0.0)) return 1; /* the pivot of phi vanished */
+    if (!isfinite(t5 + t6 - t3)) return 2; /* an acceleration is not finite */
     return 0;
 }
 
@@ -823,10 +816,8 @@ int free_beam_mean_accel_batch(
     const double C3 = k[1];
     const double c8_1_1 = k[2];
     const double c8_2_2 = k[3];
-    const double K_1_1 = k[4];
-    const double K_2_2 = k[5];
-    const double inverse_c8_1_1 = k[8];
-    const double inverse_c8_2_2 = k[9];
+    const double free_alpha1_alpha1 = k[8];
+    const double free_alpha2_alpha2 = k[9];
     double q_tail[160], v_tail[160];
     double codes[32];
     double vdot_block[5][32];
@@ -844,23 +835,22 @@ int free_beam_mean_accel_batch(
             const double phidot = v_block[2 * stride + b];
             const double alpha1dot = v_block[3 * stride + b];
             const double alpha2dot = v_block[4 * stride + b];
-            const double D2_1 = alpha1 * c8_1_1;
-            const double D2_2 = alpha2 * c8_2_2;
-            const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
-            const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
+            const double t1 = c8_1_1 * alpha1;
+            const double t2 = c8_2_2 * alpha2;
+            const double pivot_phi = alpha1 * t1 + alpha2 * t2 + C3;
             vdot_block[0][b] = 0.0;
             vdot_block[1][b] = 0.0;
-            const double t1 = 2.0 * phidot * D2dot / J;
-            vdot_block[2][b] = -t1;
-            const double t2 = phidot * phidot;
-            const double t3 = (K_1_1 * alpha1 - t2 * D2_1) * inverse_c8_1_1;
-            vdot_block[3][b] = -t3;
-            const double t4 = (K_2_2 * alpha2 - t2 * D2_2) * inverse_c8_2_2;
-            vdot_block[4][b] = -t4;
+            const double t3 = 2.0 * phidot * (alpha1dot * t1 + alpha2dot * t2) / pivot_phi;
+            vdot_block[2][b] = -t3;
+            const double t4 = phidot * phidot;
+            const double t5 = (t4 - free_alpha1_alpha1) * alpha1;
+            vdot_block[3][b] = t5;
+            const double t6 = (t4 - free_alpha2_alpha2) * alpha2;
+            vdot_block[4][b] = t6;
             double code_b = 0.0;
-            const double finite = -(t1 + t3) - t4;
+            const double finite = t5 + t6 - t3;
             code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
-            code_b = J > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
+            code_b = pivot_phi > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
             codes[b] = code_b;
         }
         free_beam_mean_block32_scatter(all, count, 5, vdot_block, vdot);
@@ -983,8 +973,8 @@ static const tisserand_variable free_beam_mean_table_k[] = {
     {"K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx", 0.0, 1, 0},
     {"X_left", "m", "reference position of marker left", 0.0, 1, 0},
     {"X_right", "m", "reference position of marker right", 0.0, 1, 0},
-    {"inverse_c8_1_1", "", "1 / c8_1_1", 0.0, 1, 0},
-    {"inverse_c8_2_2", "", "1 / c8_2_2", 0.0, 1, 0},
+    {"free_alpha1_alpha1", "", "acceleration of alpha1 apart from that of phi per alpha1", 0.0, 1, 0},
+    {"free_alpha2_alpha2", "", "acceleration of alpha2 apart from that of phi per alpha2", 0.0, 1, 0},
 };
 
 static const tisserand_variable free_beam_mean_table_q[] = {

@@ -42,8 +42,8 @@
  *   K_2_2  [N/m]  stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx
  *   X_left  [m]  reference position of marker left
  *   X_right  [m]  reference position of marker right
- *   inverse_c8_1_1  1 / c8_1_1
- *   inverse_c8_2_2  1 / c8_2_2
+ *   free_alpha1_alpha1  acceleration of alpha1 apart from that of phi per alpha1
+ *   free_alpha2_alpha2  acceleration of alpha2 apart from that of phi per alpha2
  *
  * Mass matrix (x: structural non-zero, .: structural zero):
  *   c1      x . . . .
@@ -257,8 +257,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "2fc192ef7ddfefc6"
-#define FREE_BEAM_MEAN_HASH_2fc192ef7ddfefc6
+#define FREE_BEAM_MEAN_HASH "cf5de41028bd567a"
+#define FREE_BEAM_MEAN_HASH_cf5de41028bd567a
 
 /* ---- sizes and indices ---- */
 
@@ -295,8 +295,8 @@ enum {
     FREE_BEAM_MEAN_K_K_2_2 = 5,
     FREE_BEAM_MEAN_K_X_left = 6,
     FREE_BEAM_MEAN_K_X_right = 7,
-    FREE_BEAM_MEAN_K_inverse_c8_1_1 = 8,
-    FREE_BEAM_MEAN_K_inverse_c8_2_2 = 9,
+    FREE_BEAM_MEAN_K_free_alpha1_alpha1 = 8,
+    FREE_BEAM_MEAN_K_free_alpha2_alpha2 = 9,
     FREE_BEAM_MEAN_ABI = 7
 };
 
@@ -310,11 +310,11 @@ enum {
  * Constants k from the parameters p: once for a set of parameters.
  *
  * p: parameters (3)
- * k: constants (10): mass, C3, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right, inverse_c8_1_1,
- *     inverse_c8_2_2
+ * k: constants (10): mass, C3, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right, free_alpha1_alpha1,
+ *     free_alpha2_alpha2
  *
  * From appendix.
- * 13 operations.
+ * 15 operations.
  */
 int free_beam_mean_setup(
     const double *TISSERAND_RESTRICT p,
@@ -376,7 +376,8 @@ int free_beam_mean_mass_force(
     double *h);
 
 /*
- * Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
+ * Accelerations vdot of M vdot + h = 0, by elimination of the constant rows of M in the body frame,
+ *     fixed at generation time.
  *
  * t: time (a free body does not depend on it)
  * q: generalised coordinates (5)
@@ -384,8 +385,8 @@ int free_beam_mean_mass_force(
  * k: constants from setup (10)
  * vdot: accelerations (5): c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot
  *
- * From appendix, LDL^T.
- * 27 operations.
+ * From LDL^T.
+ * 20 operations.
  */
 int free_beam_mean_accel(
     double t,

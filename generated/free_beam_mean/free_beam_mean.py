@@ -40,8 +40,8 @@ Constants k, computed from the parameters by setup:
   K_2_2  [N/m]  stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx
   X_left  [m]  reference position of marker left
   X_right  [m]  reference position of marker right
-  inverse_c8_1_1  1 / c8_1_1
-  inverse_c8_2_2  1 / c8_2_2
+  free_alpha1_alpha1  acceleration of alpha1 apart from that of phi per alpha1
+  free_alpha2_alpha2  acceleration of alpha2 apart from that of phi per alpha2
 
 Mass matrix (x: structural non-zero, .: structural zero):
   c1      x . . . .
@@ -119,15 +119,15 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "2fc192ef7ddfefc6"
+HASH = "cf5de41028bd567a"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
 SIZES = (1, 1, 1)
 UNITS = ("kg", "m", "N m^2")
 CONSTANTS = (
-    "mass", "C3", "c8_1_1", "c8_2_2", "K_1_1", "K_2_2", "X_left", "X_right", "inverse_c8_1_1",
-    "inverse_c8_2_2",
+    "mass", "C3", "c8_1_1", "c8_2_2", "K_1_1", "K_2_2", "X_left", "X_right",
+    "free_alpha1_alpha1", "free_alpha2_alpha2",
 )
 MARKERS = ("left", "middle", "right")
 DEFAULTS = (1.0, 1.0, 1.0)
@@ -206,11 +206,11 @@ def setup(p):
     """Constants k from the parameters p: once for a set of parameters.
 
     p: parameters (3)
-    k: constants (10): mass, C3, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right, inverse_c8_1_1,
-        inverse_c8_2_2
+    k: constants (10): mass, C3, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right, free_alpha1_alpha1,
+        free_alpha2_alpha2
 
     From appendix.
-    13 operations.
+    15 operations.
     """
     xp, batch, (p,) = _arrays(dict(p=3), p)
     p_m = p[0]
@@ -222,13 +222,15 @@ def setup(p):
     C3 = t1 * p_m / 12
     c8_1_1 = p_m / 5
     c8_2_2 = p_m / 7
-    t2 = p_EI / (t1 * p_l)
-    K_1_1 = 144 * t2
-    K_2_2 = 1200 * t2
+    t2 = t1 * p_l
+    t3 = p_EI / t2
+    K_1_1 = 144 * t3
+    K_2_2 = 1200 * t3
     X_right = 0.5 * p_l
     X_left = -X_right
-    inverse_c8_1_1 = 1 / c8_1_1
-    inverse_c8_2_2 = 1 / c8_2_2
+    t4 = p_EI / (t2 * p_m)
+    free_alpha1_alpha1 = 720 * t4
+    free_alpha2_alpha2 = 8400 * t4
 
     # constants: constants that the kernels read
     k_0 = p_m
@@ -239,8 +241,8 @@ def setup(p):
     k_5 = K_2_2
     k_6 = X_left
     k_7 = X_right
-    k_8 = inverse_c8_1_1
-    k_9 = inverse_c8_2_2
+    k_8 = free_alpha1_alpha1
+    k_9 = free_alpha2_alpha2
 
     # checks: checks of the parameters
     _require(xp.all(p_m > 0), 2, "m must be positive")
@@ -257,8 +259,8 @@ def setup(p):
     _require(xp.all(xp.isfinite(K_2_2)), 2, "K_2_2 is not finite")
     _require(xp.all(xp.isfinite(X_left)), 2, "X_left is not finite")
     _require(xp.all(xp.isfinite(X_right)), 2, "X_right is not finite")
-    _require(xp.all(xp.isfinite(inverse_c8_1_1)), 2, "inverse_c8_1_1 is not finite")
-    _require(xp.all(xp.isfinite(inverse_c8_2_2)), 2, "inverse_c8_2_2 is not finite")
+    _require(xp.all(xp.isfinite(free_alpha1_alpha1)), 2, "free_alpha1_alpha1 is not finite")
+    _require(xp.all(xp.isfinite(free_alpha2_alpha2)), 2, "free_alpha2_alpha2 is not finite")
     _require(xp.all(p_m > 0), 1, "the pivot of c1 vanished")
     _require(xp.all(c8_1_1 > 0), 1, "the pivot of alpha1 vanished")
     _require(xp.all(c8_2_2 > 0), 1, "the pivot of alpha2 vanished")
@@ -408,7 +410,8 @@ def mass_force(t, q, v, k):
 
 
 def accel(t, q, v, k):
-    """Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
+    """Accelerations vdot of M vdot + h = 0, by elimination of the constant rows of M in the body
+        frame, fixed at generation time.
 
     t: time (a free body does not depend on it)
     q: generalised coordinates (5)
@@ -416,8 +419,8 @@ def accel(t, q, v, k):
     k: constants from setup (10)
     vdot: accelerations (5): c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot
 
-    From appendix, LDL^T.
-    27 operations.
+    From LDL^T.
+    20 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
     alpha1 = q[3]
@@ -428,38 +431,29 @@ def accel(t, q, v, k):
     C3 = k[1]
     c8_1_1 = k[2]
     c8_2_2 = k[3]
-    K_1_1 = k[4]
-    K_2_2 = k[5]
-    inverse_c8_1_1 = k[8]
-    inverse_c8_2_2 = k[9]
+    free_alpha1_alpha1 = k[8]
+    free_alpha2_alpha2 = k[9]
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
-    D2_1 = alpha1 * c8_1_1
-    D2_2 = alpha2 * c8_2_2
+    # pivot (LDL^T): translations x in the body frame; eliminate x1, x2, alpha1, alpha2, phi
+    t1 = c8_1_1 * alpha1
+    t2 = c8_2_2 * alpha2
+    pivot_phi = alpha1 * t1 + alpha2 * t2 + C3
 
-    # J (appendix): J = int rho r . r
-    J = C3 + D2_1 * alpha1 + D2_2 * alpha2
-
-    # pivots (LDL^T): eliminate c1, c2, phi, alpha1, alpha2; no fill-in
-    valid_1 = J > 0
-    _require(batch[0] or valid_1, 1, "the pivot of phi vanished")
-
-    # D2dot (appendix): D2dot = int rho r . rdot
-    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
-
-    # solution (LDL^T): forward, diagonal and back substitution
+    # solution (LDL^T): back substitution; x in the inertial frame
     vdot_0 = 0
     vdot_1 = 0
-    t1 = 2 * phidot * D2dot / J
-    vdot_2 = -t1
-    t2 = phidot * phidot
-    t3 = (K_1_1 * alpha1 - t2 * D2_1) * inverse_c8_1_1
-    vdot_3 = -t3
-    t4 = (K_2_2 * alpha2 - t2 * D2_2) * inverse_c8_2_2
-    vdot_4 = -t4
+    t3 = 2 * phidot * (alpha1dot * t1 + alpha2dot * t2) / pivot_phi
+    vdot_2 = -t3
+    t4 = phidot * phidot
+    t5 = (t4 - free_alpha1_alpha1) * alpha1
+    vdot_3 = t5
+    t6 = (t4 - free_alpha2_alpha2) * alpha2
+    vdot_4 = t6
 
-    # check: check that the result is finite
-    valid_2 = xp.isfinite(-(t1 + t3) - t4)
+    # check: check the pivot and that the result is finite
+    valid_1 = pivot_phi > 0
+    _require(batch[0] or valid_1, 1, "the pivot of phi vanished")
+    valid_2 = xp.isfinite(t5 + t6 - t3)
     _require(batch[0] or valid_2, 2, "an acceleration is not finite")
 
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_POINT_HASH_031aaeb28bf77d38
+#ifndef FREE_BEAM_POINT_HASH_05736ea534ca6134
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
@@ -30,21 +30,27 @@ int free_beam_point_setup(
     /* integrals (appendix): shape integrals, stiffness, and constants computed from them */
     const double c2_1_2 = p_m / 3.0;
     const double t1 = p_l * p_l;
-    const double C3 = t1 * p_m / 12.0;
+    const double t2 = t1 * p_m;
+    const double C3 = t2 / 12.0;
     const double c6_2 = p_l * p_m / 10.0;
     const double c8_1_1 = p_m / 5.0;
     const double c8_2_2 = p_m / 7.0;
-    const double t2 = p_EI / (t1 * p_l);
-    const double K_1_1 = 64.0 * t2;
-    const double K_2_2 = 192.0 * t2;
+    const double t3 = t1 * p_l;
+    const double t4 = p_EI / t3;
+    const double K_1_1 = 64.0 * t4;
+    const double K_2_2 = 192.0 * t4;
     const double X_right = 0.5 * p_l;
     const double X_left = -X_right;
+    const double inertia_phi_alpha1_alpha1 = (4.0 / 45.0) * p_m;
+    const double inertia_phi = t2 / 75.0;
+    const double force_phi_alpha2 = (672.0 / 5.0) * (p_EI / t1);
+    const double t5 = p_EI / (t3 * p_m);
+    const double free_x2_alpha1 = 240.0 * t5;
+    const double free_alpha1_alpha1 = 720.0 * t5;
+    const double free_alpha2_alpha2 = 1344.0 * t5;
+    const double coupling_alpha2 = (7.0 / 10.0) * p_l;
+    const double eliminated_phi = (7.0 / 100.0) * t2;
     const double minus_c2_1_2 = -c2_1_2;
-    const double inverse_c8_2_2 = 1.0 / c8_2_2;
-    const double c6_2_over_c8_2_2 = c6_2 * inverse_c8_2_2;
-    const double c6_2_over_c8_2_2_times_c6_2 = c6_2_over_c8_2_2 * c6_2;
-    const double mass_times_2_pow_minus_44 = 5.684341886080802e-14 * p_m;
-    const double c8_1_1_times_2_pow_minus_44 = 5.684341886080802e-14 * c8_1_1;
 
     /* constants: constants that the kernels read */
     k[0] = p_m;
@@ -57,12 +63,15 @@ int free_beam_point_setup(
     k[7] = K_2_2;
     k[8] = X_left;
     k[9] = X_right;
-    k[10] = minus_c2_1_2;
-    k[11] = c6_2_over_c8_2_2_times_c6_2;
-    k[12] = mass_times_2_pow_minus_44;
-    k[13] = c8_1_1_times_2_pow_minus_44;
-    k[14] = c6_2_over_c8_2_2;
-    k[15] = inverse_c8_2_2;
+    k[10] = inertia_phi_alpha1_alpha1;
+    k[11] = inertia_phi;
+    k[12] = force_phi_alpha2;
+    k[13] = free_x2_alpha1;
+    k[14] = free_alpha1_alpha1;
+    k[15] = free_alpha2_alpha2;
+    k[16] = coupling_alpha2;
+    k[17] = eliminated_phi;
+    k[18] = minus_c2_1_2;
 
     /* checks: checks of the parameters */
     if (!(p_m > 0.0)) return 2; /* m must be positive */
@@ -81,15 +90,17 @@ int free_beam_point_setup(
     if (!isfinite(K_2_2)) return 2; /* K_2_2 is not finite */
     if (!isfinite(X_left)) return 2; /* X_left is not finite */
     if (!isfinite(X_right)) return 2; /* X_right is not finite */
+    if (
+        !isfinite(inertia_phi_alpha1_alpha1)) return 2; /* inertia_phi_alpha1_alpha1 is not finite */
+    if (!isfinite(inertia_phi)) return 2; /* inertia_phi is not finite */
+    if (!isfinite(force_phi_alpha2)) return 2; /* force_phi_alpha2 is not finite */
+    if (!isfinite(free_x2_alpha1)) return 2; /* free_x2_alpha1 is not finite */
+    if (!isfinite(free_alpha1_alpha1)) return 2; /* free_alpha1_alpha1 is not finite */
+    if (!isfinite(free_alpha2_alpha2)) return 2; /* free_alpha2_alpha2 is not finite */
+    if (!isfinite(coupling_alpha2)) return 2; /* coupling_alpha2 is not finite */
+    if (!isfinite(eliminated_phi)) return 2; /* eliminated_phi is not finite */
     if (!isfinite(minus_c2_1_2)) return 2; /* minus_c2_1_2 is not finite */
-    if (
-        !isfinite(c6_2_over_c8_2_2_times_c6_2)) return 2; /* c6_2_over_c8_2_2_times_c6_2 is not finite */
-    if (
-        !isfinite(mass_times_2_pow_minus_44)) return 2; /* mass_times_2_pow_minus_44 is not finite */
-    if (
-        !isfinite(c8_1_1_times_2_pow_minus_44)) return 2; /* c8_1_1_times_2_pow_minus_44 is not finite */
-    if (!isfinite(c6_2_over_c8_2_2)) return 2; /* c6_2_over_c8_2_2 is not finite */
-    if (!isfinite(inverse_c8_2_2)) return 2; /* inverse_c8_2_2 is not finite */
+    if (!(p_m > 0.0)) return 1; /* the pivot of c1 vanished */
     if (!(c8_2_2 > 0.0)) return 1; /* the pivot of alpha2 vanished */
     return 0;
 }
@@ -108,7 +119,7 @@ int free_beam_point_mass(
     const double c6_2 = k[3];
     const double c8_1_1 = k[4];
     const double c8_2_2 = k[5];
-    const double minus_c2_1_2 = k[10];
+    const double minus_c2_1_2 = k[18];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double cos_phi = cos(phi);
@@ -211,7 +222,7 @@ int free_beam_point_mass_force(
     const double c8_2_2 = k[5];
     const double K_1_1 = k[6];
     const double K_2_2 = k[7];
-    const double minus_c2_1_2 = k[10];
+    const double minus_c2_1_2 = k[18];
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
@@ -279,85 +290,47 @@ int free_beam_point_accel(
     const double alpha1dot = v[3];
     const double alpha2dot = v[4];
     const double mass = k[0];
-    const double c2_1_2 = k[1];
-    const double C3 = k[2];
-    const double c8_1_1 = k[4];
+    const double c6_2 = k[3];
     const double c8_2_2 = k[5];
-    const double K_1_1 = k[6];
-    const double K_2_2 = k[7];
-    const double c6_2_over_c8_2_2_times_c6_2 = k[11];
-    const double mass_times_2_pow_minus_44 = k[12];
-    const double c8_1_1_times_2_pow_minus_44 = k[13];
-    const double c6_2_over_c8_2_2 = k[14];
-    const double inverse_c8_2_2 = k[15];
+    const double inertia_phi_alpha1_alpha1 = k[10];
+    const double inertia_phi = k[11];
+    const double force_phi_alpha2 = k[12];
+    const double free_x2_alpha1 = k[13];
+    const double free_alpha1_alpha1 = k[14];
+    const double free_alpha2_alpha2 = k[15];
+    const double coupling_alpha2 = k[16];
+    const double eliminated_phi = k[17];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* d1 (appendix): d1_2 = int rho r . e2 */
-    const double d1_2 = alpha1 * c2_1_2;
+    /* pivot (LDL^T): translations x in the body frame; eliminate x1, x2, alpha1, alpha2, phi */
+    const double t1 = inertia_phi_alpha1_alpha1 * alpha1;
+    const double t2 = c8_2_2 * alpha2;
+    const double pivot_phi = alpha1 * t1 + alpha2 * t2 + inertia_phi;
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
-    const double D2_1 = alpha1 * c8_1_1;
-    const double D2_2 = alpha2 * c8_2_2;
+    /* solution (LDL^T): back substitution; x in the inertial frame */
+    const double t3 = (1.0 / 3.0) * alpha1;
+    const double t4 = phidot * phidot;
+    const double t5 = ((force_phi_alpha2 - t4 * c6_2) * alpha2 - 2.0 * phidot * (alpha1dot * t1
+        + alpha2dot * t2)) / pivot_phi;
+    const double t6 = (2.0 / 3.0) * (phidot * alpha1dot) + t3 * t5;
+    const double t7 = free_x2_alpha1 * alpha1;
+    const double t8 = t6 * cos_phi - t7 * sin_phi;
+    vdot[0] = t8;
+    const double t9 = t7 * cos_phi + t6 * sin_phi;
+    vdot[1] = t9;
+    vdot[2] = t5;
+    const double t10 = (t4 - free_alpha1_alpha1) * alpha1;
+    vdot[3] = t10;
+    const double t11 = (t4 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t5;
+    vdot[4] = t11;
 
-    /* J (appendix): J = int rho r . r */
-    const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
-
-    /* pivots (LDL^T): eliminate alpha2, phi, c2, alpha1, c1; fill-in 1 */
-    const double pivot_phi = J - c6_2_over_c8_2_2_times_c6_2;
-    const double t1 = d1_2 * sin_phi;
-    const double inverse_pivot_phi = 1.0 / pivot_phi;
-    const double t2 = t1 * inverse_pivot_phi;
-    const double pivot_c2 = mass - t2 * t1;
-    const double t3 = c2_1_2 * cos_phi;
-    const double inverse_pivot_c2 = 1.0 / pivot_c2;
-    const double t4 = t3 * inverse_pivot_c2;
-    const double pivot_alpha1 = c8_1_1 - t4 * t3;
-    const double t5 = d1_2 * cos_phi;
-    const double t6 = t5 * inverse_pivot_phi;
-    const double t7 = t6 * t1;
-    const double t8 = t7 * inverse_pivot_c2;
-    const double t9 = t8 * t3 - c2_1_2 * sin_phi;
-    const double inverse_pivot_alpha1 = 1.0 / pivot_alpha1;
-    const double t10 = t9 * inverse_pivot_alpha1;
-    const double pivot_c1 = mass - t6 * t5 - t8 * t7 - t10 * t9;
-    if (!(pivot_phi - 5.684341886080802e-14 * J > 0.0)) return 1; /* the pivot of phi vanished */
-    if (!(pivot_c2 - mass_times_2_pow_minus_44 > 0.0)) return 1; /* the pivot of c2 vanished */
-    if (!(pivot_alpha1
-        - c8_1_1_times_2_pow_minus_44 > 0.0)) return 1; /* the pivot of alpha1 vanished */
-    if (!(pivot_c1 - mass_times_2_pow_minus_44 > 0.0)) return 1; /* the pivot of c1 vanished */
-
-    /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
-    const double d1dot_2 = alpha1dot * c2_1_2;
-
-    /* D2dot (appendix): D2dot = int rho r . rdot */
-    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
-
-    /* solution (LDL^T): forward, diagonal and back substitution */
-    const double t11 = phidot * phidot;
-    const double t12 = K_2_2 * alpha2 - t11 * D2_2;
-    const double t13 = 2.0 * phidot;
-    const double t14 = c6_2_over_c8_2_2 * t12 - t13 * D2dot;
-    const double t15 = t11 * d1_2;
-    const double t16 = t13 * d1dot_2;
-    const double t17 = t15 * cos_phi + t16 * sin_phi + t2 * t14;
-    const double t18 = K_1_1 * alpha1 - t11 * D2_1 + t4 * t17;
-    const double t19 = (t6 * t14 - (t15 * sin_phi - t16 * cos_phi) + t8 * t17
-        + t10 * t18) / pivot_c1;
-    vdot[0] = t19;
-    const double t20 = t18 * inverse_pivot_alpha1 + t10 * t19;
-    const double t21 = t17 * inverse_pivot_c2 + t4 * t20 + t8 * t19;
-    vdot[1] = t21;
-    const double t22 = t14 * inverse_pivot_phi + t2 * t21 + t6 * t19;
-    vdot[2] = t22;
-    vdot[3] = -t20;
-    const double t23 = t12 * inverse_c8_2_2 + c6_2_over_c8_2_2 * t22;
-    vdot[4] = -t23;
-
-    /* check: check that the result is finite */
-    if (!isfinite(t19 + t21 + t22 - t20 - t23)) return 2; /* an acceleration is not finite */
+    /* check: check the pivot and that the result is finite */
+    if (!(pivot_phi - 5.684341886080802e-14 * (eliminated_phi
+        + mass * (t3 * t3)) > 0.0)) return 1; /* the pivot of phi vanished */
+    if (!isfinite(t8 + t9 + (t5 + (t10 + t11)))) return 2; /* an acceleration is not finite */
     return 0;
 }
 
@@ -935,7 +908,7 @@ int free_beam_point_mass_batch(
     const double c6_2 = k[3];
     const double c8_1_1 = k[4];
     const double c8_2_2 = k[5];
-    const double minus_c2_1_2 = k[10];
+    const double minus_c2_1_2 = k[18];
     double q_tail[160];
     double cos_phi[32], sin_phi[32];
     double M_block[10][32];
@@ -1043,17 +1016,16 @@ int free_beam_point_accel_batch(
 {
     (void) t;
     const double mass = k[0];
-    const double c2_1_2 = k[1];
-    const double C3 = k[2];
-    const double c8_1_1 = k[4];
+    const double c6_2 = k[3];
     const double c8_2_2 = k[5];
-    const double K_1_1 = k[6];
-    const double K_2_2 = k[7];
-    const double c6_2_over_c8_2_2_times_c6_2 = k[11];
-    const double mass_times_2_pow_minus_44 = k[12];
-    const double c8_1_1_times_2_pow_minus_44 = k[13];
-    const double c6_2_over_c8_2_2 = k[14];
-    const double inverse_c8_2_2 = k[15];
+    const double inertia_phi_alpha1_alpha1 = k[10];
+    const double inertia_phi = k[11];
+    const double force_phi_alpha2 = k[12];
+    const double free_x2_alpha1 = k[13];
+    const double free_alpha1_alpha1 = k[14];
+    const double free_alpha2_alpha2 = k[15];
+    const double coupling_alpha2 = k[16];
+    const double eliminated_phi = k[17];
     double q_tail[160], v_tail[160];
     double cos_phi[32], sin_phi[32], codes[32];
     double vdot_block[5][32];
@@ -1076,59 +1048,29 @@ int free_beam_point_accel_batch(
             const double phidot = v_block[2 * stride + b];
             const double alpha1dot = v_block[3 * stride + b];
             const double alpha2dot = v_block[4 * stride + b];
-            const double d1_2 = alpha1 * c2_1_2;
-            const double D2_1 = alpha1 * c8_1_1;
-            const double D2_2 = alpha2 * c8_2_2;
-            const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
-            const double pivot_phi = J - c6_2_over_c8_2_2_times_c6_2;
-            const double t1 = d1_2 * sin_phi[b];
-            const double inverse_pivot_phi = 1.0 / pivot_phi;
-            const double t2 = t1 * inverse_pivot_phi;
-            const double pivot_c2 = mass - t2 * t1;
-            const double t3 = c2_1_2 * cos_phi[b];
-            const double inverse_pivot_c2 = 1.0 / pivot_c2;
-            const double t4 = t3 * inverse_pivot_c2;
-            const double pivot_alpha1 = c8_1_1 - t4 * t3;
-            const double t5 = d1_2 * cos_phi[b];
-            const double t6 = t5 * inverse_pivot_phi;
-            const double t7 = t6 * t1;
-            const double t8 = t7 * inverse_pivot_c2;
-            const double t9 = t8 * t3 - c2_1_2 * sin_phi[b];
-            const double inverse_pivot_alpha1 = 1.0 / pivot_alpha1;
-            const double t10 = t9 * inverse_pivot_alpha1;
-            const double pivot_c1 = mass - t6 * t5 - t8 * t7 - t10 * t9;
-            const double d1dot_2 = alpha1dot * c2_1_2;
-            const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
-            const double t11 = phidot * phidot;
-            const double t12 = K_2_2 * alpha2 - t11 * D2_2;
-            const double t13 = 2.0 * phidot;
-            const double t14 = c6_2_over_c8_2_2 * t12 - t13 * D2dot;
-            const double t15 = t11 * d1_2;
-            const double t16 = t13 * d1dot_2;
-            const double t17 = t15 * cos_phi[b] + t16 * sin_phi[b] + t2 * t14;
-            const double t18 = K_1_1 * alpha1 - t11 * D2_1 + t4 * t17;
-            const double t19 = (t6 * t14 - (t15 * sin_phi[b] - t16 * cos_phi[b]) + t8 * t17
-                + t10 * t18) / pivot_c1;
-            vdot_block[0][b] = t19;
-            const double t20 = t18 * inverse_pivot_alpha1 + t10 * t19;
-            const double t21 = t17 * inverse_pivot_c2 + t4 * t20 + t8 * t19;
-            vdot_block[1][b] = t21;
-            const double t22 = t14 * inverse_pivot_phi + t2 * t21 + t6 * t19;
-            vdot_block[2][b] = t22;
-            vdot_block[3][b] = -t20;
-            const double t23 = t12 * inverse_c8_2_2 + c6_2_over_c8_2_2 * t22;
-            vdot_block[4][b] = -t23;
+            const double t1 = inertia_phi_alpha1_alpha1 * alpha1;
+            const double t2 = c8_2_2 * alpha2;
+            const double pivot_phi = alpha1 * t1 + alpha2 * t2 + inertia_phi;
+            const double t3 = (1.0 / 3.0) * alpha1;
+            const double t4 = phidot * phidot;
+            const double t5 = ((force_phi_alpha2 - t4 * c6_2) * alpha2 - 2.0 * phidot * (alpha1dot * t1
+                + alpha2dot * t2)) / pivot_phi;
+            const double t6 = (2.0 / 3.0) * (phidot * alpha1dot) + t3 * t5;
+            const double t7 = free_x2_alpha1 * alpha1;
+            const double t8 = t6 * cos_phi[b] - t7 * sin_phi[b];
+            vdot_block[0][b] = t8;
+            const double t9 = t7 * cos_phi[b] + t6 * sin_phi[b];
+            vdot_block[1][b] = t9;
+            vdot_block[2][b] = t5;
+            const double t10 = (t4 - free_alpha1_alpha1) * alpha1;
+            vdot_block[3][b] = t10;
+            const double t11 = (t4 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t5;
+            vdot_block[4][b] = t11;
             double code_b = 0.0;
-            const double finite = t19 + t21 + t22 - t20 - t23;
+            const double finite = t8 + t9 + (t5 + (t10 + t11));
             code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
-            code_b = pivot_c1
-                - mass_times_2_pow_minus_44 > 0.0 ? code_b : 1.0; /* the pivot of c1 vanished */
-            code_b = pivot_alpha1
-                - c8_1_1_times_2_pow_minus_44 > 0.0 ? code_b : 1.0; /* the pivot of alpha1 vanished */
-            code_b = pivot_c2
-                - mass_times_2_pow_minus_44 > 0.0 ? code_b : 1.0; /* the pivot of c2 vanished */
-            code_b = pivot_phi
-                - 5.684341886080802e-14 * J > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
+            code_b = pivot_phi - 5.684341886080802e-14 * (eliminated_phi
+                + mass * (t3 * t3)) > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
             codes[b] = code_b;
         }
         free_beam_point_block32_scatter(all, count, 5, vdot_block, vdot);
@@ -1254,12 +1196,15 @@ static const tisserand_variable free_beam_point_table_k[] = {
     {"K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx", 0.0, 1, 0},
     {"X_left", "m", "reference position of marker left", 0.0, 1, 0},
     {"X_right", "m", "reference position of marker right", 0.0, 1, 0},
+    {"inertia_phi_alpha1_alpha1", "", "inertia of phi that elimination leaves per alpha1 alpha1", 0.0, 1, 0},
+    {"inertia_phi", "", "inertia of phi that elimination leaves", 0.0, 1, 0},
+    {"force_phi_alpha2", "", "force of phi that elimination leaves per alpha2", 0.0, 1, 0},
+    {"free_x2_alpha1", "", "acceleration of x2 apart from that of phi per alpha1", 0.0, 1, 0},
+    {"free_alpha1_alpha1", "", "acceleration of alpha1 apart from that of phi per alpha1", 0.0, 1, 0},
+    {"free_alpha2_alpha2", "", "acceleration of alpha2 apart from that of phi per alpha2", 0.0, 1, 0},
+    {"coupling_alpha2", "", "acceleration of alpha2 due to that of phi", 0.0, 1, 0},
+    {"eliminated_phi", "", "constant inertia of phi that elimination takes", 0.0, 1, 0},
     {"minus_c2_1_2", "", "-c2_1_2", 0.0, 1, 0},
-    {"c6_2_over_c8_2_2_times_c6_2", "", "(c6_2 / c8_2_2) * c6_2", 0.0, 1, 0},
-    {"mass_times_2_pow_minus_44", "", "1/17592186044416 * mass", 0.0, 1, 0},
-    {"c8_1_1_times_2_pow_minus_44", "", "1/17592186044416 * c8_1_1", 0.0, 1, 0},
-    {"c6_2_over_c8_2_2", "", "c6_2 / c8_2_2", 0.0, 1, 0},
-    {"inverse_c8_2_2", "", "1 / c8_2_2", 0.0, 1, 0},
 };
 
 static const tisserand_variable free_beam_point_table_q[] = {
@@ -1299,7 +1244,7 @@ static const tisserand_model free_beam_point_descriptor = {
     5,
     5,
     3,
-    16,
+    19,
     FREE_BEAM_POINT_NMARKERS,
     2,
     3,

@@ -44,12 +44,15 @@
  *   K_2_2  [N/m]  stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx
  *   X_left  [m]  reference position of marker left
  *   X_right  [m]  reference position of marker right
+ *   inertia_phi_alpha1_alpha1  inertia of phi that elimination leaves per alpha1 alpha1
+ *   inertia_phi  inertia of phi that elimination leaves
+ *   force_phi_alpha2  force of phi that elimination leaves per alpha2
+ *   free_x2_alpha1  acceleration of x2 apart from that of phi per alpha1
+ *   free_alpha1_alpha1  acceleration of alpha1 apart from that of phi per alpha1
+ *   free_alpha2_alpha2  acceleration of alpha2 apart from that of phi per alpha2
+ *   coupling_alpha2  acceleration of alpha2 due to that of phi
+ *   eliminated_phi  constant inertia of phi that elimination takes
  *   minus_c2_1_2  -c2_1_2
- *   c6_2_over_c8_2_2_times_c6_2  (c6_2 / c8_2_2) * c6_2
- *   mass_times_2_pow_minus_44  1/17592186044416 * mass
- *   c8_1_1_times_2_pow_minus_44  1/17592186044416 * c8_1_1
- *   c6_2_over_c8_2_2  c6_2 / c8_2_2
- *   inverse_c8_2_2  1 / c8_2_2
  *
  * Mass matrix (x: structural non-zero, .: structural zero):
  *   c1      x . x x .
@@ -243,8 +246,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_POINT_HASH "031aaeb28bf77d38"
-#define FREE_BEAM_POINT_HASH_031aaeb28bf77d38
+#define FREE_BEAM_POINT_HASH "05736ea534ca6134"
+#define FREE_BEAM_POINT_HASH_05736ea534ca6134
 
 /* ---- sizes and indices ---- */
 
@@ -253,7 +256,7 @@ enum {
     FREE_BEAM_POINT_NV = 5,
     FREE_BEAM_POINT_NY = 10,
     FREE_BEAM_POINT_NP = 3,
-    FREE_BEAM_POINT_NK = 16,
+    FREE_BEAM_POINT_NK = 19,
     FREE_BEAM_POINT_Q_c1 = 0,
     FREE_BEAM_POINT_Q_c2 = 1,
     FREE_BEAM_POINT_Q_phi = 2,
@@ -283,12 +286,15 @@ enum {
     FREE_BEAM_POINT_K_K_2_2 = 7,
     FREE_BEAM_POINT_K_X_left = 8,
     FREE_BEAM_POINT_K_X_right = 9,
-    FREE_BEAM_POINT_K_minus_c2_1_2 = 10,
-    FREE_BEAM_POINT_K_c6_2_over_c8_2_2_times_c6_2 = 11,
-    FREE_BEAM_POINT_K_mass_times_2_pow_minus_44 = 12,
-    FREE_BEAM_POINT_K_c8_1_1_times_2_pow_minus_44 = 13,
-    FREE_BEAM_POINT_K_c6_2_over_c8_2_2 = 14,
-    FREE_BEAM_POINT_K_inverse_c8_2_2 = 15,
+    FREE_BEAM_POINT_K_inertia_phi_alpha1_alpha1 = 10,
+    FREE_BEAM_POINT_K_inertia_phi = 11,
+    FREE_BEAM_POINT_K_force_phi_alpha2 = 12,
+    FREE_BEAM_POINT_K_free_x2_alpha1 = 13,
+    FREE_BEAM_POINT_K_free_alpha1_alpha1 = 14,
+    FREE_BEAM_POINT_K_free_alpha2_alpha2 = 15,
+    FREE_BEAM_POINT_K_coupling_alpha2 = 16,
+    FREE_BEAM_POINT_K_eliminated_phi = 17,
+    FREE_BEAM_POINT_K_minus_c2_1_2 = 18,
     FREE_BEAM_POINT_ABI = 7
 };
 
@@ -302,12 +308,12 @@ enum {
  * Constants k from the parameters p: once for a set of parameters.
  *
  * p: parameters (3)
- * k: constants (16): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
- *     minus_c2_1_2, c6_2_over_c8_2_2_times_c6_2, mass_times_2_pow_minus_44,
- *     c8_1_1_times_2_pow_minus_44, c6_2_over_c8_2_2, inverse_c8_2_2
+ * k: constants (19): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
+ *     inertia_phi_alpha1_alpha1, inertia_phi, force_phi_alpha2, free_x2_alpha1, free_alpha1_alpha1,
+ *     free_alpha2_alpha2, coupling_alpha2, eliminated_phi, minus_c2_1_2
  *
  * From appendix.
- * 20 operations.
+ * 26 operations.
  */
 int free_beam_point_setup(
     const double *TISSERAND_RESTRICT p,
@@ -317,7 +323,7 @@ int free_beam_point_setup(
  * Mass matrix M(q): values of the lower triangle by columns.
  *
  * q: generalised coordinates (5)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
  *
  * From (26), appendix, (15).
@@ -334,7 +340,7 @@ int free_beam_point_mass(
  * t: time (a free body does not depend on it)
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * h: forces, one for each equation of motion (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
  *
  * From (26), appendix, (15).
@@ -353,7 +359,7 @@ int free_beam_point_force(
  * t: time (a free body does not depend on it)
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
  * h: forces, one for each equation of motion (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
  *
@@ -369,16 +375,17 @@ int free_beam_point_mass_force(
     double *h);
 
 /*
- * Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
+ * Accelerations vdot of M vdot + h = 0, by elimination of the constant rows of M in the body frame,
+ *     fixed at generation time.
  *
  * t: time (a free body does not depend on it)
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * vdot: accelerations (5): c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot
  *
- * From (26), appendix, LDL^T.
- * 96 operations.
+ * From (26), LDL^T.
+ * 46 operations.
  */
 int free_beam_point_accel(
     double t,
@@ -392,7 +399,7 @@ int free_beam_point_accel(
  *
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * energy: energies [J] (2): kinetic, strain
  *
  * From (26), appendix, (22).
@@ -409,7 +416,7 @@ int free_beam_point_energy(
  *
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
  *
  * From (26), appendix, (1).
@@ -426,7 +433,7 @@ int free_beam_point_momentum(
  *
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
  *
  * From (1).
@@ -443,7 +450,7 @@ int free_beam_point_rates(
  *
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * x: position in the inertial frame [m] (2): x1, x2
  * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
@@ -464,7 +471,7 @@ int free_beam_point_marker_left(
  *
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * x: position in the inertial frame [m] (2): x1, x2
  * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 5, 2 values
@@ -485,7 +492,7 @@ int free_beam_point_marker_middle(
  *
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * x: position in the inertial frame [m] (2): x1, x2
  * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
@@ -506,7 +513,7 @@ int free_beam_point_marker_right(
  *
  * q: generalised coordinates (5)
  * F: force at the marker, in the inertial frame [N] (2)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
  *     f[alpha2]
  *
@@ -524,7 +531,7 @@ int free_beam_point_load_left(
  *
  * q: generalised coordinates (5)
  * F: force at the marker, in the inertial frame [N] (2)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
  *     f[alpha2]
  *
@@ -542,7 +549,7 @@ int free_beam_point_load_middle(
  *
  * q: generalised coordinates (5)
  * F: force at the marker, in the inertial frame [N] (2)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
  *     f[alpha2]
  *
@@ -561,7 +568,7 @@ int free_beam_point_load_right(
  * t: time (a free body does not depend on it)
  * y: first-order state [q; v] (10)
  * ydot: time derivative of y (10)
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * F: residual, one for each state (10): c1, c2, phi, alpha1, alpha2, c1dot, c2dot, phidot,
  *     alpha1dot, alpha2dot
  *
@@ -583,7 +590,7 @@ int free_beam_point_residual(
  * y: first-order state [q; v] (10)
  * ydot: time derivative of y (10)
  * cj: factor of dF/dydot
- * k: constants from setup (16)
+ * k: constants from setup (19)
  * jac: values of the iteration matrix by columns, 10 x 10, 37 values
  *
  * From (26), appendix, (15).

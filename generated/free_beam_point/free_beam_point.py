@@ -42,12 +42,15 @@ Constants k, computed from the parameters by setup:
   K_2_2  [N/m]  stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx
   X_left  [m]  reference position of marker left
   X_right  [m]  reference position of marker right
+  inertia_phi_alpha1_alpha1  inertia of phi that elimination leaves per alpha1 alpha1
+  inertia_phi  inertia of phi that elimination leaves
+  force_phi_alpha2  force of phi that elimination leaves per alpha2
+  free_x2_alpha1  acceleration of x2 apart from that of phi per alpha1
+  free_alpha1_alpha1  acceleration of alpha1 apart from that of phi per alpha1
+  free_alpha2_alpha2  acceleration of alpha2 apart from that of phi per alpha2
+  coupling_alpha2  acceleration of alpha2 due to that of phi
+  eliminated_phi  constant inertia of phi that elimination takes
   minus_c2_1_2  -c2_1_2
-  c6_2_over_c8_2_2_times_c6_2  (c6_2 / c8_2_2) * c6_2
-  mass_times_2_pow_minus_44  1/17592186044416 * mass
-  c8_1_1_times_2_pow_minus_44  1/17592186044416 * c8_1_1
-  c6_2_over_c8_2_2  c6_2 / c8_2_2
-  inverse_c8_2_2  1 / c8_2_2
 
 Mass matrix (x: structural non-zero, .: structural zero):
   c1      x . x x .
@@ -105,7 +108,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_point"
-HASH = "031aaeb28bf77d38"
+HASH = "05736ea534ca6134"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -113,8 +116,9 @@ SIZES = (1, 1, 1)
 UNITS = ("kg", "m", "N m^2")
 CONSTANTS = (
     "mass", "c2_1_2", "C3", "c6_2", "c8_1_1", "c8_2_2", "K_1_1", "K_2_2", "X_left", "X_right",
-    "minus_c2_1_2", "c6_2_over_c8_2_2_times_c6_2", "mass_times_2_pow_minus_44",
-    "c8_1_1_times_2_pow_minus_44", "c6_2_over_c8_2_2", "inverse_c8_2_2",
+    "inertia_phi_alpha1_alpha1", "inertia_phi", "force_phi_alpha2", "free_x2_alpha1",
+    "free_alpha1_alpha1", "free_alpha2_alpha2", "coupling_alpha2", "eliminated_phi",
+    "minus_c2_1_2",
 )
 MARKERS = ("left", "middle", "right")
 DEFAULTS = (1.0, 1.0, 1.0)
@@ -194,12 +198,12 @@ def setup(p):
     """Constants k from the parameters p: once for a set of parameters.
 
     p: parameters (3)
-    k: constants (16): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
-        minus_c2_1_2, c6_2_over_c8_2_2_times_c6_2, mass_times_2_pow_minus_44,
-        c8_1_1_times_2_pow_minus_44, c6_2_over_c8_2_2, inverse_c8_2_2
+    k: constants (19): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
+        inertia_phi_alpha1_alpha1, inertia_phi, force_phi_alpha2, free_x2_alpha1,
+        free_alpha1_alpha1, free_alpha2_alpha2, coupling_alpha2, eliminated_phi, minus_c2_1_2
 
     From appendix.
-    20 operations.
+    26 operations.
     """
     xp, batch, (p,) = _arrays(dict(p=3), p)
     p_m = p[0]
@@ -209,21 +213,27 @@ def setup(p):
     # integrals (appendix): shape integrals, stiffness, and constants computed from them
     c2_1_2 = p_m / 3
     t1 = p_l * p_l
-    C3 = t1 * p_m / 12
+    t2 = t1 * p_m
+    C3 = t2 / 12
     c6_2 = p_l * p_m / 10
     c8_1_1 = p_m / 5
     c8_2_2 = p_m / 7
-    t2 = p_EI / (t1 * p_l)
-    K_1_1 = 64 * t2
-    K_2_2 = 192 * t2
+    t3 = t1 * p_l
+    t4 = p_EI / t3
+    K_1_1 = 64 * t4
+    K_2_2 = 192 * t4
     X_right = 0.5 * p_l
     X_left = -X_right
+    inertia_phi_alpha1_alpha1 = (4 / 45) * p_m
+    inertia_phi = t2 / 75
+    force_phi_alpha2 = (672 / 5) * (p_EI / t1)
+    t5 = p_EI / (t3 * p_m)
+    free_x2_alpha1 = 240 * t5
+    free_alpha1_alpha1 = 720 * t5
+    free_alpha2_alpha2 = 1344 * t5
+    coupling_alpha2 = (7 / 10) * p_l
+    eliminated_phi = (7 / 100) * t2
     minus_c2_1_2 = -c2_1_2
-    inverse_c8_2_2 = 1 / c8_2_2
-    c6_2_over_c8_2_2 = c6_2 * inverse_c8_2_2
-    c6_2_over_c8_2_2_times_c6_2 = c6_2_over_c8_2_2 * c6_2
-    mass_times_2_pow_minus_44 = 5.684341886080802e-14 * p_m
-    c8_1_1_times_2_pow_minus_44 = 5.684341886080802e-14 * c8_1_1
 
     # constants: constants that the kernels read
     k_0 = p_m
@@ -236,12 +246,15 @@ def setup(p):
     k_7 = K_2_2
     k_8 = X_left
     k_9 = X_right
-    k_10 = minus_c2_1_2
-    k_11 = c6_2_over_c8_2_2_times_c6_2
-    k_12 = mass_times_2_pow_minus_44
-    k_13 = c8_1_1_times_2_pow_minus_44
-    k_14 = c6_2_over_c8_2_2
-    k_15 = inverse_c8_2_2
+    k_10 = inertia_phi_alpha1_alpha1
+    k_11 = inertia_phi
+    k_12 = force_phi_alpha2
+    k_13 = free_x2_alpha1
+    k_14 = free_alpha1_alpha1
+    k_15 = free_alpha2_alpha2
+    k_16 = coupling_alpha2
+    k_17 = eliminated_phi
+    k_18 = minus_c2_1_2
 
     # checks: checks of the parameters
     _require(xp.all(p_m > 0), 2, "m must be positive")
@@ -260,16 +273,20 @@ def setup(p):
     _require(xp.all(xp.isfinite(K_2_2)), 2, "K_2_2 is not finite")
     _require(xp.all(xp.isfinite(X_left)), 2, "X_left is not finite")
     _require(xp.all(xp.isfinite(X_right)), 2, "X_right is not finite")
+    _require(xp.all(xp.isfinite(inertia_phi_alpha1_alpha1)), 2, "inertia_phi_alpha1_alpha1 is not finite")
+    _require(xp.all(xp.isfinite(inertia_phi)), 2, "inertia_phi is not finite")
+    _require(xp.all(xp.isfinite(force_phi_alpha2)), 2, "force_phi_alpha2 is not finite")
+    _require(xp.all(xp.isfinite(free_x2_alpha1)), 2, "free_x2_alpha1 is not finite")
+    _require(xp.all(xp.isfinite(free_alpha1_alpha1)), 2, "free_alpha1_alpha1 is not finite")
+    _require(xp.all(xp.isfinite(free_alpha2_alpha2)), 2, "free_alpha2_alpha2 is not finite")
+    _require(xp.all(xp.isfinite(coupling_alpha2)), 2, "coupling_alpha2 is not finite")
+    _require(xp.all(xp.isfinite(eliminated_phi)), 2, "eliminated_phi is not finite")
     _require(xp.all(xp.isfinite(minus_c2_1_2)), 2, "minus_c2_1_2 is not finite")
-    _require(xp.all(xp.isfinite(c6_2_over_c8_2_2_times_c6_2)), 2, "c6_2_over_c8_2_2_times_c6_2 is not finite")
-    _require(xp.all(xp.isfinite(mass_times_2_pow_minus_44)), 2, "mass_times_2_pow_minus_44 is not finite")
-    _require(xp.all(xp.isfinite(c8_1_1_times_2_pow_minus_44)), 2, "c8_1_1_times_2_pow_minus_44 is not finite")
-    _require(xp.all(xp.isfinite(c6_2_over_c8_2_2)), 2, "c6_2_over_c8_2_2 is not finite")
-    _require(xp.all(xp.isfinite(inverse_c8_2_2)), 2, "inverse_c8_2_2 is not finite")
+    _require(xp.all(p_m > 0), 1, "the pivot of c1 vanished")
     _require(xp.all(c8_2_2 > 0), 1, "the pivot of alpha2 vanished")
 
     k = _stack(xp, batch, (k_0, k_1, k_2, k_3, k_4, k_5, k_6, k_7, k_8, k_9, k_10, k_11, k_12, k_13,
-        k_14, k_15))
+        k_14, k_15, k_16, k_17, k_18))
     return k
 
 
@@ -277,13 +294,13 @@ def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
     q: generalised coordinates (5)
-    k: constants from setup (16)
+    k: constants from setup (19)
     M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
 
     From (26), appendix, (15).
     15 operations.
     """
-    xp, batch, (q, k) = _arrays(dict(q=5, k=16), q, k)
+    xp, batch, (q, k) = _arrays(dict(q=5, k=19), q, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -293,7 +310,7 @@ def mass(q, k):
     c6_2 = k[3]
     c8_1_1 = k[4]
     c8_2_2 = k[5]
-    minus_c2_1_2 = k[10]
+    minus_c2_1_2 = k[18]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -331,13 +348,13 @@ def force(t, q, v, k):
     t: time (a free body does not depend on it)
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (16)
+    k: constants from setup (19)
     h: forces, one for each equation of motion (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
 
     From (26), appendix, (15).
     27 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=16), t, q, v, k)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=19), t, q, v, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -388,14 +405,14 @@ def mass_force(t, q, v, k):
     t: time (a free body does not depend on it)
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (16)
+    k: constants from setup (19)
     M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
     h: forces, one for each equation of motion (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
 
     From appendix, (15), (26).
     37 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=16), t, q, v, k)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=19), t, q, v, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -410,7 +427,7 @@ def mass_force(t, q, v, k):
     c8_2_2 = k[5]
     K_1_1 = k[6]
     K_2_2 = k[7]
-    minus_c2_1_2 = k[10]
+    minus_c2_1_2 = k[18]
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -467,18 +484,19 @@ def mass_force(t, q, v, k):
 
 
 def accel(t, q, v, k):
-    """Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
+    """Accelerations vdot of M vdot + h = 0, by elimination of the constant rows of M in the body
+        frame, fixed at generation time.
 
     t: time (a free body does not depend on it)
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (16)
+    k: constants from setup (19)
     vdot: accelerations (5): c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot
 
-    From (26), appendix, LDL^T.
-    96 operations.
+    From (26), LDL^T.
+    46 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=16), t, q, v, k)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=19), t, q, v, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -486,91 +504,53 @@ def accel(t, q, v, k):
     alpha1dot = v[3]
     alpha2dot = v[4]
     mass = k[0]
-    c2_1_2 = k[1]
-    C3 = k[2]
-    c8_1_1 = k[4]
+    c6_2 = k[3]
     c8_2_2 = k[5]
-    K_1_1 = k[6]
-    K_2_2 = k[7]
-    c6_2_over_c8_2_2_times_c6_2 = k[11]
-    mass_times_2_pow_minus_44 = k[12]
-    c8_1_1_times_2_pow_minus_44 = k[13]
-    c6_2_over_c8_2_2 = k[14]
-    inverse_c8_2_2 = k[15]
+    inertia_phi_alpha1_alpha1 = k[10]
+    inertia_phi = k[11]
+    force_phi_alpha2 = k[12]
+    free_x2_alpha1 = k[13]
+    free_alpha1_alpha1 = k[14]
+    free_alpha2_alpha2 = k[15]
+    coupling_alpha2 = k[16]
+    eliminated_phi = k[17]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
     sin_phi = xp.sin(phi)
 
-    # d1 (appendix): d1_2 = int rho r . e2
-    d1_2 = alpha1 * c2_1_2
+    # pivot (LDL^T): translations x in the body frame; eliminate x1, x2, alpha1, alpha2, phi
+    t1 = inertia_phi_alpha1_alpha1 * alpha1
+    t2 = c8_2_2 * alpha2
+    pivot_phi = alpha1 * t1 + alpha2 * t2 + inertia_phi
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
-    D2_1 = alpha1 * c8_1_1
-    D2_2 = alpha2 * c8_2_2
+    # solution (LDL^T): back substitution; x in the inertial frame
+    t3 = (1 / 3) * alpha1
+    t4 = phidot * phidot
+    t5 = (
+        ((force_phi_alpha2 - t4 * c6_2) * alpha2 - 2 * phidot * (alpha1dot * t1
+            + alpha2dot * t2)) / pivot_phi
+    )
+    t6 = (2 / 3) * (phidot * alpha1dot) + t3 * t5
+    t7 = free_x2_alpha1 * alpha1
+    t8 = t6 * cos_phi - t7 * sin_phi
+    vdot_0 = t8
+    t9 = t7 * cos_phi + t6 * sin_phi
+    vdot_1 = t9
+    vdot_2 = t5
+    t10 = (t4 - free_alpha1_alpha1) * alpha1
+    vdot_3 = t10
+    t11 = (t4 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t5
+    vdot_4 = t11
 
-    # J (appendix): J = int rho r . r
-    J = C3 + D2_1 * alpha1 + D2_2 * alpha2
-
-    # pivots (LDL^T): eliminate alpha2, phi, c2, alpha1, c1; fill-in 1
-    pivot_phi = J - c6_2_over_c8_2_2_times_c6_2
-    t1 = d1_2 * sin_phi
-    inverse_pivot_phi = 1 / pivot_phi
-    t2 = t1 * inverse_pivot_phi
-    pivot_c2 = mass - t2 * t1
-    t3 = c2_1_2 * cos_phi
-    inverse_pivot_c2 = 1 / pivot_c2
-    t4 = t3 * inverse_pivot_c2
-    pivot_alpha1 = c8_1_1 - t4 * t3
-    t5 = d1_2 * cos_phi
-    t6 = t5 * inverse_pivot_phi
-    t7 = t6 * t1
-    t8 = t7 * inverse_pivot_c2
-    t9 = t8 * t3 - c2_1_2 * sin_phi
-    inverse_pivot_alpha1 = 1 / pivot_alpha1
-    t10 = t9 * inverse_pivot_alpha1
-    pivot_c1 = mass - t6 * t5 - t8 * t7 - t10 * t9
-    valid_1 = (pivot_phi - 5.684341886080802e-14 * J) > 0
+    # check: check the pivot and that the result is finite
+    valid_1 = (pivot_phi - 5.684341886080802e-14 * (eliminated_phi + mass * (t3 * t3))) > 0
     _require(batch[0] or valid_1, 1, "the pivot of phi vanished")
-    valid_2 = (pivot_c2 - mass_times_2_pow_minus_44) > 0
-    _require(batch[0] or valid_2, 1, "the pivot of c2 vanished")
-    valid_3 = (pivot_alpha1 - c8_1_1_times_2_pow_minus_44) > 0
-    _require(batch[0] or valid_3, 1, "the pivot of alpha1 vanished")
-    valid_4 = (pivot_c1 - mass_times_2_pow_minus_44) > 0
-    _require(batch[0] or valid_4, 1, "the pivot of c1 vanished")
-
-    # d1dot (appendix): d1dot_2 = int rho rdot . e2
-    d1dot_2 = alpha1dot * c2_1_2
-
-    # D2dot (appendix): D2dot = int rho r . rdot
-    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
-
-    # solution (LDL^T): forward, diagonal and back substitution
-    t11 = phidot * phidot
-    t12 = K_2_2 * alpha2 - t11 * D2_2
-    t13 = 2 * phidot
-    t14 = c6_2_over_c8_2_2 * t12 - t13 * D2dot
-    t15 = t11 * d1_2
-    t16 = t13 * d1dot_2
-    t17 = t15 * cos_phi + t16 * sin_phi + t2 * t14
-    t18 = K_1_1 * alpha1 - t11 * D2_1 + t4 * t17
-    t19 = (t6 * t14 - (t15 * sin_phi - t16 * cos_phi) + t8 * t17 + t10 * t18) / pivot_c1
-    vdot_0 = t19
-    t20 = t18 * inverse_pivot_alpha1 + t10 * t19
-    t21 = t17 * inverse_pivot_c2 + t4 * t20 + t8 * t19
-    vdot_1 = t21
-    t22 = t14 * inverse_pivot_phi + t2 * t21 + t6 * t19
-    vdot_2 = t22
-    vdot_3 = -t20
-    t23 = t12 * inverse_c8_2_2 + c6_2_over_c8_2_2 * t22
-    vdot_4 = -t23
-
-    # check: check that the result is finite
-    valid_5 = xp.isfinite(t19 + t21 + t22 - t20 - t23)
-    _require(batch[0] or valid_5, 2, "an acceleration is not finite")
+    valid_2 = xp.isfinite(t8 + t9 + (t5 + (t10 + t11)))
+    _require(batch[0] or valid_2, 2, "an acceleration is not finite")
 
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5, vdot)
+    return _where(xp, valid_1 & valid_2, vdot)
 
 
 def energy(q, v, k):
@@ -578,13 +558,13 @@ def energy(q, v, k):
 
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (16)
+    k: constants from setup (19)
     energy: energies [J] (2): kinetic, strain
 
     From (26), appendix, (22).
     51 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -640,13 +620,13 @@ def momentum(q, v, k):
 
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (16)
+    k: constants from setup (19)
     momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
 
     From (26), appendix, (1).
     46 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
     c1 = q[0]
     c2 = q[1]
     phi = q[2]
@@ -703,13 +683,13 @@ def rates(q, v, k):
 
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (16)
+    k: constants from setup (19)
     qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
 
     From (1).
     0 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
     c1dot = v[0]
     c2dot = v[1]
     phidot = v[2]
@@ -732,7 +712,7 @@ def marker_left(q, v, k):
 
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (16)
+    k: constants from setup (19)
     x: position in the inertial frame [m] (2): x1, x2
     xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
@@ -740,7 +720,7 @@ def marker_left(q, v, k):
     From (14), (26), (1).
     28 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
     c1 = q[0]
     c2 = q[1]
     phi = q[2]
@@ -793,7 +773,7 @@ def marker_middle(q, v, k):
 
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (16)
+    k: constants from setup (19)
     x: position in the inertial frame [m] (2): x1, x2
     xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 5, 2 values
@@ -801,7 +781,7 @@ def marker_middle(q, v, k):
     From (1).
     0 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
     c1 = q[0]
     c2 = q[1]
     c1dot = v[0]
@@ -826,7 +806,7 @@ def marker_right(q, v, k):
 
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (16)
+    k: constants from setup (19)
     x: position in the inertial frame [m] (2): x1, x2
     xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
@@ -834,7 +814,7 @@ def marker_right(q, v, k):
     From (14), (26), (1).
     27 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
     c1 = q[0]
     c2 = q[1]
     phi = q[2]
@@ -888,14 +868,14 @@ def load_left(q, F, k):
 
     q: generalised coordinates (5)
     F: force at the marker, in the inertial frame [N] (2)
-    k: constants from setup (16)
+    k: constants from setup (19)
     f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
         f[alpha2]
 
     From (26), (10), (1).
     13 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=16), q, F, k)
+    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=19), q, F, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -930,14 +910,14 @@ def load_middle(q, F, k):
 
     q: generalised coordinates (5)
     F: force at the marker, in the inertial frame [N] (2)
-    k: constants from setup (16)
+    k: constants from setup (19)
     f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
         f[alpha2]
 
     From (10).
     0 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=16), q, F, k)
+    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=19), q, F, k)
     F_1 = F[0]
     F_2 = F[1]
 
@@ -957,14 +937,14 @@ def load_right(q, F, k):
 
     q: generalised coordinates (5)
     F: force at the marker, in the inertial frame [N] (2)
-    k: constants from setup (16)
+    k: constants from setup (19)
     f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
         f[alpha2]
 
     From (26), (10), (1).
     12 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=16), q, F, k)
+    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=19), q, F, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -1000,14 +980,14 @@ def residual(t, y, ydot, k):
     t: time (a free body does not depend on it)
     y: first-order state [q; v] (10)
     ydot: time derivative of y (10)
-    k: constants from setup (16)
+    k: constants from setup (19)
     F: residual, one for each state (10): c1, c2, phi, alpha1, alpha2, c1dot, c2dot, phidot,
         alpha1dot, alpha2dot
 
     From (26), appendix, (15).
     66 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=16), t, y, ydot, k)
+    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=19), t, y, ydot, k)
     phi = y[2]
     alpha1 = y[3]
     alpha2 = y[4]
@@ -1090,13 +1070,13 @@ def jacobian(t, y, ydot, cj, k):
     y: first-order state [q; v] (10)
     ydot: time derivative of y (10)
     cj: factor of dF/dydot
-    k: constants from setup (16)
+    k: constants from setup (19)
     jac: values of the iteration matrix by columns, 10 x 10, 37 values
 
     From (26), appendix, (15).
     110 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=16), t, y, ydot, cj, k)
+    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=19), t, y, ydot, cj, k)
     phi = y[2]
     alpha1 = y[3]
     alpha2 = y[4]

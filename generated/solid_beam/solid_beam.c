@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_3b2a35a532dba7c2
+#ifndef SOLID_BEAM_HASH_a739e7ef6487a1bc
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -790,8 +790,8 @@ int solid_beam_accel(
     vdot[13] = -t34;
 
     /* check: check that the result is finite */
-    if (!isfinite(t24 - t26 + t25 + t27 - t28 + t29 - t30 - t31 - t32 - t33
-        - t34)) return 2; /* an acceleration is not finite */
+    if (!isfinite(t24 - t26 + (t25 + (t27 - t28)) + (t29 - (t30 + t31) - (t32 + (t33
+        + t34))))) return 2; /* an acceleration is not finite */
     return 0;
 }
 
@@ -3429,7 +3429,8 @@ int solid_beam_accel_batch(
             const double t34 = t12 + d3_8_1 * t24;
             vdot_block[13][b] = -t34;
             double code_b = 0.0;
-            const double finite = t24 - t26 + t25 + t27 - t28 + t29 - t30 - t31 - t32 - t33 - t34;
+            const double finite = t24 - t26 + (t25 + (t27 - t28)) + (t29 - (t30 + t31) - (t32 + (t33
+                + t34)));
             code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
             code_b = pivot_pi1
                 - 5.684341886080802e-14 * J_11 > 0.0 ? code_b : 1.0; /* the pivot of pi1 vanished */

@@ -428,8 +428,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SOLID_BEAM_HASH "3b2a35a532dba7c2"
-#define SOLID_BEAM_HASH_3b2a35a532dba7c2
+#define SOLID_BEAM_HASH "a739e7ef6487a1bc"
+#define SOLID_BEAM_HASH_a739e7ef6487a1bc
 
 /* ---- sizes and indices ---- */
 

@@ -218,13 +218,13 @@ def test_setup_refuses_bad_parameters(place: int, symbol: str, bad: float) -> No
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize("model", ["mean_2", "point_2"])
-def test_accel_is_nan_where_a_pivot_vanishes_and_right_elsewhere(model: str) -> None:
+@pytest.mark.parametrize(("model", "inertia"), [("mean_2", "C3"), ("point_2", "inertia_phi")])
+def test_accel_is_nan_where_a_pivot_vanishes_and_right_elsewhere(model: str, inertia: str) -> None:
     names, c = module(model), native(model)
     q, v = beams.state(2)
     k = np.tile(c.setup(), (5, 1))
     for member, value in ((1, -1.0), (3, np.nan)):
-        k[member, names["CONSTANTS"].index("C3")] = value
+        k[member, names["CONSTANTS"].index(inertia)] = value
     found = names["accel"](0.0, q, v, k)
     assert np.array_equal(np.isnan(found).all(axis=1), [False, True, False, True, False])
     assert np.allclose(found[[0, 2, 4]], c.accel(0.0, q, v, c.setup()), rtol=1e-12, atol=0)

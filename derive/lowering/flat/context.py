@@ -22,7 +22,7 @@ from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import local, state_rate, t
-from derive.mechanics.terms import Intermediate, rotation_symbols
+from derive.mechanics.terms import Intermediate, ModelConstant, rotation_symbols
 
 
 @dataclass(frozen=True)
@@ -102,6 +102,11 @@ class Context:
             symbols.input(symbol, ScalarRef(symbol.name))
         define(symbols, eq.definitions)
         return symbols
+
+    def add_constant(self, constant: ModelConstant) -> None:
+        """Add a constant that setup computes from the parameters, for a kernel that follows."""
+        self.coefficients = (*self.coefficients, constant)
+        self.constants.coefficients |= {str(constant.symbol)}
 
     def definition_steps(self, symbols: Symbols) -> tuple[Step, ...]:
         """A step for each section of definitions that have a value in `symbols`, in the order of the derivation."""

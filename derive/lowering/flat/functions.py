@@ -12,11 +12,10 @@ from derive.ir.patterns import pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, array_input, define, stores
-from derive.lowering.flat.schedule import NamedValue, OutputValue, RequiredValue, Step
+from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step
 from derive.lowering.functions import ModelFunction, OutputElements
-from derive.lowering.ldlt import Factorisation, factorise, solve
+from derive.lowering.ldlt import Factorisation
 from derive.mechanics.symbols import state_rate
-from derive.roles import Source
 
 VANISHING = Fraction(1, 2**44)
 """A pivot counts as zero below this fraction of its diagonal entry, because rounding errors are of that size."""
@@ -48,32 +47,6 @@ def mass_force(context: Context, function: ModelFunction) -> Kernel:
         text = f"force and column of M of {context.rows[row]}"
         steps.append(Step(context.rows[row], "(15)", text, (h, *column)))
     return context.kernel(function, outputs, symbols, *steps)
-
-
-def accel(context: Context, function: ModelFunction) -> Kernel:
-    """The kernel of the accelerations vdot of M vdot + h = 0."""
-    symbols = context.symbols(context.q, context.v)
-    eq = context.equations
-    shape = context.mass_pattern()
-    entries = {(i, j): symbols(eq.mass[i, j]) for i, j in shape.entries}
-    factors = factorise(shape, entries)
-    solution = solve(factors, [-symbols(h) for h in eq.force])
-    pivots = list(zip(factors.pivots, factors.order, strict=True))
-    named = tuple(NamedValue(f"pivot_{context.rows[j]}", pivot) for pivot, j in pivots)
-    required = pivot_checks(symbols, factors, context.rows)
-    total = sum(solution[1:], start=solution[0])
-    finite = RequiredValue(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "an acceleration is not finite")
-    order = ", ".join(context.rows[j] for j in factors.order)
-    fill = f"fill-in {factors.fill}" if factors.fill else "no fill-in"
-    return context.kernel(
-        function,
-        {"vdot": OutputElements(context.accelerations)},
-        symbols,
-        Step("pivots", Source.FACTORISATION, f"eliminate {order}; {fill}", (*named, *required)),
-        Step("solution", Source.FACTORISATION, "forward, diagonal and back substitution", stores("vdot", solution)),
-        Step("check", "", "check that the result is finite", (finite,)),
-        method=", by a sparse LDL^T fixed at generation time.",
-    )
 
 
 def pivot_checks(symbols: Symbols, factors: Factorisation, names: tuple[str, ...]) -> tuple[RequiredValue, ...]:

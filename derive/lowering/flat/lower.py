@@ -8,7 +8,7 @@ from dataclasses import replace
 from derive.ir.model import Kernel, Model, Variable, Zero
 from derive.lowering.attitude import with_attitude_check
 from derive.lowering.elimination_orders import EliminationRule
-from derive.lowering.flat import constraints, dae, functions, outputs
+from derive.lowering.flat import accelerations, constraints, dae, functions, outputs
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.sensitivities import parameter_jacobian, solve_kkt, with_derivatives
@@ -23,7 +23,7 @@ OF_BODIES: Mapping[FunctionKind, Implementation] = {
     FunctionKind.MASS: functions.mass,
     FunctionKind.FORCE: functions.force,
     FunctionKind.MASS_FORCE: functions.mass_force,
-    FunctionKind.ACCEL: functions.accel,
+    FunctionKind.ACCEL: accelerations.accel,
     FunctionKind.ENERGY: functions.energy,
     FunctionKind.MOMENTUM: functions.momentum,
     FunctionKind.RATES: functions.rates,

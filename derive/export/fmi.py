@@ -1,0 +1,145 @@
+"""`--to fmu2`, `--to fmu3`: functional mock-up units, with their sources and a binary for this platform."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+
+from derive.artifacts import MARK, BinaryFile
+from derive.backends.description import LICENCE
+from derive.export.fmi_binaries import Platform, c_files, compiled, this_platform
+from derive.export.fmi_units import unit_definitions
+from derive.export.fmi_variables import Causality, FmiVariable, fmi_variables
+from derive.export.host_model import HostModel
+from derive.export.interface import RECORD, HostFile, Interface
+from derive.rendering import render
+from derive.simulation.initial.initial_state import scene_size
+from derive.spec.model.scene import Scene
+from derive.spec.model.scene_functions import breaks
+from derive.spec.model.simulation import Simulation
+from derive.version import VERSION
+
+INTEGRATOR = ("adaptive", "dormand_prince", "fixed_step")
+"""The parts of `templates/host` with which units integrate in co-simulation."""
+
+NO_SIMULATION = Simulation(duration=1.0, output=0.01)
+"""The default experiment of a specification that describes none."""
+
+ANGULAR = ("", "rad", "rad/s")
+"""The units of states that are no lengths or speeds: angles, quaternions, angular velocities."""
+
+
+def fmu(model: HostModel, version: int, platforms: Sequence[Platform]) -> bytes:
+    """The archive of a unit of FMI 2.0 (version 2) or 3.0 (3), with a binary for each platform.
+
+    Equal inputs give equal bytes, but for binaries of different compilers. Raises CompilerError.
+    """
+    sources = _sources(model, version)
+    token = _token(sources)
+    sources["model.c"] = _start(model, token)
+    content = {path: text.encode() for path, text in _descriptions(model, version, token, [*sources])}
+    content |= {f"sources/{name}": text.encode() for name, text in sources.items()}
+    for platform in platforms:
+        name = f"binaries/{platform.folder(version)}/{model.name}.{platform.ending}"
+        content[name] = compiled(sources, platform)
+    return _archive(content)
+
+
+def _archive(content: Mapping[str, bytes]) -> bytes:
+    """A zip archive, with one time for all files."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for path, data in content.items():
+            entry = zipfile.ZipInfo(path, (1980, 1, 1, 0, 0, 0))
+            entry.compress_type, entry.create_system, entry.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
+            archive.writestr(entry, data)
+    return buffer.getvalue()
+
+
+def _sources(model: HostModel, version: int) -> dict[str, str]:
+    """The C of a unit by file names, with a model.c that has no token yet."""
+    copies = [("host", f"{part}{ending}") for part in INTEGRATOR for ending in (".h", ".c")]
+    copies += [("export/fmi", name) for name in ("instance.h", "instance.c", f"fmi{version}.h", f"fmi{version}.c")]
+    every = {f"{model.name}.h": model.header.text, f"{model.name}.c": model.source.text}
+    for folder, name in copies:
+        values = {"mark": MARK, "origin": f"templates/{folder}/{name}", "name": model.name}
+        every[name] = render("export/fmi/copy.c.jinja", values) + render(f"{folder}/{name}", {})
+    return {**every, "model.c": _start(model, "")}
+
+
+def _token(sources: Mapping[str, str]) -> str:
+    """The hash of sources in the form of a GUID."""
+    digest = hashlib.sha256(VERSION.encode())
+    for name, text in sources.items():
+        digest.update(f"{name}\0{text}\0".encode())
+    x = digest.hexdigest()
+    return f"{{{x[:8]}-{x[8:12]}-{x[12:16]}-{x[16:20]}-{x[20:32]}}}"
+
+
+def _start(model: HostModel, token: str) -> str:
+    """The text of model.c."""
+    scene = model.spec if isinstance(model.spec, Scene) else None
+    length = 1.0 if scene is None else min(1.0, scene_size(scene))
+    values = {
+        "mark": MARK,
+        "licence": LICENCE,
+        "name": model.name,
+        "token": token,
+        "tolerance": _simulation(model).tolerance,
+        "started": (*model.inputs, *model.states),
+        "sizes": [1.0 if x.unit in ANGULAR else length for x in model.states],
+        "breaks": () if scene is None else breaks(scene),
+        "number": repr,
+    }
+    return render("export/fmi/model.c.jinja", values)
+
+
+def _simulation(model: HostModel) -> Simulation:
+    return model.spec.simulation or NO_SIMULATION
+
+
+def _descriptions(model: HostModel, version: int, token: str, sources: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """The paths and texts of the descriptions of a unit for importers."""
+    variables, simulation = fmi_variables(model), _simulation(model)
+    values = {
+        "mark": MARK,
+        "name": model.name,
+        "title": model.model.doc,
+        "tool": f"Tisserand {VERSION}",
+        "token": token,
+        "sources": c_files(sources),
+        "units": unit_definitions(x.unit for x in variables),
+        "variables": variables,
+        "structure": _structure(variables),
+        "duration": simulation.duration,
+        "interval": simulation.output,
+        "tolerance": simulation.tolerance,
+        "derivatives": False,
+        "number": repr,
+    }
+    yield "modelDescription.xml", render(f"export/fmi/modelDescription{version}.xml.jinja", values)
+    if version == 3:
+        yield "sources/buildDescription.xml", render("export/fmi/buildDescription.xml.jinja", values)
+
+
+def _structure(variables: Sequence[FmiVariable]) -> dict[str, list[FmiVariable]]:
+    """Which variables follow from others: outputs, derivatives, and all that the initialisation computes."""
+    outputs = [x for x in variables if x.causality is Causality.OUTPUT]
+    derivatives = [x for x in variables if x.derivative_of is not None]
+    initial = [x for x in variables if x.state or x.derivative_of is not None or x.causality is Causality.OUTPUT]
+    return {"Outputs": outputs, "Derivatives": derivatives, "InitialUnknowns": initial}
+
+
+def _files(version: int, model: HostModel) -> tuple[HostFile, ...]:
+    return (BinaryFile(f"{model.name}.fmu", fmu(model, version, [this_platform()]), record=RECORD),)
+
+
+def _interface(version: int) -> Interface:
+    doc = f"programs that take functional mock-up units of FMI {version}.0, for model exchange and co-simulation"
+    return Interface(doc, partial(_files, version), "fmpy validate {folder}/{name}.fmu")
+
+
+FMU2, FMU3 = _interface(2), _interface(3)

@@ -1,0 +1,132 @@
+"""The variables of functional mock-up units: structured names, causality and value references."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from itertools import chain
+
+import sympy as sp
+
+from derive.derivation import derive
+from derive.export.host_model import HostModel, HostVariable
+from derive.mechanics.equations import Equations
+from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.symbols import DOTS, Identity, identity, is_indexed
+
+
+class Causality(Enum):
+    """What a variable is for others; the value is its name in both versions of FMI."""
+
+    INDEPENDENT = "independent"
+    INPUT = "input"
+    PARAMETER = "parameter"
+    LOCAL = "local"
+    OUTPUT = "output"
+
+
+@dataclass(frozen=True)
+class FmiVariable:
+    """A scalar of a unit.
+
+    name: structured, such as rod.alpha[1] or der(rod.alpha[1]). reference: its value reference. unit: that of SI, ""
+    without one. start: of inputs, parameters and states. derivative_of: the reference of the state whose time
+    derivative it is. state: whether it is a continuous state.
+    """
+
+    name: str
+    reference: int
+    causality: Causality
+    unit: str
+    doc: str
+    start: float | None = None
+    derivative_of: int | None = None
+    state: bool = False
+
+    @property
+    def variability(self) -> str | None:
+        """Of parameters, which can be set between steps; all others are continuous."""
+        return "tunable" if self.causality is Causality.PARAMETER else "continuous"
+
+    @property
+    def initial(self) -> str | None:
+        """How the start value is meant: that of a state may change, so that it meets the constraints."""
+        if self.state:
+            return "approx"
+        return "exact" if self.causality is Causality.PARAMETER else None
+
+
+def fmi_variables(model: HostModel) -> tuple[FmiVariable, ...]:
+    """All variables of a model, in the order of the value references of `templates/export/fmi/instance.h`."""
+    states, multipliers = _names_of_states(model), []
+    derived = derive(model.spec)
+    if isinstance(derived, Mechanism):
+        multipliers = list(_counted(constraint.of for constraint in derived.expanded().constraints))
+    outputs = _output_names(derived) if isinstance(derived, Mechanism) else []
+    parts = model.model.kernel("energy").outputs[0].elements
+    energies = [HostVariable(f"energy.{part}", "J", f"{part} energy", None) for part in parts]
+    first_state = 1 + len(model.inputs) + len(model.parameters)
+    local, every = Causality.LOCAL, list[FmiVariable]()
+
+    def add(names: Iterable[str], given: Sequence[HostVariable], causality: Causality, state: bool = False) -> None:
+        for name, x in zip(names, given, strict=True):
+            every.append(FmiVariable(name, len(every), causality, x.unit, x.doc, x.start, None, state))
+
+    add(["time"], [HostVariable("time", "s", "time", None)], Causality.INDEPENDENT)
+    add((u.name for u in model.inputs), model.inputs, Causality.INPUT)
+    add((p.name for p in model.parameters), model.parameters, Causality.PARAMETER)
+    add(states, model.states, local, state=True)
+    for k, (name, x) in enumerate(zip(states, model.states, strict=True)):
+        unit, doc = _rate_unit(x.unit), f"time derivative of {name}"
+        every.append(FmiVariable(f"der({name})", len(every), local, unit, doc, None, first_state + k))
+    add(outputs, model.outputs, Causality.OUTPUT)
+    add((x.name for x in energies), energies, local)
+    add(multipliers, model.multipliers, local)
+    return tuple(every)
+
+
+def _rate_unit(unit: str) -> str:
+    """The unit of a time derivative."""
+    known = {"": "1/s", "m/s": "m/s^2", "rad/s": "rad/s^2", "1/s": "1/s^2"}
+    return known.get(unit, f"{unit}/s")
+
+
+def _names_of_states(model: HostModel) -> list[str]:
+    derived = derive(model.spec)
+    equations = derived.expanded() if isinstance(derived, Mechanism) else derived
+    symbols = chain((c.q for c in equations.coordinates), (row.v for row in equations.rows))
+    return [_structured(part) for symbol in symbols for part in _elements(symbol, equations)]
+
+
+def _elements(symbol: sp.Basic, equations: Equations) -> Iterator[Identity]:
+    """The identity of a symbol, or those of all shapes that a generic symbol stands for."""
+    known = identity(symbol)
+    if is_indexed(symbol):
+        yield from (replace(known, shapes=(shape,)) for shape in range(1, equations.modes + 1))
+    else:
+        yield known
+
+
+def _structured(known: Identity) -> str:
+    """A name such as rod.alpha[1]."""
+    indices = ",".join(map(str, (*known.shapes, *known.components)))
+    stem = f"{known.family.stem}{DOTS[known.derivative]}"
+    return f"{known.owner}{'.' if known.owner else ''}{stem}{f'[{indices}]' if indices else ''}"
+
+
+def _counted(owners: Iterable[str]) -> Iterator[str]:
+    """The multipliers of each joint and drive, counted from 1."""
+    counts: dict[str, int] = {}
+    for owner in owners:
+        counts[owner] = counts.get(owner, 0) + 1
+        yield f"{owner}.lambda[{counts[owner]}]"
+
+
+def _output_names(mechanism: Mechanism) -> list[str]:
+    """The components of each output: tip[1] and tip[2] where these are along axes, else support.torque."""
+    names = []
+    for output in mechanism.outputs:
+        for label in output.type.labels:
+            names.append(output.name + (f"[{label}]" if label.isdecimal() else f".{label}" if label else ""))
+    return names
