@@ -336,8 +336,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "dd102c2d61d66904"
-#define BLOCK_HASH_dd102c2d61d66904
+#define BLOCK_HASH "b16caba3b5443886"
+#define BLOCK_HASH_b16caba3b5443886
 
 /* ---- sizes and indices ---- */
 

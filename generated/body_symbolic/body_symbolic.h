@@ -258,8 +258,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "4124d8d2a58266f1"
-#define BODY_SYMBOLIC_HASH_4124d8d2a58266f1
+#define BODY_SYMBOLIC_HASH "d37a15e25ffc65f6"
+#define BODY_SYMBOLIC_HASH_d37a15e25ffc65f6
 
 /* ---- sizes and indices ---- */
 

@@ -310,8 +310,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define CRANK_SLIDER_3_HASH "326a6e2b33ddb0aa"
-#define CRANK_SLIDER_3_HASH_326a6e2b33ddb0aa
+#define CRANK_SLIDER_3_HASH "fb7a5cc2f64d2625"
+#define CRANK_SLIDER_3_HASH_fb7a5cc2f64d2625
 
 /* ---- sizes and indices ---- */
 

@@ -140,6 +140,9 @@ Arrays may have leading batch axes, which broadcast; the last axis is the one de
 values in the order of their pattern; `dense` unfolds them.
 """
 
+import functools
+import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy
@@ -167,7 +170,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "crank_slider_3"
-HASH = "326a6e2b33ddb0aa"
+HASH = "fb7a5cc2f64d2625"
 COORDINATES = (
     "rod_1_c1", "rod_1_c2", "rod_1_phi", "rod_1_alpha1", "rod_1_alpha2", "rod_2_c1", "rod_2_c2",
     "rod_2_phi", "rod_2_alpha1", "rod_2_alpha2", "rod_3_c1", "rod_3_c2", "rod_3_phi",
@@ -349,6 +352,46 @@ def dense(pattern, values):
     return matrix
 
 
+def _in_numbers(function):
+    """A function of numbers, which has another try with arrays where numbers raise errors: 1 / 0 is inf there."""
+
+    @functools.wraps(function)
+    def call(*arguments, **named):
+        try:
+            return function(*arguments, **named)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass
+        arguments = [_as_list(value) for value in arguments]
+        return function(*arguments, **{name: _as_list(value) for name, value in named.items()})
+
+    return call
+
+
+def _as_list(value):
+    """A vector of NumPy as a list, which functions convert to arrays again."""
+    return value.tolist() if type(value) is _ARRAY and value.ndim == 1 else value
+
+
+_ARRAY, _DOUBLE = numpy.ndarray, numpy.dtype(numpy.float64)
+_SINGLE = (), _DOUBLE
+_NUMBERS = SimpleNamespace(
+    sin=math.sin,
+    cos=math.cos,
+    sqrt=math.sqrt,
+    exp=math.exp,
+    log=math.log,
+    tanh=math.tanh,
+    atan2=math.atan2,
+    minimum=lambda a, b: a if a <= b or a != a else b,
+    maximum=lambda a, b: a if a >= b or a != a else b,
+    where=lambda condition, a, b: a if condition else b,
+    logical_not=lambda condition: not condition,
+    isfinite=math.isfinite,
+)
+"""The functions of an array namespace for the numbers of a single state, which are faster than arrays without axes."""
+
 def setup(p):
     """Constants k from the parameters p: once for a set of parameters.
 
@@ -374,7 +417,11 @@ def mass(q, k):
     From appendix, (15).
     18 operations.
     """
-    xp, batch, (q, k) = _arrays(dict(q=16, k=0), q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (16,) and
+        k.shape == (0,)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (q, k) = _arrays(dict(q=16, k=0), q, k)
     rod_1_alpha1 = q[3]
     rod_1_alpha2 = q[4]
     rod_2_alpha1 = q[8]
@@ -442,7 +489,11 @@ def force(t, q, v, k):
     From appendix, (15).
     42 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=16, v=16, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=16, v=16, k=0), t, q, v, k)
     rod_1_alpha1 = q[3]
     rod_1_alpha2 = q[4]
     rod_2_alpha1 = q[8]
@@ -523,7 +574,11 @@ def mass_force(t, q, v, k):
     From (15), appendix.
     54 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=16, v=16, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=16, v=16, k=0), t, q, v, k)
     rod_1_alpha1 = q[3]
     rod_1_alpha2 = q[4]
     rod_2_alpha1 = q[8]
@@ -644,6 +699,7 @@ def mass_force(t, q, v, k):
     return M, h
 
 
+@_in_numbers
 def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
 
@@ -659,7 +715,11 @@ def accel(t, q, v, k):
     From (26), appendix, (1), LDL^T.
     922 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=16, v=16, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=16, v=16, k=0), t, q, v, k)
     rod_1_phi = q[2]
     rod_1_alpha1 = q[3]
     rod_1_alpha2 = q[4]
@@ -1171,7 +1231,11 @@ def energy(q, v, k):
     From appendix, (22).
     84 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
     rod_1_alpha1 = q[3]
     rod_1_alpha2 = q[4]
     rod_2_alpha1 = q[8]
@@ -1259,7 +1323,11 @@ def momentum(q, v, k):
     From appendix, (1).
     53 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
     rod_1_c1 = q[0]
     rod_1_c2 = q[1]
     rod_1_alpha1 = q[3]
@@ -1340,7 +1408,11 @@ def rates(q, v, k):
     From (1).
     0 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
     rod_1_c1dot = v[0]
     rod_1_c2dot = v[1]
     rod_1_phidot = v[2]
@@ -1381,6 +1453,7 @@ def rates(q, v, k):
     return qdot
 
 
+@_in_numbers
 def marker_rod_left(q, v, k):
     """Marker rod_left, material point at xi = -1 of rod_1: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1395,7 +1468,11 @@ def marker_rod_left(q, v, k):
     From (1).
     28 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
     rod_1_c1 = q[0]
     rod_1_c2 = q[1]
     rod_1_phi = q[2]
@@ -1443,6 +1520,7 @@ def marker_rod_left(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_rod_middle(q, v, k):
     """Marker rod_middle, material point at xi = 0 of rod_2: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1457,7 +1535,11 @@ def marker_rod_middle(q, v, k):
     From (1), (26).
     19 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
     rod_2_c1 = q[5]
     rod_2_c2 = q[6]
     rod_2_phi = q[7]
@@ -1500,6 +1582,7 @@ def marker_rod_middle(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_rod_right(q, v, k):
     """Marker rod_right, material point at xi = 1 of rod_3: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1514,7 +1597,11 @@ def marker_rod_right(q, v, k):
     From (1).
     27 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
     rod_3_c1 = q[10]
     rod_3_c2 = q[11]
     rod_3_phi = q[12]
@@ -1576,7 +1663,11 @@ def marker_slider_pin(q, v, k):
     From (1).
     0 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=16, v=16, k=0), q, v, k)
     slider_s = q[15]
     slider_sdot = v[15]
 
@@ -1593,6 +1684,7 @@ def marker_slider_pin(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def load_rod_left(q, F, k):
     """Generalised forces f of a force at marker rod_left: then M vdot + h = f.
 
@@ -1607,7 +1699,11 @@ def load_rod_left(q, F, k):
     From (26), (10), (1).
     13 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=16, F=2, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (16,) and F.shape == (2,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=16, F=2, k=0), q, F, k)
     rod_1_phi = q[2]
     rod_1_alpha1 = q[3]
     rod_1_alpha2 = q[4]
@@ -1650,6 +1746,7 @@ def load_rod_left(q, F, k):
     return f
 
 
+@_in_numbers
 def load_rod_middle(q, F, k):
     """Generalised forces f of a force at marker rod_middle: then M vdot + h = f.
 
@@ -1664,7 +1761,11 @@ def load_rod_middle(q, F, k):
     From (26), (10).
     11 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=16, F=2, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (16,) and F.shape == (2,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=16, F=2, k=0), q, F, k)
     rod_2_phi = q[7]
     rod_2_alpha1 = q[8]
     F_1 = F[0]
@@ -1702,6 +1803,7 @@ def load_rod_middle(q, F, k):
     return f
 
 
+@_in_numbers
 def load_rod_right(q, F, k):
     """Generalised forces f of a force at marker rod_right: then M vdot + h = f.
 
@@ -1716,7 +1818,11 @@ def load_rod_right(q, F, k):
     From (26), (10), (1).
     12 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=16, F=2, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (16,) and F.shape == (2,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=16, F=2, k=0), q, F, k)
     rod_3_phi = q[12]
     rod_3_alpha1 = q[13]
     rod_3_alpha2 = q[14]
@@ -1773,7 +1879,11 @@ def load_slider_pin(q, F, k):
     From (10).
     0 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=16, F=2, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (16,) and F.shape == (2,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=16, F=2, k=0), q, F, k)
     F_1 = F[0]
 
     # f (10): virtual work of the force
@@ -1799,6 +1909,7 @@ def load_slider_pin(q, F, k):
     return f
 
 
+@_in_numbers
 def constraints(t, q, k):
     """Constraints g(t, q) = 0.
 
@@ -1811,7 +1922,11 @@ def constraints(t, q, k):
     From (1), (26).
     90 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=16, k=0), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (16,) and
+        k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=16, k=0), t, q, k)
     rod_1_c1 = q[0]
     rod_1_c2 = q[1]
     rod_1_phi = q[2]
@@ -1909,6 +2024,7 @@ def constraints(t, q, k):
     return g
 
 
+@_in_numbers
 def constraint_rates(t, q, v, k):
     """Time derivatives of the constraints, gdot = G v + dg/dt.
 
@@ -1923,7 +2039,11 @@ def constraint_rates(t, q, v, k):
     From (1), (26).
     134 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=16, v=16, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=16, v=16, k=0), t, q, v, k)
     rod_1_phi = q[2]
     rod_1_alpha1 = q[3]
     rod_1_alpha2 = q[4]
@@ -2069,6 +2189,7 @@ def constraint_rates(t, q, v, k):
     return gdot
 
 
+@_in_numbers
 def constraint_jacobian(t, q, k):
     """Jacobian G = d gdot / dv of the constraints: values by columns.
 
@@ -2080,7 +2201,11 @@ def constraint_jacobian(t, q, k):
     From (26), (1), (6).
     60 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=16, k=0), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (16,) and
+        k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=16, k=0), t, q, k)
     rod_1_phi = q[2]
     rod_1_alpha1 = q[3]
     rod_1_alpha2 = q[4]
@@ -2216,6 +2341,7 @@ def constraint_jacobian(t, q, k):
     return G
 
 
+@_in_numbers
 def constraint_bias(t, q, v, k):
     """Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
 
@@ -2230,7 +2356,11 @@ def constraint_bias(t, q, v, k):
     From (1), (26), (5).
     129 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=16, v=16, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=16, v=16, k=0), t, q, v, k)
     rod_1_phi = q[2]
     rod_1_alpha1 = q[3]
     rod_1_alpha2 = q[4]
@@ -2362,6 +2492,7 @@ def constraint_bias(t, q, v, k):
     return gamma
 
 
+@_in_numbers
 def solve(t, q, v, k):
     """Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
 
@@ -2380,7 +2511,11 @@ def solve(t, q, v, k):
     From (26), appendix, (1), LDL^T.
     932 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=16, v=16, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (16,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=16, v=16, k=0), t, q, v, k)
     rod_1_phi = q[2]
     rod_1_alpha1 = q[3]
     rod_1_alpha2 = q[4]
@@ -2893,6 +3028,7 @@ def solve(t, q, v, k):
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13 & valid_14, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13 & valid_14, lam)
 
 
+@_in_numbers
 def project_velocity(t, q, k, r):
     """The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
         -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
@@ -2909,7 +3045,11 @@ def project_velocity(t, q, k, r):
     From (26), appendix, (1), LDL^T.
     725 operations.
     """
-    xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=16, k=0, r=10), t, q, k, r)
+    if (type(q) is type(k) is type(r) is _ARRAY and q.dtype is k.dtype is r.dtype is _DOUBLE and
+        q.shape == (16,) and k.shape == (0,) and r.shape == (10,) and isinstance(t, float)):
+        xp, batch, q, k, r = _NUMBERS, _SINGLE, q.tolist(), k.tolist(), r.tolist()
+    else:
+        xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=16, k=0, r=10), t, q, k, r)
     rod_1_phi = q[2]
     rod_1_alpha1 = q[3]
     rod_1_alpha2 = q[4]
@@ -3321,7 +3461,11 @@ def poses(t, q, k):
     From (1).
     1 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=16, k=0), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (16,) and
+        k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=16, k=0), t, q, k)
     rod_1_c1 = q[0]
     rod_1_c2 = q[1]
     rod_1_phi = q[2]
@@ -3358,6 +3502,7 @@ def poses(t, q, k):
     return pose
 
 
+@_in_numbers
 def residual(t, y, ydot, k):
     """Residual F(t, y, ydot) of index 3: [qdot - v; M vdot + h - G^T lambda; g].
 
@@ -3377,7 +3522,11 @@ def residual(t, y, ydot, k):
     From (1), (26), appendix, (15).
     275 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=42, ydot=42, k=0), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (42,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=42, ydot=42, k=0), t, y, ydot, k)
     rod_1_c1 = y[0]
     rod_1_c2 = y[1]
     rod_1_phi = y[2]
@@ -3651,6 +3800,7 @@ def residual(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of index 3: [qdot - v; M vdot + h - G^T lambda; g]: values
         by columns, diagonal included.
@@ -3665,7 +3815,12 @@ def jacobian(t, y, ydot, cj, k):
     From (26), appendix, (1), (15).
     247 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=42, ydot=42, cj=None, k=0), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (42,) and k.shape == (0,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=42, ydot=42, cj=None, k=0), t, y, ydot, cj, k)
     rod_1_phi = y[2]
     rod_1_alpha1 = y[3]
     rod_1_alpha2 = y[4]
@@ -4089,6 +4244,7 @@ def jacobian(t, y, ydot, cj, k):
     return jac
 
 
+@_in_numbers
 def residual_ggl(t, y, ydot, k):
     """Residual F(t, y, ydot) of stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T lambda; gdot;
         g].
@@ -4111,7 +4267,11 @@ def residual_ggl(t, y, ydot, k):
     From (1), (26), appendix, (15).
     446 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=52, ydot=52, k=0), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (52,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=52, ydot=52, k=0), t, y, ydot, k)
     rod_1_c1 = y[0]
     rod_1_c2 = y[1]
     rod_1_phi = y[2]
@@ -4474,6 +4634,7 @@ def residual_ggl(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian_ggl(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T
         lambda; gdot; g]: values by columns, diagonal included.
@@ -4488,7 +4649,12 @@ def jacobian_ggl(t, y, ydot, cj, k):
     From (26), appendix, (1), (15).
     367 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=52, ydot=52, cj=None, k=0), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (52,) and k.shape == (0,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=52, ydot=52, cj=None, k=0), t, y, ydot, cj, k)
     rod_1_phi = y[2]
     rod_1_alpha1 = y[3]
     rod_1_alpha2 = y[4]
@@ -5168,6 +5334,7 @@ def jacobian_ggl(t, y, ydot, cj, k):
     return jac
 
 
+@_in_numbers
 def residual_index1(t, y, ydot, k):
     """Residual F(t, y, ydot) of index 1: [qdot - v; M vdot + h - G^T lambda; G vdot - gamma].
 
@@ -5187,7 +5354,11 @@ def residual_index1(t, y, ydot, k):
     From (1), (26), appendix, (15).
     390 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=42, ydot=42, k=0), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (42,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=42, ydot=42, k=0), t, y, ydot, k)
     rod_1_phi = y[2]
     rod_1_alpha1 = y[3]
     rod_1_alpha2 = y[4]
@@ -5511,6 +5682,7 @@ def residual_index1(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian_index1(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of index 1: [qdot - v; M vdot + h - G^T lambda; G vdot -
         gamma]: values by columns, diagonal included.
@@ -5525,7 +5697,12 @@ def jacobian_index1(t, y, ydot, cj, k):
     From (26), appendix, (1), (15).
     471 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=42, ydot=42, cj=None, k=0), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (42,) and k.shape == (0,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=42, ydot=42, cj=None, k=0), t, y, ydot, cj, k)
     rod_1_phi = y[2]
     rod_1_alpha1 = y[3]
     rod_1_alpha2 = y[4]
@@ -6059,9 +6236,6 @@ def jacobian_index1(t, y, ydot, cj, k):
     return jac
 
 
-_DOUBLE = numpy.dtype(numpy.float64)
-
-
 def _arrays(sizes, *values):
     """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
 
@@ -6114,6 +6288,8 @@ def _empty(xp, batch, size):
 
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
+    if xp is _NUMBERS:
+        return numpy.array(elements, _DOUBLE)
     shape, dtype = batch
     if xp is numpy and not shape:
         return numpy.array(elements, dtype)
@@ -6130,7 +6306,7 @@ def _stack(xp, batch, elements):
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
-    if not valid.shape:
+    if xp is _NUMBERS or not valid.shape:
         return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 

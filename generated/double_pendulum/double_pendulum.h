@@ -293,8 +293,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "881b0b22c15683b9"
-#define DOUBLE_PENDULUM_HASH_881b0b22c15683b9
+#define DOUBLE_PENDULUM_HASH "1432f0ee3da8644e"
+#define DOUBLE_PENDULUM_HASH_1432f0ee3da8644e
 
 /* ---- sizes and indices ---- */
 

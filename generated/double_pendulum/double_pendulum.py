@@ -128,6 +128,9 @@ Arrays may have leading batch axes, which broadcast; the last axis is the one de
 values in the order of their pattern; `dense` unfolds them.
 """
 
+import functools
+import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy
@@ -155,7 +158,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "881b0b22c15683b9"
+HASH = "1432f0ee3da8644e"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",
@@ -330,6 +333,46 @@ def dense(pattern, values):
     return matrix
 
 
+def _in_numbers(function):
+    """A function of numbers, which has another try with arrays where numbers raise errors: 1 / 0 is inf there."""
+
+    @functools.wraps(function)
+    def call(*arguments, **named):
+        try:
+            return function(*arguments, **named)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass
+        arguments = [_as_list(value) for value in arguments]
+        return function(*arguments, **{name: _as_list(value) for name, value in named.items()})
+
+    return call
+
+
+def _as_list(value):
+    """A vector of NumPy as a list, which functions convert to arrays again."""
+    return value.tolist() if type(value) is _ARRAY and value.ndim == 1 else value
+
+
+_ARRAY, _DOUBLE = numpy.ndarray, numpy.dtype(numpy.float64)
+_SINGLE = (), _DOUBLE
+_NUMBERS = SimpleNamespace(
+    sin=math.sin,
+    cos=math.cos,
+    sqrt=math.sqrt,
+    exp=math.exp,
+    log=math.log,
+    tanh=math.tanh,
+    atan2=math.atan2,
+    minimum=lambda a, b: a if a <= b or a != a else b,
+    maximum=lambda a, b: a if a >= b or a != a else b,
+    where=lambda condition, a, b: a if condition else b,
+    logical_not=lambda condition: not condition,
+    isfinite=math.isfinite,
+)
+"""The functions of an array namespace for the numbers of a single state, which are faster than arrays without axes."""
+
 def setup(p):
     """Constants k from the parameters p: once for a set of parameters.
 
@@ -355,7 +398,11 @@ def mass(q, k):
     From appendix, (15).
     12 operations.
     """
-    xp, batch, (q, k) = _arrays(dict(q=10, k=0), q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (10,) and
+        k.shape == (0,)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (q, k) = _arrays(dict(q=10, k=0), q, k)
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
     lower_alpha1 = q[8]
@@ -406,7 +453,11 @@ def force(t, q, v, k):
     From appendix, (15).
     28 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
     lower_alpha1 = q[8]
@@ -466,7 +517,11 @@ def mass_force(t, q, v, k):
     From appendix, (15).
     36 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
     lower_alpha1 = q[8]
@@ -545,6 +600,7 @@ def mass_force(t, q, v, k):
     return M, h
 
 
+@_in_numbers
 def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
 
@@ -559,7 +615,11 @@ def accel(t, q, v, k):
     From (26), appendix, (1), LDL^T.
     325 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
     upper_phi = q[2]
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
@@ -773,7 +833,11 @@ def energy(q, v, k):
     From appendix, (22).
     59 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
     upper_c2 = q[1]
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
@@ -844,7 +908,11 @@ def momentum(q, v, k):
     From appendix, (1).
     33 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
     upper_c1 = q[0]
     upper_c2 = q[1]
     upper_alpha1 = q[3]
@@ -901,7 +969,11 @@ def rates(q, v, k):
     From (1).
     0 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
     upper_c1dot = v[0]
     upper_c2dot = v[1]
     upper_phidot = v[2]
@@ -930,6 +1002,7 @@ def rates(q, v, k):
     return qdot
 
 
+@_in_numbers
 def marker_upper_left(q, v, k):
     """Marker upper_left, material point at xi = -1 of upper: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -944,7 +1017,11 @@ def marker_upper_left(q, v, k):
     From (1).
     28 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
     upper_c1 = q[0]
     upper_c2 = q[1]
     upper_phi = q[2]
@@ -992,6 +1069,7 @@ def marker_upper_left(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_upper_middle(q, v, k):
     """Marker upper_middle, material point at xi = 0 of upper: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1006,7 +1084,11 @@ def marker_upper_middle(q, v, k):
     From (1), (26).
     19 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
     upper_c1 = q[0]
     upper_c2 = q[1]
     upper_phi = q[2]
@@ -1049,6 +1131,7 @@ def marker_upper_middle(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_upper_right(q, v, k):
     """Marker upper_right, material point at xi = 1 of upper: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1063,7 +1146,11 @@ def marker_upper_right(q, v, k):
     From (1).
     27 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
     upper_c1 = q[0]
     upper_c2 = q[1]
     upper_phi = q[2]
@@ -1112,6 +1199,7 @@ def marker_upper_right(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_lower_left(q, v, k):
     """Marker lower_left, material point at xi = -1 of lower: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1126,7 +1214,11 @@ def marker_lower_left(q, v, k):
     From (1).
     28 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
     lower_c1 = q[5]
     lower_c2 = q[6]
     lower_phi = q[7]
@@ -1174,6 +1266,7 @@ def marker_lower_left(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_lower_middle(q, v, k):
     """Marker lower_middle, material point at xi = 0 of lower: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1188,7 +1281,11 @@ def marker_lower_middle(q, v, k):
     From (1), (26).
     19 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
     lower_c1 = q[5]
     lower_c2 = q[6]
     lower_phi = q[7]
@@ -1231,6 +1328,7 @@ def marker_lower_middle(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_lower_right(q, v, k):
     """Marker lower_right, material point at xi = 1 of lower: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1245,7 +1343,11 @@ def marker_lower_right(q, v, k):
     From (1).
     27 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
     lower_c1 = q[5]
     lower_c2 = q[6]
     lower_phi = q[7]
@@ -1294,6 +1396,7 @@ def marker_lower_right(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def load_upper_left(q, F, k):
     """Generalised forces f of a force at marker upper_left: then M vdot + h = f.
 
@@ -1307,7 +1410,11 @@ def load_upper_left(q, F, k):
     From (26), (10), (1).
     13 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (10,) and F.shape == (2,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
     upper_phi = q[2]
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
@@ -1343,6 +1450,7 @@ def load_upper_left(q, F, k):
     return f
 
 
+@_in_numbers
 def load_upper_middle(q, F, k):
     """Generalised forces f of a force at marker upper_middle: then M vdot + h = f.
 
@@ -1356,7 +1464,11 @@ def load_upper_middle(q, F, k):
     From (26), (10).
     11 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (10,) and F.shape == (2,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
     upper_phi = q[2]
     upper_alpha1 = q[3]
     F_1 = F[0]
@@ -1387,6 +1499,7 @@ def load_upper_middle(q, F, k):
     return f
 
 
+@_in_numbers
 def load_upper_right(q, F, k):
     """Generalised forces f of a force at marker upper_right: then M vdot + h = f.
 
@@ -1400,7 +1513,11 @@ def load_upper_right(q, F, k):
     From (26), (10), (1).
     12 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (10,) and F.shape == (2,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
     upper_phi = q[2]
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
@@ -1436,6 +1553,7 @@ def load_upper_right(q, F, k):
     return f
 
 
+@_in_numbers
 def load_lower_left(q, F, k):
     """Generalised forces f of a force at marker lower_left: then M vdot + h = f.
 
@@ -1449,7 +1567,11 @@ def load_lower_left(q, F, k):
     From (26), (10), (1).
     13 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (10,) and F.shape == (2,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
     lower_phi = q[7]
     lower_alpha1 = q[8]
     lower_alpha2 = q[9]
@@ -1485,6 +1607,7 @@ def load_lower_left(q, F, k):
     return f
 
 
+@_in_numbers
 def load_lower_middle(q, F, k):
     """Generalised forces f of a force at marker lower_middle: then M vdot + h = f.
 
@@ -1498,7 +1621,11 @@ def load_lower_middle(q, F, k):
     From (26), (10).
     11 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (10,) and F.shape == (2,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
     lower_phi = q[7]
     lower_alpha1 = q[8]
     F_1 = F[0]
@@ -1529,6 +1656,7 @@ def load_lower_middle(q, F, k):
     return f
 
 
+@_in_numbers
 def load_lower_right(q, F, k):
     """Generalised forces f of a force at marker lower_right: then M vdot + h = f.
 
@@ -1542,7 +1670,11 @@ def load_lower_right(q, F, k):
     From (26), (10), (1).
     12 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (10,) and F.shape == (2,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
     lower_phi = q[7]
     lower_alpha1 = q[8]
     lower_alpha2 = q[9]
@@ -1578,6 +1710,7 @@ def load_lower_right(q, F, k):
     return f
 
 
+@_in_numbers
 def constraints(t, q, k):
     """Constraints g(t, q) = 0.
 
@@ -1589,7 +1722,11 @@ def constraints(t, q, k):
     From (26), (1).
     33 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (10,) and
+        k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
     upper_c1 = q[0]
     upper_c2 = q[1]
     upper_phi = q[2]
@@ -1639,6 +1776,7 @@ def constraints(t, q, k):
     return g
 
 
+@_in_numbers
 def constraint_rates(t, q, v, k):
     """Time derivatives of the constraints, gdot = G v + dg/dt.
 
@@ -1651,7 +1789,11 @@ def constraint_rates(t, q, v, k):
     From (26), (1).
     54 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
     upper_phi = q[2]
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
@@ -1719,6 +1861,7 @@ def constraint_rates(t, q, v, k):
     return gdot
 
 
+@_in_numbers
 def constraint_jacobian(t, q, k):
     """Jacobian G = d gdot / dv of the constraints: values by columns.
 
@@ -1730,7 +1873,11 @@ def constraint_jacobian(t, q, k):
     From (26), (1), (6).
     32 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (10,) and
+        k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
     upper_phi = q[2]
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
@@ -1798,6 +1945,7 @@ def constraint_jacobian(t, q, k):
     return G
 
 
+@_in_numbers
 def constraint_bias(t, q, v, k):
     """Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
 
@@ -1810,7 +1958,11 @@ def constraint_bias(t, q, v, k):
     From (26), (1), (5).
     60 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
     upper_phi = q[2]
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
@@ -1878,6 +2030,7 @@ def constraint_bias(t, q, v, k):
     return gamma
 
 
+@_in_numbers
 def solve(t, q, v, k):
     """Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
 
@@ -1893,7 +2046,11 @@ def solve(t, q, v, k):
     From (26), appendix, (1), LDL^T.
     329 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
     upper_phi = q[2]
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
@@ -2104,6 +2261,7 @@ def solve(t, q, v, k):
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, lam)
 
 
+@_in_numbers
 def project_velocity(t, q, k, r):
     """The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
         -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
@@ -2119,7 +2277,11 @@ def project_velocity(t, q, k, r):
     From (26), appendix, (1), LDL^T.
     226 operations.
     """
-    xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=10, k=0, r=4), t, q, k, r)
+    if (type(q) is type(k) is type(r) is _ARRAY and q.dtype is k.dtype is r.dtype is _DOUBLE and
+        q.shape == (10,) and k.shape == (0,) and r.shape == (4,) and isinstance(t, float)):
+        xp, batch, q, k, r = _NUMBERS, _SINGLE, q.tolist(), k.tolist(), r.tolist()
+    else:
+        xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=10, k=0, r=4), t, q, k, r)
     upper_phi = q[2]
     upper_alpha1 = q[3]
     upper_alpha2 = q[4]
@@ -2293,7 +2455,11 @@ def poses(t, q, k):
     From (1).
     0 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (10,) and
+        k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
     upper_c1 = q[0]
     upper_c2 = q[1]
     upper_phi = q[2]
@@ -2313,6 +2479,7 @@ def poses(t, q, k):
     return pose
 
 
+@_in_numbers
 def residual(t, y, ydot, k):
     """Residual F(t, y, ydot) of index 3: [qdot - v; M vdot + h - G^T lambda; g].
 
@@ -2329,7 +2496,11 @@ def residual(t, y, ydot, k):
     From (26), appendix, (1), (15).
     133 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=24, ydot=24, k=0), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (24,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=24, ydot=24, k=0), t, y, ydot, k)
     upper_c1 = y[0]
     upper_c2 = y[1]
     upper_phi = y[2]
@@ -2484,6 +2655,7 @@ def residual(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of index 3: [qdot - v; M vdot + h - G^T lambda; g]: values
         by columns, diagonal included.
@@ -2498,7 +2670,12 @@ def jacobian(t, y, ydot, cj, k):
     From (26), appendix, (1), (15).
     140 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=24, ydot=24, cj=None, k=0), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (24,) and k.shape == (0,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=24, ydot=24, cj=None, k=0), t, y, ydot, cj, k)
     upper_phi = y[2]
     upper_alpha1 = y[3]
     upper_alpha2 = y[4]
@@ -2717,6 +2894,7 @@ def jacobian(t, y, ydot, cj, k):
     return jac
 
 
+@_in_numbers
 def residual_ggl(t, y, ydot, k):
     """Residual F(t, y, ydot) of stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T lambda; gdot;
         g].
@@ -2734,7 +2912,11 @@ def residual_ggl(t, y, ydot, k):
     From (26), appendix, (1), (15).
     198 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=28, ydot=28, k=0), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (28,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=28, ydot=28, k=0), t, y, ydot, k)
     upper_c1 = y[0]
     upper_c2 = y[1]
     upper_phi = y[2]
@@ -2918,6 +3100,7 @@ def residual_ggl(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian_ggl(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T
         lambda; gdot; g]: values by columns, diagonal included.
@@ -2932,7 +3115,12 @@ def jacobian_ggl(t, y, ydot, cj, k):
     From (26), appendix, (1), (15).
     202 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=28, ydot=28, cj=None, k=0), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (28,) and k.shape == (0,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=28, ydot=28, cj=None, k=0), t, y, ydot, cj, k)
     upper_phi = y[2]
     upper_alpha1 = y[3]
     upper_alpha2 = y[4]
@@ -3267,6 +3455,7 @@ def jacobian_ggl(t, y, ydot, cj, k):
     return jac
 
 
+@_in_numbers
 def residual_index1(t, y, ydot, k):
     """Residual F(t, y, ydot) of index 1: [qdot - v; M vdot + h - G^T lambda; G vdot - gamma].
 
@@ -3283,7 +3472,11 @@ def residual_index1(t, y, ydot, k):
     From (26), appendix, (1), (15).
     192 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=24, ydot=24, k=0), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (24,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=24, ydot=24, k=0), t, y, ydot, k)
     upper_phi = y[2]
     upper_alpha1 = y[3]
     upper_alpha2 = y[4]
@@ -3463,6 +3656,7 @@ def residual_index1(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian_index1(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of index 1: [qdot - v; M vdot + h - G^T lambda; G vdot -
         gamma]: values by columns, diagonal included.
@@ -3477,7 +3671,12 @@ def jacobian_index1(t, y, ydot, cj, k):
     From (26), appendix, (1), (15).
     261 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=24, ydot=24, cj=None, k=0), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (24,) and k.shape == (0,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=24, ydot=24, cj=None, k=0), t, y, ydot, cj, k)
     upper_phi = y[2]
     upper_alpha1 = y[3]
     upper_alpha2 = y[4]
@@ -3755,9 +3954,6 @@ def jacobian_index1(t, y, ydot, cj, k):
     return jac
 
 
-_DOUBLE = numpy.dtype(numpy.float64)
-
-
 def _arrays(sizes, *values):
     """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
 
@@ -3810,6 +4006,8 @@ def _empty(xp, batch, size):
 
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
+    if xp is _NUMBERS:
+        return numpy.array(elements, _DOUBLE)
     shape, dtype = batch
     if xp is numpy and not shape:
         return numpy.array(elements, dtype)
@@ -3826,7 +4024,7 @@ def _stack(xp, batch, elements):
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
-    if not valid.shape:
+    if xp is _NUMBERS or not valid.shape:
         return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_e96168a35f39676a
+#ifndef FOUR_BAR_HASH_6a36dad9106545ed
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 

@@ -335,8 +335,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FOUR_BAR_HASH "e96168a35f39676a"
-#define FOUR_BAR_HASH_e96168a35f39676a
+#define FOUR_BAR_HASH "6a36dad9106545ed"
+#define FOUR_BAR_HASH_6a36dad9106545ed
 
 /* ---- sizes and indices ---- */
 

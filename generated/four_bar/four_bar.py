@@ -166,6 +166,9 @@ Arrays may have leading batch axes, which broadcast; the last axis is the one de
 values in the order of their pattern; `dense` unfolds them.
 """
 
+import functools
+import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy
@@ -193,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "four_bar"
-HASH = "e96168a35f39676a"
+HASH = "6a36dad9106545ed"
 COORDINATES = (
     "crank_c1", "crank_c2", "crank_phi", "crank_alpha1", "crank_alpha2", "coupler_c1",
     "coupler_c2", "coupler_phi", "coupler_alpha1", "coupler_alpha2", "rocker_c1", "rocker_c2",
@@ -428,6 +431,46 @@ def dense(pattern, values):
     return matrix
 
 
+def _in_numbers(function):
+    """A function of numbers, which has another try with arrays where numbers raise errors: 1 / 0 is inf there."""
+
+    @functools.wraps(function)
+    def call(*arguments, **named):
+        try:
+            return function(*arguments, **named)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass
+        arguments = [_as_list(value) for value in arguments]
+        return function(*arguments, **{name: _as_list(value) for name, value in named.items()})
+
+    return call
+
+
+def _as_list(value):
+    """A vector of NumPy as a list, which functions convert to arrays again."""
+    return value.tolist() if type(value) is _ARRAY and value.ndim == 1 else value
+
+
+_ARRAY, _DOUBLE = numpy.ndarray, numpy.dtype(numpy.float64)
+_SINGLE = (), _DOUBLE
+_NUMBERS = SimpleNamespace(
+    sin=math.sin,
+    cos=math.cos,
+    sqrt=math.sqrt,
+    exp=math.exp,
+    log=math.log,
+    tanh=math.tanh,
+    atan2=math.atan2,
+    minimum=lambda a, b: a if a <= b or a != a else b,
+    maximum=lambda a, b: a if a >= b or a != a else b,
+    where=lambda condition, a, b: a if condition else b,
+    logical_not=lambda condition: not condition,
+    isfinite=math.isfinite,
+)
+"""The functions of an array namespace for the numbers of a single state, which are faster than arrays without axes."""
+
 def setup(p):
     """Constants k from the parameters p: once for a set of parameters.
 
@@ -482,7 +525,11 @@ def mass(q, k):
     From appendix, (15).
     18 operations.
     """
-    xp, batch, (q, k) = _arrays(dict(q=15, k=6), q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (15,) and
+        k.shape == (6,)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (q, k) = _arrays(dict(q=15, k=6), q, k)
     crank_alpha1 = q[3]
     crank_alpha2 = q[4]
     coupler_alpha1 = q[8]
@@ -551,7 +598,11 @@ def force(t, q, v, k):
     From appendix, (15).
     42 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=15, k=6), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=15, k=6), t, q, v, k)
     crank_alpha1 = q[3]
     crank_alpha2 = q[4]
     coupler_alpha1 = q[8]
@@ -637,7 +688,11 @@ def mass_force(t, q, v, k):
     From appendix, (15).
     54 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=15, k=6), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=15, k=6), t, q, v, k)
     crank_alpha1 = q[3]
     crank_alpha2 = q[4]
     coupler_alpha1 = q[8]
@@ -762,6 +817,7 @@ def mass_force(t, q, v, k):
     return M, h
 
 
+@_in_numbers
 def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
 
@@ -777,7 +833,11 @@ def accel(t, q, v, k):
     From (26), appendix, (1), LDL^T.
     735 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=15, k=6), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=15, k=6), t, q, v, k)
     crank_phi = q[2]
     crank_alpha1 = q[3]
     crank_alpha2 = q[4]
@@ -1194,7 +1254,11 @@ def energy(q, v, k):
     From appendix, (22).
     81 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
     crank_alpha1 = q[3]
     crank_alpha2 = q[4]
     coupler_alpha1 = q[8]
@@ -1287,7 +1351,11 @@ def momentum(q, v, k):
     From appendix, (1).
     51 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
     crank_c1 = q[0]
     crank_c2 = q[1]
     crank_alpha1 = q[3]
@@ -1369,7 +1437,11 @@ def rates(q, v, k):
     From (1).
     0 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
     crank_c1dot = v[0]
     crank_c2dot = v[1]
     crank_phidot = v[2]
@@ -1408,6 +1480,7 @@ def rates(q, v, k):
     return qdot
 
 
+@_in_numbers
 def marker_crank_left(q, v, k):
     """Marker crank_left, material point at xi = -1 of crank: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1422,7 +1495,11 @@ def marker_crank_left(q, v, k):
     From (1).
     28 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
     crank_c1 = q[0]
     crank_c2 = q[1]
     crank_phi = q[2]
@@ -1470,6 +1547,7 @@ def marker_crank_left(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_crank_middle(q, v, k):
     """Marker crank_middle, material point at xi = 0 of crank: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1484,7 +1562,11 @@ def marker_crank_middle(q, v, k):
     From (1), (26).
     19 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
     crank_c1 = q[0]
     crank_c2 = q[1]
     crank_phi = q[2]
@@ -1527,6 +1609,7 @@ def marker_crank_middle(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_crank_right(q, v, k):
     """Marker crank_right, material point at xi = 1 of crank: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1541,7 +1624,11 @@ def marker_crank_right(q, v, k):
     From (1).
     27 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
     crank_c1 = q[0]
     crank_c2 = q[1]
     crank_phi = q[2]
@@ -1590,6 +1677,7 @@ def marker_crank_right(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_coupler_left(q, v, k):
     """Marker coupler_left, material point at xi = -1 of coupler: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1604,7 +1692,11 @@ def marker_coupler_left(q, v, k):
     From (1).
     28 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
     coupler_c1 = q[5]
     coupler_c2 = q[6]
     coupler_phi = q[7]
@@ -1652,6 +1744,7 @@ def marker_coupler_left(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_coupler_middle(q, v, k):
     """Marker coupler_middle, material point at xi = 0 of coupler: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1666,7 +1759,11 @@ def marker_coupler_middle(q, v, k):
     From (1), (26).
     19 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
     coupler_c1 = q[5]
     coupler_c2 = q[6]
     coupler_phi = q[7]
@@ -1709,6 +1806,7 @@ def marker_coupler_middle(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_coupler_right(q, v, k):
     """Marker coupler_right, material point at xi = 1 of coupler: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1723,7 +1821,11 @@ def marker_coupler_right(q, v, k):
     From (1).
     27 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
     coupler_c1 = q[5]
     coupler_c2 = q[6]
     coupler_phi = q[7]
@@ -1772,6 +1874,7 @@ def marker_coupler_right(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_rocker_left(q, v, k):
     """Marker rocker_left, material point at xi = -1 of rocker: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1786,7 +1889,11 @@ def marker_rocker_left(q, v, k):
     From (1).
     28 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
     rocker_c1 = q[10]
     rocker_c2 = q[11]
     rocker_phi = q[12]
@@ -1834,6 +1941,7 @@ def marker_rocker_left(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_rocker_middle(q, v, k):
     """Marker rocker_middle, material point at xi = 0 of rocker: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1848,7 +1956,11 @@ def marker_rocker_middle(q, v, k):
     From (1), (26).
     19 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
     rocker_c1 = q[10]
     rocker_c2 = q[11]
     rocker_phi = q[12]
@@ -1891,6 +2003,7 @@ def marker_rocker_middle(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_rocker_right(q, v, k):
     """Marker rocker_right, material point at xi = 1 of rocker: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -1905,7 +2018,11 @@ def marker_rocker_right(q, v, k):
     From (1).
     27 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=15, k=6), q, v, k)
     rocker_c1 = q[10]
     rocker_c2 = q[11]
     rocker_phi = q[12]
@@ -1954,6 +2071,7 @@ def marker_rocker_right(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def load_crank_left(q, F, k):
     """Generalised forces f of a force at marker crank_left: then M vdot + h = f.
 
@@ -1968,7 +2086,11 @@ def load_crank_left(q, F, k):
     From (26), (10), (1).
     13 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and F.shape == (2,) and k.shape == (6,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
     crank_phi = q[2]
     crank_alpha1 = q[3]
     crank_alpha2 = q[4]
@@ -2010,6 +2132,7 @@ def load_crank_left(q, F, k):
     return f
 
 
+@_in_numbers
 def load_crank_middle(q, F, k):
     """Generalised forces f of a force at marker crank_middle: then M vdot + h = f.
 
@@ -2024,7 +2147,11 @@ def load_crank_middle(q, F, k):
     From (26), (10).
     11 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and F.shape == (2,) and k.shape == (6,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
     crank_phi = q[2]
     crank_alpha1 = q[3]
     F_1 = F[0]
@@ -2061,6 +2188,7 @@ def load_crank_middle(q, F, k):
     return f
 
 
+@_in_numbers
 def load_crank_right(q, F, k):
     """Generalised forces f of a force at marker crank_right: then M vdot + h = f.
 
@@ -2075,7 +2203,11 @@ def load_crank_right(q, F, k):
     From (26), (10), (1).
     12 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and F.shape == (2,) and k.shape == (6,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
     crank_phi = q[2]
     crank_alpha1 = q[3]
     crank_alpha2 = q[4]
@@ -2117,6 +2249,7 @@ def load_crank_right(q, F, k):
     return f
 
 
+@_in_numbers
 def load_coupler_left(q, F, k):
     """Generalised forces f of a force at marker coupler_left: then M vdot + h = f.
 
@@ -2131,7 +2264,11 @@ def load_coupler_left(q, F, k):
     From (26), (10), (1).
     13 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and F.shape == (2,) and k.shape == (6,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
     coupler_phi = q[7]
     coupler_alpha1 = q[8]
     coupler_alpha2 = q[9]
@@ -2173,6 +2310,7 @@ def load_coupler_left(q, F, k):
     return f
 
 
+@_in_numbers
 def load_coupler_middle(q, F, k):
     """Generalised forces f of a force at marker coupler_middle: then M vdot + h = f.
 
@@ -2187,7 +2325,11 @@ def load_coupler_middle(q, F, k):
     From (26), (10).
     11 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and F.shape == (2,) and k.shape == (6,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
     coupler_phi = q[7]
     coupler_alpha1 = q[8]
     F_1 = F[0]
@@ -2224,6 +2366,7 @@ def load_coupler_middle(q, F, k):
     return f
 
 
+@_in_numbers
 def load_coupler_right(q, F, k):
     """Generalised forces f of a force at marker coupler_right: then M vdot + h = f.
 
@@ -2238,7 +2381,11 @@ def load_coupler_right(q, F, k):
     From (26), (10), (1).
     12 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and F.shape == (2,) and k.shape == (6,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
     coupler_phi = q[7]
     coupler_alpha1 = q[8]
     coupler_alpha2 = q[9]
@@ -2280,6 +2427,7 @@ def load_coupler_right(q, F, k):
     return f
 
 
+@_in_numbers
 def load_rocker_left(q, F, k):
     """Generalised forces f of a force at marker rocker_left: then M vdot + h = f.
 
@@ -2294,7 +2442,11 @@ def load_rocker_left(q, F, k):
     From (26), (10), (1).
     13 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and F.shape == (2,) and k.shape == (6,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
     rocker_phi = q[12]
     rocker_alpha1 = q[13]
     rocker_alpha2 = q[14]
@@ -2336,6 +2488,7 @@ def load_rocker_left(q, F, k):
     return f
 
 
+@_in_numbers
 def load_rocker_middle(q, F, k):
     """Generalised forces f of a force at marker rocker_middle: then M vdot + h = f.
 
@@ -2350,7 +2503,11 @@ def load_rocker_middle(q, F, k):
     From (26), (10).
     11 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and F.shape == (2,) and k.shape == (6,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
     rocker_phi = q[12]
     rocker_alpha1 = q[13]
     F_1 = F[0]
@@ -2387,6 +2544,7 @@ def load_rocker_middle(q, F, k):
     return f
 
 
+@_in_numbers
 def load_rocker_right(q, F, k):
     """Generalised forces f of a force at marker rocker_right: then M vdot + h = f.
 
@@ -2401,7 +2559,11 @@ def load_rocker_right(q, F, k):
     From (26), (10), (1).
     12 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and F.shape == (2,) and k.shape == (6,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=15, F=2, k=6), q, F, k)
     rocker_phi = q[12]
     rocker_alpha1 = q[13]
     rocker_alpha2 = q[14]
@@ -2443,6 +2605,7 @@ def load_rocker_right(q, F, k):
     return f
 
 
+@_in_numbers
 def constraints(t, q, k):
     """Constraints g(t, q) = 0.
 
@@ -2455,7 +2618,11 @@ def constraints(t, q, k):
     From (26), (1).
     74 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=15, k=6), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (15,) and
+        k.shape == (6,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=15, k=6), t, q, k)
     crank_c1 = q[0]
     crank_c2 = q[1]
     crank_phi = q[2]
@@ -2541,6 +2708,7 @@ def constraints(t, q, k):
     return g
 
 
+@_in_numbers
 def constraint_rates(t, q, v, k):
     """Time derivatives of the constraints, gdot = G v + dg/dt.
 
@@ -2554,7 +2722,11 @@ def constraint_rates(t, q, v, k):
     From (26), (1).
     115 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=15, k=6), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=15, k=6), t, q, v, k)
     crank_phi = q[2]
     crank_alpha1 = q[3]
     crank_alpha2 = q[4]
@@ -2676,6 +2848,7 @@ def constraint_rates(t, q, v, k):
     return gdot
 
 
+@_in_numbers
 def constraint_jacobian(t, q, k):
     """Jacobian G = d gdot / dv of the constraints: values by columns.
 
@@ -2687,7 +2860,11 @@ def constraint_jacobian(t, q, k):
     From (26), (1), (6).
     60 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=15, k=6), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (15,) and
+        k.shape == (6,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=15, k=6), t, q, k)
     crank_phi = q[2]
     crank_alpha1 = q[3]
     crank_alpha2 = q[4]
@@ -2812,6 +2989,7 @@ def constraint_jacobian(t, q, k):
     return G
 
 
+@_in_numbers
 def constraint_bias(t, q, v, k):
     """Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
 
@@ -2825,7 +3003,11 @@ def constraint_bias(t, q, v, k):
     From (26), (1), (5).
     119 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=15, k=6), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=15, k=6), t, q, v, k)
     crank_phi = q[2]
     crank_alpha1 = q[3]
     crank_alpha2 = q[4]
@@ -2942,6 +3124,7 @@ def constraint_bias(t, q, v, k):
     return gamma
 
 
+@_in_numbers
 def solve(t, q, v, k):
     """Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
 
@@ -2959,7 +3142,11 @@ def solve(t, q, v, k):
     From (26), appendix, (1), LDL^T.
     744 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=15, k=6), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (15,) and k.shape == (6,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=15, k=6), t, q, v, k)
     crank_phi = q[2]
     crank_alpha1 = q[3]
     crank_alpha2 = q[4]
@@ -3376,6 +3563,7 @@ def solve(t, q, v, k):
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13, lam)
 
 
+@_in_numbers
 def project_velocity(t, q, k, r):
     """The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
         -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
@@ -3392,7 +3580,11 @@ def project_velocity(t, q, k, r):
     From (26), appendix, (1), LDL^T.
     556 operations.
     """
-    xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=15, k=6, r=9), t, q, k, r)
+    if (type(q) is type(k) is type(r) is _ARRAY and q.dtype is k.dtype is r.dtype is _DOUBLE and
+        q.shape == (15,) and k.shape == (6,) and r.shape == (9,) and isinstance(t, float)):
+        xp, batch, q, k, r = _NUMBERS, _SINGLE, q.tolist(), k.tolist(), r.tolist()
+    else:
+        xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=15, k=6, r=9), t, q, k, r)
     crank_phi = q[2]
     crank_alpha1 = q[3]
     crank_alpha2 = q[4]
@@ -3724,7 +3916,11 @@ def poses(t, q, k):
     From (1).
     0 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=15, k=6), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (15,) and
+        k.shape == (6,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=15, k=6), t, q, k)
     crank_c1 = q[0]
     crank_c2 = q[1]
     crank_phi = q[2]
@@ -3751,6 +3947,7 @@ def poses(t, q, k):
     return pose
 
 
+@_in_numbers
 def residual(t, y, ydot, k):
     """Residual F(t, y, ydot) of index 3: [qdot - v; M vdot + h - G^T lambda; g].
 
@@ -3770,7 +3967,11 @@ def residual(t, y, ydot, k):
     From (26), appendix, (1), (15).
     243 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=39, ydot=39, k=6), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (39,) and k.shape == (6,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=39, ydot=39, k=6), t, y, ydot, k)
     crank_c1 = y[0]
     crank_c2 = y[1]
     crank_phi = y[2]
@@ -4025,6 +4226,7 @@ def residual(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of index 3: [qdot - v; M vdot + h - G^T lambda; g]: values
         by columns, diagonal included.
@@ -4039,7 +4241,12 @@ def jacobian(t, y, ydot, cj, k):
     From (26), appendix, (1), (15).
     244 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=39, ydot=39, cj=None, k=6), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (39,) and k.shape == (6,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=39, ydot=39, cj=None, k=6), t, y, ydot, cj, k)
     crank_phi = y[2]
     crank_alpha1 = y[3]
     crank_alpha2 = y[4]
@@ -4426,6 +4633,7 @@ def jacobian(t, y, ydot, cj, k):
     return jac
 
 
+@_in_numbers
 def residual_ggl(t, y, ydot, k):
     """Residual F(t, y, ydot) of stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T lambda; gdot;
         g].
@@ -4447,7 +4655,11 @@ def residual_ggl(t, y, ydot, k):
     From (26), appendix, (1), (15).
     385 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=48, ydot=48, k=6), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (48,) and k.shape == (6,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=48, ydot=48, k=6), t, y, ydot, k)
     crank_c1 = y[0]
     crank_c2 = y[1]
     crank_phi = y[2]
@@ -4772,6 +4984,7 @@ def residual_ggl(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian_ggl(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T
         lambda; gdot; g]: values by columns, diagonal included.
@@ -4786,7 +4999,12 @@ def jacobian_ggl(t, y, ydot, cj, k):
     From (26), appendix, (1), (15).
     364 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=48, ydot=48, cj=None, k=6), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (48,) and k.shape == (6,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=48, ydot=48, cj=None, k=6), t, y, ydot, cj, k)
     crank_phi = y[2]
     crank_alpha1 = y[3]
     crank_alpha2 = y[4]
@@ -5409,6 +5627,7 @@ def jacobian_ggl(t, y, ydot, cj, k):
     return jac
 
 
+@_in_numbers
 def residual_index1(t, y, ydot, k):
     """Residual F(t, y, ydot) of index 1: [qdot - v; M vdot + h - G^T lambda; G vdot - gamma].
 
@@ -5428,7 +5647,11 @@ def residual_index1(t, y, ydot, k):
     From (26), appendix, (1), (15).
     355 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=39, ydot=39, k=6), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (39,) and k.shape == (6,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=39, ydot=39, k=6), t, y, ydot, k)
     crank_phi = y[2]
     crank_alpha1 = y[3]
     crank_alpha2 = y[4]
@@ -5733,6 +5956,7 @@ def residual_index1(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian_index1(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of index 1: [qdot - v; M vdot + h - G^T lambda; G vdot -
         gamma]: values by columns, diagonal included.
@@ -5747,7 +5971,12 @@ def jacobian_index1(t, y, ydot, cj, k):
     From (26), appendix, (1), (15).
     467 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=39, ydot=39, cj=None, k=6), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (39,) and k.shape == (6,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=39, ydot=39, cj=None, k=6), t, y, ydot, cj, k)
     crank_phi = y[2]
     crank_alpha1 = y[3]
     crank_alpha2 = y[4]
@@ -6249,9 +6478,6 @@ def jacobian_index1(t, y, ydot, cj, k):
     return jac
 
 
-_DOUBLE = numpy.dtype(numpy.float64)
-
-
 def _arrays(sizes, *values):
     """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
 
@@ -6304,6 +6530,8 @@ def _empty(xp, batch, size):
 
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
+    if xp is _NUMBERS:
+        return numpy.array(elements, _DOUBLE)
     shape, dtype = batch
     if xp is numpy and not shape:
         return numpy.array(elements, dtype)
@@ -6320,7 +6548,7 @@ def _stack(xp, batch, elements):
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
-    if not valid.shape:
+    if xp is _NUMBERS or not valid.shape:
         return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 

@@ -92,6 +92,9 @@ Arrays may have leading batch axes, which broadcast; the last axis is the one de
 values in the order of their pattern; `dense` unfolds them.
 """
 
+import functools
+import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy
@@ -119,7 +122,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "cf5de41028bd567a"
+HASH = "4f769cb10cf57313"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -202,6 +205,46 @@ def dense(pattern, values):
     return matrix
 
 
+def _in_numbers(function):
+    """A function of numbers, which has another try with arrays where numbers raise errors: 1 / 0 is inf there."""
+
+    @functools.wraps(function)
+    def call(*arguments, **named):
+        try:
+            return function(*arguments, **named)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass
+        arguments = [_as_list(value) for value in arguments]
+        return function(*arguments, **{name: _as_list(value) for name, value in named.items()})
+
+    return call
+
+
+def _as_list(value):
+    """A vector of NumPy as a list, which functions convert to arrays again."""
+    return value.tolist() if type(value) is _ARRAY and value.ndim == 1 else value
+
+
+_ARRAY, _DOUBLE = numpy.ndarray, numpy.dtype(numpy.float64)
+_SINGLE = (), _DOUBLE
+_NUMBERS = SimpleNamespace(
+    sin=math.sin,
+    cos=math.cos,
+    sqrt=math.sqrt,
+    exp=math.exp,
+    log=math.log,
+    tanh=math.tanh,
+    atan2=math.atan2,
+    minimum=lambda a, b: a if a <= b or a != a else b,
+    maximum=lambda a, b: a if a >= b or a != a else b,
+    where=lambda condition, a, b: a if condition else b,
+    logical_not=lambda condition: not condition,
+    isfinite=math.isfinite,
+)
+"""The functions of an array namespace for the numbers of a single state, which are faster than arrays without axes."""
+
 def setup(p):
     """Constants k from the parameters p: once for a set of parameters.
 
@@ -279,7 +322,11 @@ def mass(q, k):
     From appendix, (15).
     6 operations.
     """
-    xp, batch, (q, k) = _arrays(dict(q=5, k=10), q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (5,) and
+        k.shape == (10,)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (q, k) = _arrays(dict(q=5, k=10), q, k)
     alpha1 = q[3]
     alpha2 = q[4]
     mass = k[0]
@@ -317,7 +364,11 @@ def force(t, q, v, k):
     From appendix, (15).
     14 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (10,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
     alpha1 = q[3]
     alpha2 = q[4]
     phidot = v[2]
@@ -360,7 +411,11 @@ def mass_force(t, q, v, k):
     From appendix, (15).
     18 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (10,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
     alpha1 = q[3]
     alpha2 = q[4]
     phidot = v[2]
@@ -409,6 +464,7 @@ def mass_force(t, q, v, k):
     return M, h
 
 
+@_in_numbers
 def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = 0, by elimination of the constant rows of M in the body
         frame, fixed at generation time.
@@ -422,7 +478,11 @@ def accel(t, q, v, k):
     From LDL^T.
     20 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (10,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
     alpha1 = q[3]
     alpha2 = q[4]
     phidot = v[2]
@@ -471,7 +531,11 @@ def energy(q, v, k):
     From appendix, (22).
     27 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (10,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
     alpha1 = q[3]
     alpha2 = q[4]
     c1dot = v[0]
@@ -515,7 +579,11 @@ def momentum(q, v, k):
     From appendix, (1).
     15 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (10,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
     c1 = q[0]
     c2 = q[1]
     alpha1 = q[3]
@@ -555,7 +623,11 @@ def rates(q, v, k):
     From (1).
     0 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (10,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
     c1dot = v[0]
     c2dot = v[1]
     phidot = v[2]
@@ -573,6 +645,7 @@ def rates(q, v, k):
     return qdot
 
 
+@_in_numbers
 def marker_left(q, v, k):
     """Marker left, material point at xi = -1: position, velocity and its Jacobian d(velocity)/dv.
 
@@ -586,7 +659,11 @@ def marker_left(q, v, k):
     From (14), (26), (1).
     28 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (10,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
     c1 = q[0]
     c2 = q[1]
     phi = q[2]
@@ -634,6 +711,7 @@ def marker_left(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_middle(q, v, k):
     """Marker middle, material point at xi = 0: position, velocity and its Jacobian d(velocity)/dv.
 
@@ -647,7 +725,11 @@ def marker_middle(q, v, k):
     From (26), (1).
     19 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (10,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
     c1 = q[0]
     c2 = q[1]
     phi = q[2]
@@ -685,6 +767,7 @@ def marker_middle(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_right(q, v, k):
     """Marker right, material point at xi = 1: position, velocity and its Jacobian d(velocity)/dv.
 
@@ -698,7 +781,11 @@ def marker_right(q, v, k):
     From (14), (26), (1).
     27 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (10,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
     c1 = q[0]
     c2 = q[1]
     phi = q[2]
@@ -747,6 +834,7 @@ def marker_right(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def load_left(q, F, k):
     """Generalised forces f of a force at marker left: then M vdot + h = f.
 
@@ -759,7 +847,11 @@ def load_left(q, F, k):
     From (26), (10), (1).
     13 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (5,) and F.shape == (2,) and k.shape == (10,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -789,6 +881,7 @@ def load_left(q, F, k):
     return f
 
 
+@_in_numbers
 def load_middle(q, F, k):
     """Generalised forces f of a force at marker middle: then M vdot + h = f.
 
@@ -801,7 +894,11 @@ def load_middle(q, F, k):
     From (26), (10).
     11 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (5,) and F.shape == (2,) and k.shape == (10,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
     phi = q[2]
     alpha1 = q[3]
     F_1 = F[0]
@@ -826,6 +923,7 @@ def load_middle(q, F, k):
     return f
 
 
+@_in_numbers
 def load_right(q, F, k):
     """Generalised forces f of a force at marker right: then M vdot + h = f.
 
@@ -838,7 +936,11 @@ def load_right(q, F, k):
     From (26), (10), (1).
     12 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (5,) and F.shape == (2,) and k.shape == (10,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -881,7 +983,11 @@ def residual(t, y, ydot, k):
     From appendix, (15).
     31 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=10), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == k.shape == (10,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=10), t, y, ydot, k)
     alpha1 = y[3]
     alpha2 = y[4]
     c1dot = y[5]
@@ -947,7 +1053,12 @@ def jacobian(t, y, ydot, cj, k):
     From appendix, (15).
     37 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=10), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == k.shape == (10,) and isinstance(t, float) and isinstance(cj,
+        float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=10), t, y, ydot, cj, k)
     alpha1 = y[3]
     alpha2 = y[4]
     phidot = y[7]
@@ -1005,9 +1116,6 @@ def jacobian(t, y, ydot, cj, k):
     return jac
 
 
-_DOUBLE = numpy.dtype(numpy.float64)
-
-
 def _arrays(sizes, *values):
     """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
 
@@ -1060,6 +1168,8 @@ def _empty(xp, batch, size):
 
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
+    if xp is _NUMBERS:
+        return numpy.array(elements, _DOUBLE)
     shape, dtype = batch
     if xp is numpy and not shape:
         return numpy.array(elements, dtype)
@@ -1076,7 +1186,7 @@ def _stack(xp, batch, elements):
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
-    if not valid.shape:
+    if xp is _NUMBERS or not valid.shape:
         return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 

@@ -246,8 +246,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_POINT_HASH "05736ea534ca6134"
-#define FREE_BEAM_POINT_HASH_05736ea534ca6134
+#define FREE_BEAM_POINT_HASH "d53d0522212afefb"
+#define FREE_BEAM_POINT_HASH_d53d0522212afefb
 
 /* ---- sizes and indices ---- */
 

@@ -81,6 +81,9 @@ Arrays may have leading batch axes, which broadcast; the last axis is the one de
 values in the order of their pattern; `dense` unfolds them.
 """
 
+import functools
+import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy
@@ -108,7 +111,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_point"
-HASH = "05736ea534ca6134"
+HASH = "d53d0522212afefb"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -193,6 +196,46 @@ def dense(pattern, values):
                 matrix[..., j, i] = values[..., position]
     return matrix
 
+
+def _in_numbers(function):
+    """A function of numbers, which has another try with arrays where numbers raise errors: 1 / 0 is inf there."""
+
+    @functools.wraps(function)
+    def call(*arguments, **named):
+        try:
+            return function(*arguments, **named)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass
+        arguments = [_as_list(value) for value in arguments]
+        return function(*arguments, **{name: _as_list(value) for name, value in named.items()})
+
+    return call
+
+
+def _as_list(value):
+    """A vector of NumPy as a list, which functions convert to arrays again."""
+    return value.tolist() if type(value) is _ARRAY and value.ndim == 1 else value
+
+
+_ARRAY, _DOUBLE = numpy.ndarray, numpy.dtype(numpy.float64)
+_SINGLE = (), _DOUBLE
+_NUMBERS = SimpleNamespace(
+    sin=math.sin,
+    cos=math.cos,
+    sqrt=math.sqrt,
+    exp=math.exp,
+    log=math.log,
+    tanh=math.tanh,
+    atan2=math.atan2,
+    minimum=lambda a, b: a if a <= b or a != a else b,
+    maximum=lambda a, b: a if a >= b or a != a else b,
+    where=lambda condition, a, b: a if condition else b,
+    logical_not=lambda condition: not condition,
+    isfinite=math.isfinite,
+)
+"""The functions of an array namespace for the numbers of a single state, which are faster than arrays without axes."""
 
 def setup(p):
     """Constants k from the parameters p: once for a set of parameters.
@@ -290,6 +333,7 @@ def setup(p):
     return k
 
 
+@_in_numbers
 def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
@@ -300,7 +344,11 @@ def mass(q, k):
     From (26), appendix, (15).
     15 operations.
     """
-    xp, batch, (q, k) = _arrays(dict(q=5, k=19), q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (5,) and
+        k.shape == (19,)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (q, k) = _arrays(dict(q=5, k=19), q, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -342,6 +390,7 @@ def mass(q, k):
     return M
 
 
+@_in_numbers
 def force(t, q, v, k):
     """Forces h of M vdot + h = 0: centrifugal, Coriolis, elastic, damping and gravity.
 
@@ -354,7 +403,11 @@ def force(t, q, v, k):
     From (26), appendix, (15).
     27 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=19), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (19,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=19), t, q, v, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -399,6 +452,7 @@ def force(t, q, v, k):
     return h
 
 
+@_in_numbers
 def mass_force(t, q, v, k):
     """Mass matrix and forces together; what they share is computed once.
 
@@ -412,7 +466,11 @@ def mass_force(t, q, v, k):
     From appendix, (15), (26).
     37 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=19), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (19,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=19), t, q, v, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -483,6 +541,7 @@ def mass_force(t, q, v, k):
     return M, h
 
 
+@_in_numbers
 def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = 0, by elimination of the constant rows of M in the body
         frame, fixed at generation time.
@@ -496,7 +555,11 @@ def accel(t, q, v, k):
     From (26), LDL^T.
     46 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=19), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (19,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=19), t, q, v, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -553,6 +616,7 @@ def accel(t, q, v, k):
     return _where(xp, valid_1 & valid_2, vdot)
 
 
+@_in_numbers
 def energy(q, v, k):
     """Kinetic and strain energy.
 
@@ -564,7 +628,11 @@ def energy(q, v, k):
     From (26), appendix, (22).
     51 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (19,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -615,6 +683,7 @@ def energy(q, v, k):
     return energy
 
 
+@_in_numbers
 def momentum(q, v, k):
     """Linear momentum, and angular momentum about the inertial origin.
 
@@ -626,7 +695,11 @@ def momentum(q, v, k):
     From (26), appendix, (1).
     46 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (19,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
     c1 = q[0]
     c2 = q[1]
     phi = q[2]
@@ -689,7 +762,11 @@ def rates(q, v, k):
     From (1).
     0 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (19,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
     c1dot = v[0]
     c2dot = v[1]
     phidot = v[2]
@@ -707,6 +784,7 @@ def rates(q, v, k):
     return qdot
 
 
+@_in_numbers
 def marker_left(q, v, k):
     """Marker left, material point at xi = -1: position, velocity and its Jacobian d(velocity)/dv.
 
@@ -720,7 +798,11 @@ def marker_left(q, v, k):
     From (14), (26), (1).
     28 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (19,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
     c1 = q[0]
     c2 = q[1]
     phi = q[2]
@@ -781,7 +863,11 @@ def marker_middle(q, v, k):
     From (1).
     0 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (19,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
     c1 = q[0]
     c2 = q[1]
     c1dot = v[0]
@@ -801,6 +887,7 @@ def marker_middle(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_right(q, v, k):
     """Marker right, material point at xi = 1: position, velocity and its Jacobian d(velocity)/dv.
 
@@ -814,7 +901,11 @@ def marker_right(q, v, k):
     From (14), (26), (1).
     27 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (19,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
     c1 = q[0]
     c2 = q[1]
     phi = q[2]
@@ -863,6 +954,7 @@ def marker_right(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def load_left(q, F, k):
     """Generalised forces f of a force at marker left: then M vdot + h = f.
 
@@ -875,7 +967,11 @@ def load_left(q, F, k):
     From (26), (10), (1).
     13 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=19), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (5,) and F.shape == (2,) and k.shape == (19,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=19), q, F, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -917,7 +1013,11 @@ def load_middle(q, F, k):
     From (10).
     0 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=19), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (5,) and F.shape == (2,) and k.shape == (19,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=19), q, F, k)
     F_1 = F[0]
     F_2 = F[1]
 
@@ -932,6 +1032,7 @@ def load_middle(q, F, k):
     return f
 
 
+@_in_numbers
 def load_right(q, F, k):
     """Generalised forces f of a force at marker right: then M vdot + h = f.
 
@@ -944,7 +1045,11 @@ def load_right(q, F, k):
     From (26), (10), (1).
     12 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=19), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (5,) and F.shape == (2,) and k.shape == (19,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=19), q, F, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -974,6 +1079,7 @@ def load_right(q, F, k):
     return f
 
 
+@_in_numbers
 def residual(t, y, ydot, k):
     """First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v].
 
@@ -987,7 +1093,11 @@ def residual(t, y, ydot, k):
     From (26), appendix, (15).
     66 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=19), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (10,) and k.shape == (19,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=19), t, y, ydot, k)
     phi = y[2]
     alpha1 = y[3]
     alpha2 = y[4]
@@ -1062,6 +1172,7 @@ def residual(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal
         included.
@@ -1076,7 +1187,12 @@ def jacobian(t, y, ydot, cj, k):
     From (26), appendix, (15).
     110 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=19), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (10,) and k.shape == (19,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=19), t, y, ydot, cj, k)
     phi = y[2]
     alpha1 = y[3]
     alpha2 = y[4]
@@ -1182,9 +1298,6 @@ def jacobian(t, y, ydot, cj, k):
     return jac
 
 
-_DOUBLE = numpy.dtype(numpy.float64)
-
-
 def _arrays(sizes, *values):
     """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
 
@@ -1237,6 +1350,8 @@ def _empty(xp, batch, size):
 
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
+    if xp is _NUMBERS:
+        return numpy.array(elements, _DOUBLE)
     shape, dtype = batch
     if xp is numpy and not shape:
         return numpy.array(elements, dtype)
@@ -1253,7 +1368,7 @@ def _stack(xp, batch, elements):
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
-    if not valid.shape:
+    if xp is _NUMBERS or not valid.shape:
         return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 

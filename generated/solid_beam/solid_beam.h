@@ -428,8 +428,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SOLID_BEAM_HASH "a739e7ef6487a1bc"
-#define SOLID_BEAM_HASH_a739e7ef6487a1bc
+#define SOLID_BEAM_HASH "033766dd6a33ca55"
+#define SOLID_BEAM_HASH_033766dd6a33ca55
 
 /* ---- sizes and indices ---- */
 

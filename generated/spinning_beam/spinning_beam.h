@@ -267,8 +267,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPINNING_BEAM_HASH "2de8bc4168372985"
-#define SPINNING_BEAM_HASH_2de8bc4168372985
+#define SPINNING_BEAM_HASH "3407dc8c54c66167"
+#define SPINNING_BEAM_HASH_3407dc8c54c66167
 
 /* ---- sizes and indices ---- */
 

@@ -101,6 +101,9 @@ Arrays may have leading batch axes, which broadcast; the last axis is the one de
 values in the order of their pattern; `dense` unfolds them.
 """
 
+import functools
+import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy
@@ -128,7 +131,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spinning_beam"
-HASH = "2de8bc4168372985"
+HASH = "3407dc8c54c66167"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2")
 VELOCITIES = ("beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -247,6 +250,46 @@ def dense(pattern, values):
     return matrix
 
 
+def _in_numbers(function):
+    """A function of numbers, which has another try with arrays where numbers raise errors: 1 / 0 is inf there."""
+
+    @functools.wraps(function)
+    def call(*arguments, **named):
+        try:
+            return function(*arguments, **named)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass
+        arguments = [_as_list(value) for value in arguments]
+        return function(*arguments, **{name: _as_list(value) for name, value in named.items()})
+
+    return call
+
+
+def _as_list(value):
+    """A vector of NumPy as a list, which functions convert to arrays again."""
+    return value.tolist() if type(value) is _ARRAY and value.ndim == 1 else value
+
+
+_ARRAY, _DOUBLE = numpy.ndarray, numpy.dtype(numpy.float64)
+_SINGLE = (), _DOUBLE
+_NUMBERS = SimpleNamespace(
+    sin=math.sin,
+    cos=math.cos,
+    sqrt=math.sqrt,
+    exp=math.exp,
+    log=math.log,
+    tanh=math.tanh,
+    atan2=math.atan2,
+    minimum=lambda a, b: a if a <= b or a != a else b,
+    maximum=lambda a, b: a if a >= b or a != a else b,
+    where=lambda condition, a, b: a if condition else b,
+    logical_not=lambda condition: not condition,
+    isfinite=math.isfinite,
+)
+"""The functions of an array namespace for the numbers of a single state, which are faster than arrays without axes."""
+
 def setup(p):
     """Constants k from the parameters p: once for a set of parameters.
 
@@ -325,7 +368,11 @@ def mass(q, k):
     From appendix, (15).
     6 operations.
     """
-    xp, batch, (q, k) = _arrays(dict(q=5, k=11), q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (5,) and
+        k.shape == (11,)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (q, k) = _arrays(dict(q=5, k=11), q, k)
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
     beam_mass = k[0]
@@ -351,6 +398,7 @@ def mass(q, k):
     return M
 
 
+@_in_numbers
 def force(t, q, v, k):
     """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis, elastic, damping, gravity, springs
         and applied loads.
@@ -365,7 +413,11 @@ def force(t, q, v, k):
     From (26), appendix, (1), (10), (15).
     29 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (11,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -409,6 +461,7 @@ def force(t, q, v, k):
     return h
 
 
+@_in_numbers
 def mass_force(t, q, v, k):
     """Mass matrix and forces together; what they share is computed once.
 
@@ -423,7 +476,11 @@ def mass_force(t, q, v, k):
     From appendix, (15), (26), (10), (1).
     33 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (11,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -486,6 +543,7 @@ def mass_force(t, q, v, k):
     return M, h
 
 
+@_in_numbers
 def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
 
@@ -499,7 +557,11 @@ def accel(t, q, v, k):
     From appendix, LDL^T, (26), (1), (10).
     42 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (11,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -576,7 +638,11 @@ def energy(q, v, k):
     From appendix, (22).
     27 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (11,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
     beam_c1dot = v[0]
@@ -623,7 +689,11 @@ def momentum(q, v, k):
     From appendix, (1).
     15 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (11,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
     beam_c1 = q[0]
     beam_c2 = q[1]
     beam_alpha1 = q[3]
@@ -665,7 +735,11 @@ def rates(q, v, k):
     From (1).
     0 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (11,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
     beam_c1dot = v[0]
     beam_c2dot = v[1]
     beam_phidot = v[2]
@@ -683,6 +757,7 @@ def rates(q, v, k):
     return qdot
 
 
+@_in_numbers
 def marker_beam_left(q, v, k):
     """Marker beam_left, material point at xi = -1 of beam: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -697,7 +772,11 @@ def marker_beam_left(q, v, k):
     From (1).
     28 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (11,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
     beam_c1 = q[0]
     beam_c2 = q[1]
     beam_phi = q[2]
@@ -746,6 +825,7 @@ def marker_beam_left(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_beam_middle(q, v, k):
     """Marker beam_middle, material point at xi = 0 of beam: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -760,7 +840,11 @@ def marker_beam_middle(q, v, k):
     From (1), (26).
     19 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (11,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
     beam_c1 = q[0]
     beam_c2 = q[1]
     beam_phi = q[2]
@@ -803,6 +887,7 @@ def marker_beam_middle(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_beam_right(q, v, k):
     """Marker beam_right, material point at xi = 1 of beam: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -817,7 +902,11 @@ def marker_beam_right(q, v, k):
     From (1).
     27 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (11,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
     beam_c1 = q[0]
     beam_c2 = q[1]
     beam_phi = q[2]
@@ -867,6 +956,7 @@ def marker_beam_right(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def load_beam_left(q, F, k):
     """Generalised forces f of a force at marker beam_left: then M vdot + h = f.
 
@@ -879,7 +969,11 @@ def load_beam_left(q, F, k):
     From (26), (10), (1).
     13 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=11), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (5,) and F.shape == (2,) and k.shape == (11,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=11), q, F, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -911,6 +1005,7 @@ def load_beam_left(q, F, k):
     return f
 
 
+@_in_numbers
 def load_beam_middle(q, F, k):
     """Generalised forces f of a force at marker beam_middle: then M vdot + h = f.
 
@@ -923,7 +1018,11 @@ def load_beam_middle(q, F, k):
     From (26), (10).
     11 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=11), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (5,) and F.shape == (2,) and k.shape == (11,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=11), q, F, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     F_1 = F[0]
@@ -949,6 +1048,7 @@ def load_beam_middle(q, F, k):
     return f
 
 
+@_in_numbers
 def load_beam_right(q, F, k):
     """Generalised forces f of a force at marker beam_right: then M vdot + h = f.
 
@@ -961,7 +1061,11 @@ def load_beam_right(q, F, k):
     From (26), (10), (1).
     12 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=11), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (5,) and F.shape == (2,) and k.shape == (11,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=11), q, F, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -1003,7 +1107,11 @@ def constraints(t, q, k):
 
     0 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=5, k=11), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (5,) and
+        k.shape == (11,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=5, k=11), t, q, k)
 
     g = _stack(xp, batch, ())
     return g
@@ -1020,7 +1128,11 @@ def constraint_rates(t, q, v, k):
 
     0 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (11,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
 
     gdot = _stack(xp, batch, ())
     return gdot
@@ -1036,7 +1148,11 @@ def constraint_jacobian(t, q, k):
 
     0 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=5, k=11), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (5,) and
+        k.shape == (11,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=5, k=11), t, q, k)
 
     G = _stack(xp, batch, ())
     return G
@@ -1053,12 +1169,17 @@ def constraint_bias(t, q, v, k):
 
     0 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (11,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
 
     gamma = _stack(xp, batch, ())
     return gamma
 
 
+@_in_numbers
 def solve(t, q, v, k):
     """Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
 
@@ -1073,7 +1194,11 @@ def solve(t, q, v, k):
     From appendix, LDL^T, (26), (1), (10).
     42 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (5,) and k.shape == (11,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -1154,7 +1279,11 @@ def project_velocity(t, q, k, r):
     From appendix, LDL^T.
     6 operations.
     """
-    xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=5, k=11, r=0), t, q, k, r)
+    if (type(q) is type(k) is type(r) is _ARRAY and q.dtype is k.dtype is r.dtype is _DOUBLE and
+        q.shape == (5,) and k.shape == (11,) and r.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, k, r = _NUMBERS, _SINGLE, q.tolist(), k.tolist(), r.tolist()
+    else:
+        xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=5, k=11, r=0), t, q, k, r)
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
     beam_C3 = k[1]
@@ -1195,7 +1324,11 @@ def poses(t, q, k):
     From (1).
     0 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=5, k=11), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (5,) and
+        k.shape == (11,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=5, k=11), t, q, k)
     beam_c1 = q[0]
     beam_c2 = q[1]
     beam_phi = q[2]
@@ -1209,6 +1342,7 @@ def poses(t, q, k):
     return pose
 
 
+@_in_numbers
 def residual(t, y, ydot, k):
     """Residual F(t, y, ydot) of index 3: [qdot - v; M vdot + h - G^T lambda; g].
 
@@ -1222,7 +1356,11 @@ def residual(t, y, ydot, k):
     From (26), appendix, (1), (10), (15).
     46 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=11), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (10,) and k.shape == (11,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=11), t, y, ydot, k)
     beam_phi = y[2]
     beam_alpha1 = y[3]
     beam_alpha2 = y[4]
@@ -1291,6 +1429,7 @@ def residual(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of index 3: [qdot - v; M vdot + h - G^T lambda; g]: values
         by columns, diagonal included.
@@ -1305,7 +1444,12 @@ def jacobian(t, y, ydot, cj, k):
     From (26), appendix, (10), (15).
     54 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=11), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (10,) and k.shape == (11,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=11), t, y, ydot, cj, k)
     beam_phi = y[2]
     beam_alpha1 = y[3]
     beam_alpha2 = y[4]
@@ -1378,6 +1522,7 @@ def jacobian(t, y, ydot, cj, k):
     return jac
 
 
+@_in_numbers
 def residual_ggl(t, y, ydot, k):
     """Residual F(t, y, ydot) of stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T lambda; gdot;
         g].
@@ -1392,7 +1537,11 @@ def residual_ggl(t, y, ydot, k):
     From (26), appendix, (1), (10), (15).
     46 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=11), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (10,) and k.shape == (11,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=11), t, y, ydot, k)
     beam_phi = y[2]
     beam_alpha1 = y[3]
     beam_alpha2 = y[4]
@@ -1461,6 +1610,7 @@ def residual_ggl(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian_ggl(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T
         lambda; gdot; g]: values by columns, diagonal included.
@@ -1475,7 +1625,12 @@ def jacobian_ggl(t, y, ydot, cj, k):
     From (26), appendix, (10), (15).
     54 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=11), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (10,) and k.shape == (11,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=11), t, y, ydot, cj, k)
     beam_phi = y[2]
     beam_alpha1 = y[3]
     beam_alpha2 = y[4]
@@ -1548,6 +1703,7 @@ def jacobian_ggl(t, y, ydot, cj, k):
     return jac
 
 
+@_in_numbers
 def residual_index1(t, y, ydot, k):
     """Residual F(t, y, ydot) of index 1: [qdot - v; M vdot + h - G^T lambda; G vdot - gamma].
 
@@ -1561,7 +1717,11 @@ def residual_index1(t, y, ydot, k):
     From (26), appendix, (1), (10), (15).
     46 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=11), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (10,) and k.shape == (11,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=11), t, y, ydot, k)
     beam_phi = y[2]
     beam_alpha1 = y[3]
     beam_alpha2 = y[4]
@@ -1630,6 +1790,7 @@ def residual_index1(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian_index1(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of index 1: [qdot - v; M vdot + h - G^T lambda; G vdot -
         gamma]: values by columns, diagonal included.
@@ -1644,7 +1805,12 @@ def jacobian_index1(t, y, ydot, cj, k):
     From (26), appendix, (10), (15).
     54 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=11), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (10,) and k.shape == (11,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=11), t, y, ydot, cj, k)
     beam_phi = y[2]
     beam_alpha1 = y[3]
     beam_alpha2 = y[4]
@@ -1715,9 +1881,6 @@ def jacobian_index1(t, y, ydot, cj, k):
         jac_10, jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20,
         jac_21, jac_22, jac_23, jac_24))
     return jac
-
-
-_DOUBLE = numpy.dtype(numpy.float64)
 
 
 def _arrays(sizes, *values):
@@ -1772,6 +1935,8 @@ def _empty(xp, batch, size):
 
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
+    if xp is _NUMBERS:
+        return numpy.array(elements, _DOUBLE)
     shape, dtype = batch
     if xp is numpy and not shape:
         return numpy.array(elements, dtype)
@@ -1788,7 +1953,7 @@ def _stack(xp, batch, elements):
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
-    if not valid.shape:
+    if xp is _NUMBERS or not valid.shape:
         return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 

@@ -235,8 +235,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPUN_UP_CANTILEVER_HASH "626856c125eb5411"
-#define SPUN_UP_CANTILEVER_HASH_626856c125eb5411
+#define SPUN_UP_CANTILEVER_HASH "c1d65e336cedb116"
+#define SPUN_UP_CANTILEVER_HASH_c1d65e336cedb116
 
 /* ---- sizes and indices ---- */
 

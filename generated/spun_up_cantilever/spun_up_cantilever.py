@@ -70,6 +70,9 @@ Arrays may have leading batch axes, which broadcast; the last axis is the one de
 values in the order of their pattern; `dense` unfolds them.
 """
 
+import functools
+import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy
@@ -97,7 +100,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spun_up_cantilever"
-HASH = "626856c125eb5411"
+HASH = "c1d65e336cedb116"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2", "beam_alpha3")
 VELOCITIES = (
     "beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot",
@@ -213,6 +216,46 @@ def dense(pattern, values):
     return matrix
 
 
+def _in_numbers(function):
+    """A function of numbers, which has another try with arrays where numbers raise errors: 1 / 0 is inf there."""
+
+    @functools.wraps(function)
+    def call(*arguments, **named):
+        try:
+            return function(*arguments, **named)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass
+        arguments = [_as_list(value) for value in arguments]
+        return function(*arguments, **{name: _as_list(value) for name, value in named.items()})
+
+    return call
+
+
+def _as_list(value):
+    """A vector of NumPy as a list, which functions convert to arrays again."""
+    return value.tolist() if type(value) is _ARRAY and value.ndim == 1 else value
+
+
+_ARRAY, _DOUBLE = numpy.ndarray, numpy.dtype(numpy.float64)
+_SINGLE = (), _DOUBLE
+_NUMBERS = SimpleNamespace(
+    sin=math.sin,
+    cos=math.cos,
+    sqrt=math.sqrt,
+    exp=math.exp,
+    log=math.log,
+    tanh=math.tanh,
+    atan2=math.atan2,
+    minimum=lambda a, b: a if a <= b or a != a else b,
+    maximum=lambda a, b: a if a >= b or a != a else b,
+    where=lambda condition, a, b: a if condition else b,
+    logical_not=lambda condition: not condition,
+    isfinite=math.isfinite,
+)
+"""The functions of an array namespace for the numbers of a single state, which are faster than arrays without axes."""
+
 def setup(p):
     """Constants k from the parameters p: once for a set of parameters.
 
@@ -227,6 +270,7 @@ def setup(p):
     return k
 
 
+@_in_numbers
 def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
@@ -237,7 +281,11 @@ def mass(q, k):
     From (26), appendix, (15).
     38 operations.
     """
-    xp, batch, (q, k) = _arrays(dict(q=6, k=0), q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (6,) and
+        k.shape == (0,)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (q, k) = _arrays(dict(q=6, k=0), q, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -286,6 +334,7 @@ def mass(q, k):
     return M
 
 
+@_in_numbers
 def force(t, q, v, k):
     """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis, elastic, damping, gravity, springs
         and applied loads.
@@ -300,7 +349,11 @@ def force(t, q, v, k):
     From (26), appendix, (15).
     56 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (6,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -348,6 +401,7 @@ def force(t, q, v, k):
     return h
 
 
+@_in_numbers
 def mass_force(t, q, v, k):
     """Mass matrix and forces together; what they share is computed once.
 
@@ -362,7 +416,11 @@ def mass_force(t, q, v, k):
     From appendix, (15), (26).
     72 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (6,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -445,6 +503,7 @@ def mass_force(t, q, v, k):
     return M, h
 
 
+@_in_numbers
 def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
 
@@ -458,7 +517,11 @@ def accel(t, q, v, k):
     From (26), appendix, (1), LDL^T.
     359 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (6,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -621,6 +684,7 @@ def accel(t, q, v, k):
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8, vdot)
 
 
+@_in_numbers
 def energy(q, v, k):
     """Kinetic and strain energy (with that of springs).
 
@@ -632,7 +696,11 @@ def energy(q, v, k):
     From (26), appendix, (22).
     99 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (6,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -688,6 +756,7 @@ def energy(q, v, k):
     return energy
 
 
+@_in_numbers
 def momentum(q, v, k):
     """Linear momentum, and angular momentum about the inertial origin.
 
@@ -699,7 +768,11 @@ def momentum(q, v, k):
     From (26), appendix, (1).
     73 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (6,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
     beam_c1 = q[0]
     beam_c2 = q[1]
     beam_phi = q[2]
@@ -763,7 +836,11 @@ def rates(q, v, k):
     From (1).
     0 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (6,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
     beam_c1dot = v[0]
     beam_c2dot = v[1]
     beam_phidot = v[2]
@@ -783,6 +860,7 @@ def rates(q, v, k):
     return qdot
 
 
+@_in_numbers
 def marker_beam_root(q, v, k):
     """Marker beam_root, material point at xi = -1 of beam: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -797,7 +875,11 @@ def marker_beam_root(q, v, k):
     From (26), (1).
     12 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (6,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
     beam_c1 = q[0]
     beam_c2 = q[1]
     beam_phi = q[2]
@@ -831,6 +913,7 @@ def marker_beam_root(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def marker_beam_tip(q, v, k):
     """Marker beam_tip, material point at xi = 1 of beam: position, velocity and its Jacobian
         d(velocity)/dv.
@@ -845,7 +928,11 @@ def marker_beam_tip(q, v, k):
     From (1).
     29 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (6,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
     beam_c1 = q[0]
     beam_c2 = q[1]
     beam_phi = q[2]
@@ -898,6 +985,7 @@ def marker_beam_tip(q, v, k):
     return x, xdot, jacobian
 
 
+@_in_numbers
 def load_beam_root(q, F, k):
     """Generalised forces f of a force at marker beam_root: then M vdot + h = f.
 
@@ -910,7 +998,11 @@ def load_beam_root(q, F, k):
     From (26), (10).
     6 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=6, F=2, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (6,) and F.shape == (2,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=6, F=2, k=0), q, F, k)
     beam_phi = q[2]
     F_1 = F[0]
     F_2 = F[1]
@@ -935,6 +1027,7 @@ def load_beam_root(q, F, k):
     return f
 
 
+@_in_numbers
 def load_beam_tip(q, F, k):
     """Generalised forces f of a force at marker beam_tip: then M vdot + h = f.
 
@@ -947,7 +1040,11 @@ def load_beam_tip(q, F, k):
     From (26), (10), (1).
     13 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=6, F=2, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (6,) and F.shape == (2,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=6, F=2, k=0), q, F, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -980,6 +1077,7 @@ def load_beam_tip(q, F, k):
     return f
 
 
+@_in_numbers
 def constraints(t, q, k):
     """Constraints g(t, q) = 0.
 
@@ -991,7 +1089,11 @@ def constraints(t, q, k):
     From (1), (26).
     14 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=6, k=0), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (6,) and
+        k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=6, k=0), t, q, k)
     beam_c1 = q[0]
     beam_c2 = q[1]
     beam_phi = q[2]
@@ -1020,6 +1122,7 @@ def constraints(t, q, k):
     return g
 
 
+@_in_numbers
 def constraint_rates(t, q, v, k):
     """Time derivatives of the constraints, gdot = G v + dg/dt.
 
@@ -1032,7 +1135,11 @@ def constraint_rates(t, q, v, k):
     From (1), (26).
     14 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (6,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
     beam_phi = q[2]
     beam_c1dot = v[0]
     beam_c2dot = v[1]
@@ -1062,6 +1169,7 @@ def constraint_rates(t, q, v, k):
     return gdot
 
 
+@_in_numbers
 def constraint_jacobian(t, q, k):
     """Jacobian G = d gdot / dv of the constraints: values by columns.
 
@@ -1073,7 +1181,11 @@ def constraint_jacobian(t, q, k):
     From (26), (1), (6).
     5 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=6, k=0), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (6,) and
+        k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=6, k=0), t, q, k)
     beam_phi = q[2]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
@@ -1096,6 +1208,7 @@ def constraint_jacobian(t, q, k):
     return G
 
 
+@_in_numbers
 def constraint_bias(t, q, v, k):
     """Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
 
@@ -1108,7 +1221,11 @@ def constraint_bias(t, q, v, k):
     From (1), (26), (5).
     11 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (6,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
     beam_phi = q[2]
     beam_phidot = v[2]
 
@@ -1134,6 +1251,7 @@ def constraint_bias(t, q, v, k):
     return gamma
 
 
+@_in_numbers
 def solve(t, q, v, k):
     """Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
 
@@ -1148,7 +1266,11 @@ def solve(t, q, v, k):
     From (26), appendix, (1), LDL^T.
     362 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == v.shape == (6,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -1315,6 +1437,7 @@ def solve(t, q, v, k):
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8, lam)
 
 
+@_in_numbers
 def project_velocity(t, q, k, r):
     """The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
         -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
@@ -1329,7 +1452,11 @@ def project_velocity(t, q, k, r):
     From (26), appendix, (1), LDL^T.
     261 operations.
     """
-    xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=6, k=0, r=3), t, q, k, r)
+    if (type(q) is type(k) is type(r) is _ARRAY and q.dtype is k.dtype is r.dtype is _DOUBLE and
+        q.shape == (6,) and k.shape == (0,) and r.shape == (3,) and isinstance(t, float)):
+        xp, batch, q, k, r = _NUMBERS, _SINGLE, q.tolist(), k.tolist(), r.tolist()
+    else:
+        xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=6, k=0, r=3), t, q, k, r)
     beam_phi = q[2]
     beam_alpha1 = q[3]
     beam_alpha2 = q[4]
@@ -1462,6 +1589,7 @@ def project_velocity(t, q, k, r):
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8, dv)
 
 
+@_in_numbers
 def poses(t, q, k):
     """Position of the origin and rotation of the frame of every body, including bodies without
         coordinates.
@@ -1475,7 +1603,11 @@ def poses(t, q, k):
     From (1).
     7 operations.
     """
-    xp, batch, (t, q, k) = _arrays(dict(t=None, q=6, k=0), t, q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (6,) and
+        k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, k) = _arrays(dict(t=None, q=6, k=0), t, q, k)
     beam_c1 = q[0]
     beam_c2 = q[1]
     beam_phi = q[2]
@@ -1498,6 +1630,7 @@ def poses(t, q, k):
     return pose
 
 
+@_in_numbers
 def residual(t, y, ydot, k):
     """Residual F(t, y, ydot) of index 3: [qdot - v; M vdot + h - G^T lambda; g].
 
@@ -1512,7 +1645,11 @@ def residual(t, y, ydot, k):
     From (1), (26), appendix, (15).
     156 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=15, ydot=15, k=0), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (15,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=15, ydot=15, k=0), t, y, ydot, k)
     beam_c1 = y[0]
     beam_c2 = y[1]
     beam_phi = y[2]
@@ -1623,6 +1760,7 @@ def residual(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of index 3: [qdot - v; M vdot + h - G^T lambda; g]: values
         by columns, diagonal included.
@@ -1637,7 +1775,12 @@ def jacobian(t, y, ydot, cj, k):
     From (26), appendix, (1), (15).
     245 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=15, ydot=15, cj=None, k=0), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (15,) and k.shape == (0,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=15, ydot=15, cj=None, k=0), t, y, ydot, cj, k)
     beam_phi = y[2]
     beam_alpha1 = y[3]
     beam_alpha2 = y[4]
@@ -1839,6 +1982,7 @@ def jacobian(t, y, ydot, cj, k):
     return jac
 
 
+@_in_numbers
 def residual_ggl(t, y, ydot, k):
     """Residual F(t, y, ydot) of stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T lambda; gdot;
         g].
@@ -1855,7 +1999,11 @@ def residual_ggl(t, y, ydot, k):
     From (1), (26), appendix, (15).
     172 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=18, ydot=18, k=0), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (18,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=18, ydot=18, k=0), t, y, ydot, k)
     beam_c1 = y[0]
     beam_c2 = y[1]
     beam_phi = y[2]
@@ -1974,6 +2122,7 @@ def residual_ggl(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian_ggl(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T
         lambda; gdot; g]: values by columns, diagonal included.
@@ -1988,7 +2137,12 @@ def jacobian_ggl(t, y, ydot, cj, k):
     From (26), appendix, (1), (15).
     253 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=18, ydot=18, cj=None, k=0), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (18,) and k.shape == (0,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=18, ydot=18, cj=None, k=0), t, y, ydot, cj, k)
     beam_phi = y[2]
     beam_alpha1 = y[3]
     beam_alpha2 = y[4]
@@ -2209,6 +2363,7 @@ def jacobian_ggl(t, y, ydot, cj, k):
     return jac
 
 
+@_in_numbers
 def residual_index1(t, y, ydot, k):
     """Residual F(t, y, ydot) of index 1: [qdot - v; M vdot + h - G^T lambda; G vdot - gamma].
 
@@ -2223,7 +2378,11 @@ def residual_index1(t, y, ydot, k):
     From (1), (26), appendix, (15).
     159 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=15, ydot=15, k=0), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (15,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=15, ydot=15, k=0), t, y, ydot, k)
     beam_phi = y[2]
     beam_alpha1 = y[3]
     beam_alpha2 = y[4]
@@ -2329,6 +2488,7 @@ def residual_index1(t, y, ydot, k):
     return F
 
 
+@_in_numbers
 def jacobian_index1(t, y, ydot, cj, k):
     """Iteration matrix dF/dy + cj dF/dydot of index 1: [qdot - v; M vdot + h - G^T lambda; G vdot -
         gamma]: values by columns, diagonal included.
@@ -2343,7 +2503,12 @@ def jacobian_index1(t, y, ydot, cj, k):
     From (26), appendix, (1), (15).
     258 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=15, ydot=15, cj=None, k=0), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (15,) and k.shape == (0,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=15, ydot=15, cj=None, k=0), t, y, ydot, cj, k)
     beam_phi = y[2]
     beam_alpha1 = y[3]
     beam_alpha2 = y[4]
@@ -2547,9 +2712,6 @@ def jacobian_index1(t, y, ydot, cj, k):
     return jac
 
 
-_DOUBLE = numpy.dtype(numpy.float64)
-
-
 def _arrays(sizes, *values):
     """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
 
@@ -2602,6 +2764,8 @@ def _empty(xp, batch, size):
 
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
+    if xp is _NUMBERS:
+        return numpy.array(elements, _DOUBLE)
     shape, dtype = batch
     if xp is numpy and not shape:
         return numpy.array(elements, dtype)
@@ -2618,7 +2782,7 @@ def _stack(xp, batch, elements):
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
-    if not valid.shape:
+    if xp is _NUMBERS or not valid.shape:
         return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 

@@ -20,10 +20,14 @@ from derive.backends.expression_text import PYTHON, text
 from derive.backends.python.loops import HELPERS, PythonLoops, assignment
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
 from derive.backends.wrapping import WIDTH, broken, join, prefixed
-from derive.ir.expressions import ScalarRef
-from derive.ir.model import Kernel, Model, Output, Variable
+from derive.ir.analysis import expressions
+from derive.ir.expressions import Number, Operation, Operator, ScalarRef, walk
+from derive.ir.model import Argument, Kernel, Model, Output, Variable
 from derive.ir.statements import Let, Require, Requirement, Statement, Store
 from derive.rendering import render
+
+UNDEFINED = frozenset({Operator.SIN, Operator.COS, Operator.SQRT, Operator.EXP, Operator.LOG})
+"""The functions that numbers of Python do not have everywhere: of inf, of negative numbers, or where they overflow."""
 
 
 class PythonBackend:
@@ -51,26 +55,31 @@ class PythonBackend:
         builder = SourceBuilder(model)
         builder.text(render("python/prologue.py.jinja", values))
         for kernel in model.kernels:
-            builder.text("\n")
-            builder.function(kernel, _function(kernel, model.lowering == "flat"))
+            numbers = model.lowering == "flat" and kernel.name != "setup"
+            builder.text("\n@_in_numbers\n" if numbers and _may_raise(kernel) else "\n")
+            builder.function(kernel, _function(kernel, model.lowering == "flat", numbers))
             builder.text("\n")
         builder.text(render("python/epilogue.py.jinja", values))
         (path,) = self.file_names(model.name)
         return (builder.file(self.name, path),)
 
 
-def _function(kernel: Kernel, elements: bool) -> list[SourceLine]:
-    """The function of a kernel, whose arguments are arrays, or their elements along the last axis."""
+def _function(kernel: Kernel, elements: bool, numbers: bool) -> list[SourceLine]:
+    """The function of a kernel, whose arguments are arrays, or their elements along the last axis.
+
+    numbers: whether it takes those of a single state as numbers of Python.
+    """
     names = ", ".join(a.name for a in kernel.arguments)
     sizes = ", ".join(f"{a.name}={None if a.scalar else a.size}" for a in kernel.arguments)
     own = _tuple([a.name for a in kernel.arguments])
     first, *doc = broken(kernel_text(kernel), WIDTH - len("    "))
+    converted = f"xp, batch, {own} = _arrays(dict({sizes}), {names})"
     lines = [
         f"def {kernel.name}({names}):",
         f'    """{first}',
         *(f"    {line}" if line else "" for line in doc),
         '    """',
-        f"    xp, batch, {own} = _arrays(dict({sizes}), {names})",
+        *([*_single_state(kernel.arguments), "    else:", f"        {converted}"] if numbers else [f"    {converted}"]),
     ]
     used = kernel.used
     for argument in kernel.arguments:
@@ -88,6 +97,31 @@ def _function(kernel: Kernel, elements: bool) -> list[SourceLine]:
         printed = [line.of(k, n) for n, item in enumerate(section.body) for line in printer.lines(item)]
         body += [*plain("", *prefixed([section_text(section)], "    # ")), *printed] if printed else []
     return [*plain(*lines), *body, *plain("", *_results(kernel.outputs, printer.required))]
+
+
+def _single_state(arguments: tuple[Argument, ...]) -> list[str]:
+    """The test whether the arguments are vectors of doubles of a single state, and their conversion to numbers."""
+    vectors = [a for a in arguments if not a.scalar]
+    by_size: dict[int, list[str]] = {}
+    for a in vectors:
+        by_size.setdefault(a.size, []).append(a.name)
+    conditions = [
+        f"{' is '.join(f'type({a.name})' for a in vectors)} is _ARRAY",
+        f"{' is '.join(f'{a.name}.dtype' for a in vectors)} is _DOUBLE",
+        *(f"{' == '.join(f'{name}.shape' for name in names)} == ({size},)" for size, names in by_size.items()),
+        *(f"isinstance({a.name}, float)" for a in arguments if a.scalar),
+    ]
+    names, lists = (", ".join(form.format(a.name) for a in vectors) for form in ("{}", "{}.tolist()"))
+    test = f"if ({' and '.join(conditions)}):"
+    return [*prefixed([test], "    "), f"        xp, batch, {names} = _NUMBERS, _SINGLE, {lists}"]
+
+
+def _may_raise(kernel: Kernel) -> bool:
+    """Whether an operation of a kernel is one for which numbers of Python raise errors where arrays have inf or NaN."""
+    parts = (p for s in kernel.sections for item in s.body for expr in expressions(item) for p in walk(expr))
+    operations = [p for p in parts if isinstance(p, Operation)]
+    divides = any(p.kind is Operator.DIV and not isinstance(p.args[1], Number) for p in operations)
+    return divides or any(p.kind in UNDEFINED for p in operations)
 
 
 class _Statements:
