@@ -16,9 +16,9 @@ def started(variables: tuple[object, ...]) -> list[float]:
     return [x.start for x in variables]  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("name", ["crank_slider_3", "four_bar", "free_beam_mean", "block"])
+@pytest.mark.parametrize("name", ["crank_slider_3", "four_bar", "free_beam_mean", "block", "pushed"])
 def test_start_values_are_those_of_a_simulation(name: str) -> None:
-    model = scene(name)
+    model = prepared(PUSHED) if name == "pushed" else scene(name)
     trajectory = derive.simulate(model.spec, duration=1e-4, output=1e-4)
     q, v = (trajectory.solution.q[0], trajectory.solution.v[0])
     assert np.allclose(started(model.coordinates), q, rtol=1e-9, atol=1e-10)
