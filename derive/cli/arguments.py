@@ -202,8 +202,8 @@ def _add_export(commands: Any) -> None:
         "--to",
         required=True,
         metavar="KIND",
-        help="the interface: cmake (C and C++ by CMake and pkg-config), fmu2 (FMI 2.0), fmu3 (FMI 3.0), "
-        "casadi (CasADi, with exact derivatives)",
+        help="the interface: cmake (C and C++ by CMake and pkg-config), fortran (a module by iso_c_binding), "
+        "fmu2 (FMI 2.0), fmu3 (FMI 3.0), casadi (CasADi, with exact derivatives)",
     )
     _add_folder(export, "exported")
     add_set(export)

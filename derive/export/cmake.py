@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from derive.artifacts import MARK, File
 from derive.backends.c.source import ABI
 from derive.backends.description import LICENCE
-from derive.backends.wrapping import prefixed
+from derive.export.c_parts import INTEGRATOR, c_numbers, integrator_files
 from derive.export.cpp_wrapper import member_functions
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
 from derive.export.reference_motion import reference_motion
 from derive.ir.statements import ReturnCode
 from derive.rendering import render
-
-INTEGRATOR = ("adaptive_rows", "adaptive", "dormand_prince", "fixed_step")
-"""The parts of `templates/host` with which the sample programs integrate."""
 
 
 def cmake_files(model: HostModel) -> tuple[File, ...]:
@@ -43,12 +38,12 @@ def cmake_files(model: HostModel) -> tuple[File, ...]:
         "methods": member_functions(model),
         "integrators": [f"{part}.c" for part in INTEGRATOR],
         "times": motion.times,
-        "times_text": _numbers(motion.times.tolist()),
-        "states_text": _numbers(motion.states.ravel().tolist()),
-        "tolerances_text": _numbers(motion.tolerances.tolist()),
-        "q_text": _numbers([x.start for x in model.coordinates]),
-        "v_text": _numbers([x.start for x in model.velocities]),
-        "u_text": _numbers(model.held_inputs),
+        "times_text": c_numbers(motion.times.tolist()),
+        "states_text": c_numbers(motion.states.ravel().tolist()),
+        "tolerances_text": c_numbers(motion.tolerances.tolist()),
+        "q_text": c_numbers([x.start for x in model.coordinates]),
+        "v_text": c_numbers([x.start for x in model.velocities]),
+        "u_text": c_numbers(model.held_inputs),
         "number": repr,
     }
 
@@ -66,18 +61,8 @@ def cmake_files(model: HostModel) -> tuple[File, ...]:
         made("sample/sample.c", "sample.c"),
         made("sample/sample.cpp", "sample.cpp"),
         made("sample/reference.h", "reference.h"),
-        *(_copy(f"{part}{ending}") for part in INTEGRATOR for ending in (".c", ".h")),
+        *integrator_files("sample/"),
     )
-
-
-def _copy(name: str) -> File:
-    """A file of `templates/host`, with our mark."""
-    return File(f"sample/{name}", f"/* {MARK}: a copy of templates/host/{name}. */\n{render(f'host/{name}', {})}")
-
-
-def _numbers(values: Iterable[float | None]) -> str:
-    """Numbers as the elements of an array of C."""
-    return "\n".join(prefixed([", ".join(map(repr, values))], "        "))
 
 
 CMAKE = Interface(

@@ -5,12 +5,22 @@ from __future__ import annotations
 from derive.export.casadi_external import CASADI
 from derive.export.cmake import CMAKE
 from derive.export.fmi import FMU2, FMU3
+from derive.export.fortran import FORTRAN
 from derive.export.host_model import host_model
 from derive.export.interface import HostFile, Interface, exported_files
 from derive.registry import Registry
 from derive.spec.model.scene import Specification
 
-INTERFACES: Registry[Interface] = Registry("interface", {"cmake": CMAKE, "fmu2": FMU2, "fmu3": FMU3, "casadi": CASADI})
+INTERFACES: Registry[Interface] = Registry(
+    "interface",
+    {
+        "cmake": CMAKE,
+        "fortran": FORTRAN,
+        "fmu2": FMU2,
+        "fmu3": FMU3,
+        "casadi": CASADI,
+    },
+)
 
 
 def exported(spec: Specification, kind: str) -> tuple[HostFile, ...]:

@@ -129,7 +129,7 @@ def test_a_symbolic_body_has_no_start(capsys: pytest.CaptureFixture[str]) -> Non
 def test_the_help_names_every_interface(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["export", "--help"])
-    text = capsys.readouterr().out
+    text = " ".join(capsys.readouterr().out.split())
     assert all(f"{kind} (" in text for kind in INTERFACES)
 
 

@@ -56,7 +56,7 @@ def test_the_number_of_the_interface_is_stated() -> None:
     assert f"It is now {ABI}." in TEXT and f"find_package(crank_slider_3 {ABI})" in TEXT
 
 
-VERSIONS = {name: stated for names, stated in rows("Tried with") for name in names.split(", ")}
+VERSIONS = {name: stated for names, stated in rows("## Versions tried") for name in names.split(", ")}
 
 
 @pytest.mark.hosts

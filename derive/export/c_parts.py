@@ -1,0 +1,35 @@
+"""What interfaces have in common: the integrator in C as one function, and numbers and files as text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from derive.artifacts import MARK, File
+from derive.backends.description import LICENCE
+from derive.backends.wrapping import prefixed
+from derive.export.host_model import HostModel
+from derive.rendering import render
+
+INTEGRATOR = ("adaptive_rows", "adaptive", "dormand_prince", "fixed_step")
+"""The parts of `templates/host` with which exports integrate."""
+
+
+def integrator_files(folder: str) -> list[File]:
+    """The C files of the integrator and their headers, with our mark, in a folder."""
+    return [_copy(folder, f"{part}{ending}") for part in INTEGRATOR for ending in (".c", ".h")]
+
+
+def _copy(folder: str, name: str) -> File:
+    return File(f"{folder}{name}", f"/* {MARK}: a copy of templates/host/{name}. */\n{render(f'host/{name}', {})}")
+
+
+def motion_file(model: HostModel, folder: str) -> File:
+    """NAME_motion.c: the motion of a model at given times as one function, for languages that call C."""
+    values = {"mark": MARK, "licence": LICENCE, "name": model.name, "macro": model.name.upper()}
+    values["nu"] = str(len(model.inputs))
+    return File(f"{folder}{model.name}_motion.c", render("export/motion.c.jinja", values))
+
+
+def c_numbers(values: Iterable[float | None]) -> str:
+    """Numbers as the elements of an array of C, on lines."""
+    return "\n".join(prefixed([", ".join(map(repr, values))], "        "))
