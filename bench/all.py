@@ -15,9 +15,9 @@ import json
 import sys
 import traceback
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from importlib import import_module
 from importlib.util import find_spec
-from inspect import signature
 from typing import Any
 
 from machine import described, native_flags
@@ -25,20 +25,25 @@ from rows import Row, is_met
 
 from derive.runtime.compiler import FLAGS
 
-MODULES = ("beam_accelerations", "python_calls", "tool_speed")
-"""The benchmarks that have a function `rows`, in the order of the table."""
+MODULES: dict[str, dict[str, Any]] = {
+    "beam_accelerations": {"quick": True},
+    "loops_by_hand": {"sizes": (2,), "sparse": (8,), "accels": (8,), "repeats": 1},
+    "python_calls": {"quick": True},
+    "tool_speed": {"quick": True},
+}
+"""The benchmarks that have a function `rows`, in the order of the table; with what arguments it is quick."""
 PACKAGES = ("casadi", "sympy", "numpy", "scipy", "numba", "pydantic", "jinja2")
 
 
 def rows_of(module: str, quick: bool) -> list[Row]:
-    """The rows of a benchmark; one that takes no argument is measured in full. A failure is a row with an error."""
+    """The rows of a benchmark, whose messages go to the standard error. A failure is a row with an error."""
     try:
-        rows = import_module(module).rows
-        result: list[Row] = rows(quick=quick) if "quick" in signature(rows).parameters else rows()
+        with redirect_stdout(sys.stderr):
+            result: list[Row] = import_module(module).rows(**(MODULES[module] if quick else {}))
     except Exception as error:  # one that fails must not cost the figures of the others
         traceback.print_exc()
         result = [{"name": module, "error": f"{type(error).__name__}: {error}"}]
-    return [{"module": module, **row, "met": is_met(row)} for row in result]
+    return [{"module": module, "unit": "ns", **row, "met": is_met(row)} for row in result]
 
 
 def environment() -> dict[str, Any]:
@@ -54,21 +59,20 @@ def environment() -> dict[str, Any]:
 
 def table(rows: Sequence[Row]) -> str:
     """The rows as lines of text."""
-    lines = [f"{'row':52}{'ours':>10}{'by hand':>10}{'peer':>10}  {'best peer':26}{'ratio':>7}{'goal':>7}  met"]
+    lines = [f"{'row':62}{'ours':>10}{'by hand':>10}{'peer':>10}  {'best peer':26}{'ratio':>7}{'goal':>7}  met"]
     module = ""
     for row in rows:
         if row["module"] != module:
             module = row["module"]
             lines.append(module)
         if "error" in row:
-            lines.append(f"  {row['name']:50}  {row['error']}")
+            lines.append(f"  {row['name']:60}  {row['error']}")
             continue
-        unit = f" {row['unit']}" if row.get("unit") else ""
         times = "".join(f"{_figure(row.get(key)):>10}" for key in ("ours_ns", "hand_ns", "peer_ns"))
         met = {True: "yes", False: "NO", None: ""}[row["met"]]
-        name = f"{row['name']},{unit}" if unit else row["name"]
+        name = row["name"] if row["unit"] == "1" else f"{row['name']}, {row['unit']}"
         ratio, goal = _figure(row.get("ratio")), _figure(row.get("goal"))
-        lines.append(f"  {name:50}{times}  {row.get('peer_name') or '':26}{ratio:>7}{goal:>7}  {met}")
+        lines.append(f"  {name:60}{times}  {row.get('peer_name') or '':26}{ratio:>7}{goal:>7}  {met}")
         if row.get("note"):
             lines.append(f"      {row['note']}")
     return "\n".join(lines)
@@ -85,7 +89,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", action="store_true", help="print all figures as JSON")
     names = ", ".join(MODULES)
-    parser.add_argument("--only", nargs="+", choices=MODULES, default=MODULES, metavar="MODULE", help=names)
+    parser.add_argument("--only", nargs="+", choices=MODULES, default=list(MODULES), metavar="MODULE", help=names)
     parser.add_argument("--quick", action="store_true", help="few repetitions and small sizes")
     options = parser.parse_args(argv)
     rows = [row for module in options.only for row in rows_of(module, options.quick)]

@@ -28,6 +28,10 @@ import derive
 from derive.backends.model_files import model_files
 from derive.runtime.compiled_function import address_of
 
+LAMBDIFY = ("lambdify, math, arrays", "lambdify, numpy, arrays")
+"""The two ways to call what SymPy writes with arrays: converted to numbers, and as they are."""
+MANY_SHAPES = 8
+
 
 def beam(frame: str, shapes: int) -> derive.PlanarBeam:
     """A free beam whose parameters are numbers."""
@@ -196,14 +200,18 @@ def rows(quick: bool = False) -> list[Row]:
             name = f"native.{function}, one call, {frame}"
             result.append(row(name, 1e9 * ours, peers=peers, hand=1e9 * bare, note=absent))
         ours = 1e9 * force["Tisserand, Python"]
-        peers = chosen(force, "lambdify, math, arrays", "lambdify, numpy, arrays")
+        peers = chosen(force, *LAMBDIFY)
         result.append(row(f"generated Python, force, one call, {frame}", ours, peers=peers, goal=1))
         ours = 1e9 * batch["Tisserand, Python"] / count
         for peer, note in (("Numba, out", absent), ("lambdify, numpy", "")):
             peers = {name: ns / count for name, ns in chosen(batch, peer).items()}
             name = f"generated Python, force, a state of {count}, {frame}"
             result.append(row(name, ours, peers=peers, goal=1, note=note))
-    return result
+    given, (q, v) = generated("point", MANY_SHAPES), states(MANY_SHAPES, 1)
+    single, _ = of_forces(given, q, v)
+    force = least({name: single[name] for name in ("Tisserand, Python", *LAMBDIFY)}, calls, rounds)
+    name = f"generated Python, force, one call, point, {MANY_SHAPES} shapes"
+    return [*result, row(name, 1e9 * force["Tisserand, Python"], peers=chosen(force, *LAMBDIFY), goal=1)]
 
 
 def chosen(times: dict[str, float], *names: str) -> dict[str, float]:

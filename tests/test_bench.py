@@ -76,7 +76,7 @@ def test_all_rows_of_speed() -> None:
     printed = json.loads(done.stdout)
     assert {"machine", "compiler", "python", "flags"} < printed.keys() and printed["quick"]
     rows = printed["rows"]
-    assert tuple(dict.fromkeys(row["module"] for row in rows)) == only
+    assert {row["module"] for row in rows} > {"loops_by_hand", "python_calls", "tool_speed"}
     assert len({(row["name"], row["peer_name"]) for row in rows}) == len(rows)
     for row in rows:
         assert row["ours_ns"] > 0 or row["unit"] == "1", row
