@@ -62,7 +62,8 @@ def _archive(content: Mapping[str, bytes]) -> bytes:
 def _sources(model: HostModel, version: int) -> dict[str, str]:
     """The C of a unit by file names, with a model.c that has no token yet."""
     copies = [("host", f"{part}{ending}") for part in INTEGRATOR for ending in (".h", ".c")]
-    copies += [("export/fmi", name) for name in ("instance.h", "instance.c", f"fmi{version}.h", f"fmi{version}.c")]
+    parts = ("instance", "derivatives", f"fmi{version}")
+    copies += [("export/fmi", f"{part}{ending}") for part in parts for ending in (".h", ".c")]
     every = {f"{model.name}.h": model.header.text, f"{model.name}.c": model.source.text}
     for folder, name in copies:
         values = {"mark": MARK, "origin": f"templates/{folder}/{name}", "name": model.name}
@@ -117,7 +118,7 @@ def _descriptions(model: HostModel, version: int, token: str, sources: Sequence[
         "duration": simulation.duration,
         "interval": simulation.output,
         "tolerance": simulation.tolerance,
-        "derivatives": False,
+        "derivatives": model.model.sensitivities,
         "number": repr,
     }
     yield "modelDescription.xml", render(f"export/fmi/modelDescription{version}.xml.jinja", values)
@@ -139,7 +140,7 @@ def _files(version: int, model: HostModel) -> tuple[HostFile, ...]:
 
 def _interface(version: int) -> Interface:
     doc = f"programs that take functional mock-up units of FMI {version}.0, for model exchange and co-simulation"
-    return Interface(doc, partial(_files, version), "fmpy validate {folder}/{name}.fmu")
+    return Interface(doc, partial(_files, version), "fmpy validate {folder}/{name}.fmu", sensitivities=True)
 
 
 FMU2, FMU3 = _interface(2), _interface(3)

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import os
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
+from host_models import PUSHED, STEERED
 from numpy.typing import NDArray
 
+import derive
+from conftest import ROOT
 from derive.export.fmi import fmu
 from derive.export.fmi_binaries import this_platform
-from derive.export.host_model import HostModel
+from derive.export.host_model import HostModel, host_model
+from derive.spec.toml.read import parse
 
 VERSIONS = (2, 3)
 KINDS = ("ModelExchange", "CoSimulation")
@@ -28,6 +33,21 @@ def fmpy() -> ModuleType:
     import fmpy
 
     return fmpy
+
+
+@cache
+def prepared(text: str) -> HostModel:
+    """The model of a specification with derivatives, as units have it."""
+    return host_model(parse(text, "given.toml"), sensitivities=True)
+
+
+@cache
+def model_of(name: str) -> HostModel:
+    """That of a specification in the folder `scenes`, or of a pendulum or arm with inputs."""
+    given = {"pushed": PUSHED, "steered": STEERED}
+    if name in given:
+        return prepared(given[name])
+    return host_model(derive.read(ROOT / f"scenes/{name}.toml"), sensitivities=True)
 
 
 _archives: dict[tuple[str, int], bytes] = {}

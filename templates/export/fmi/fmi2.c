@@ -4,6 +4,7 @@
  * The functions of FMI 2.0 for model exchange and co-simulation, around an instance; see instance.h.
  */
 
+#include "derivatives.h"
 #include "fmi2.h"
 #include "instance.h"
 
@@ -232,8 +233,9 @@ FMI2_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2V
                                                     size_t unknown_count, const fmi2ValueReference knowns[],
                                                     size_t known_count, const fmi2Real seed[], fmi2Real result[])
 {
-    (void) unknowns, (void) unknown_count, (void) knowns, (void) known_count, (void) seed, (void) result;
-    return refuse(c, "this unit has no directional derivatives");
+    IN_MODE(FMU_INITIALISING, FMU_TERMINATED);
+    return status_of(
+        fmu_directional(((component *) c)->fmu, unknowns, unknown_count, knowns, known_count, seed, result));
 }
 
 /* ---- model exchange ---- */

@@ -4,6 +4,7 @@
  * The functions of FMI 3.0 for model exchange and co-simulation, around an instance; see instance.h.
  */
 
+#include "derivatives.h"
 #include "fmi3.h"
 #include "instance.h"
 
@@ -321,9 +322,11 @@ FMI3_EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3Va
                                                     size_t known_count, const fmi3Float64 seed[], size_t seed_count,
                                                     fmi3Float64 sensitivity[], size_t sensitivity_count)
 {
-    (void) unknowns, (void) unknown_count, (void) knowns, (void) known_count, (void) seed, (void) seed_count;
-    (void) sensitivity, (void) sensitivity_count;
-    return refuse(c, "this unit has no directional derivatives");
+    IN_MODE(FMU_INITIALISING, FMU_TERMINATED);
+    if (seed_count != known_count || sensitivity_count != unknown_count) {
+        return refuse(c, "every variable has one value");
+    }
+    return status_of(fmu_directional(of(c), unknowns, unknown_count, knowns, known_count, seed, sensitivity));
 }
 
 FMI3_EXPORT fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unknowns[],
@@ -331,9 +334,11 @@ FMI3_EXPORT fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueR
                                                 size_t known_count, const fmi3Float64 seed[], size_t seed_count,
                                                 fmi3Float64 sensitivity[], size_t sensitivity_count)
 {
-    (void) unknowns, (void) unknown_count, (void) knowns, (void) known_count, (void) seed, (void) seed_count;
-    (void) sensitivity, (void) sensitivity_count;
-    return refuse(c, "this unit has no adjoint derivatives");
+    IN_MODE(FMU_INITIALISING, FMU_TERMINATED);
+    if (seed_count != unknown_count || sensitivity_count != known_count) {
+        return refuse(c, "every variable has one value");
+    }
+    return status_of(fmu_adjoint(of(c), unknowns, unknown_count, knowns, known_count, seed, sensitivity));
 }
 
 /* ---- clocks, of which there are none ---- */

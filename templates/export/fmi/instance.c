@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: 0BSD -- see instance.h. */
 
 #include "instance.h"
+#include "derivatives.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -65,7 +66,8 @@ fmu_instance *fmu_create(const char *token, void (*log)(void *, fmu_status, cons
         return NULL;
     }
     fmu = (fmu_instance *) calloc(1, sizeof *fmu);
-    next = (double *) calloc((size_t) (count + more + tisserand_adaptive_work(model)), sizeof *next);
+    next = (double *) calloc((size_t) (count + more + tisserand_adaptive_work(model) + fmu_derivatives_work(model)),
+                             sizeof *next);
     if (fmu == NULL || next == NULL) {
         free(fmu);
         free(next);
@@ -93,6 +95,7 @@ fmu_instance *fmu_create(const char *token, void (*log)(void *, fmu_status, cons
     fmu->atol = fmu->lambda + model->nlambda;
     fmu->trial = fmu->atol + nx;
     fmu->work = fmu->trial + nx;
+    fmu->derivatives = fmu->work + tisserand_adaptive_work(model);
     fmu->log = log;
     fmu->owner = owner;
     fmu_reset(fmu);
@@ -168,8 +171,7 @@ static int project(fmu_instance *fmu, double tolerance, double *x)
     return code;
 }
 
-/* Compute all that follows from the state; before the simulation also x, from the start values. */
-static fmu_status evaluate(fmu_instance *fmu)
+fmu_status fmu_evaluate(fmu_instance *fmu)
 {
     const tisserand_model *model = fmu->model;
     const double t = fmu->state[FMU_TIME], *q = fmu->x, *v = q + model->nq;
@@ -179,6 +181,7 @@ static fmu_status evaluate(fmu_instance *fmu)
     if (fmu->evaluated) {
         return FMU_OK;
     }
+    fmu->linearised = 0;
     if (fmu->state[FMU_MODE] <= FMU_INITIALISING) {
         copy(fmu->nx, fmu->start, fmu->x);
         code = project(fmu, CONSISTENT, fmu->x);
@@ -231,7 +234,7 @@ fmu_status fmu_get(fmu_instance *fmu, const unsigned *references, size_t count, 
             return fmu_fail(fmu, FMU_ERROR, "there is no real variable with this value reference");
         }
         if (references[i] >= given) {
-            const fmu_status status = evaluate(fmu);
+            const fmu_status status = fmu_evaluate(fmu);
             if (status != FMU_OK) {
                 return status;
             }
@@ -279,7 +282,7 @@ fmu_status fmu_initialise(fmu_instance *fmu, double t, double tolerance)
 
 fmu_status fmu_begin(fmu_instance *fmu)
 {
-    const fmu_status status = evaluate(fmu);
+    const fmu_status status = fmu_evaluate(fmu);
     if (status == FMU_OK) {
         fmu->state[FMU_MODE] = FMU_RUNNING;
     }
@@ -309,7 +312,7 @@ fmu_status fmu_set_states(fmu_instance *fmu, const double *x, size_t count)
 /* Copy values of the states after their evaluation, if that is needed. */
 static fmu_status of_states(fmu_instance *fmu, int evaluated, const double *from, double *to, size_t count)
 {
-    const fmu_status status = evaluated ? evaluate(fmu) : FMU_OK;
+    const fmu_status status = evaluated ? fmu_evaluate(fmu) : FMU_OK;
     if (count != (size_t) fmu->nx) {
         return fmu_fail(fmu, FMU_ERROR, "this is not the number of continuous states");
     }

@@ -41,9 +41,10 @@ typedef struct {
     double *state;    /* all that a stored state consists of */
     double *u, *p, *start, *x; /* parts of the state */
     double *k, *xdot, *out, *energy, *lambda;
-    double *atol, *trial, *work;
+    double *atol, *trial, *work, *derivatives;
     int set_up;    /* whether k belongs to p */
     int evaluated; /* whether x (before the simulation), xdot, out, energy and lambda belong to the state */
+    int linearised; /* whether the Jacobians in derivatives belong to the state */
     tisserand_adaptive solver;
     void (*log)(void *owner, fmu_status status, const char *message);
     void *owner;
@@ -94,6 +95,10 @@ fmu_status fmu_set(
     const unsigned *references,
     size_t count,
     const double *values);
+
+/* Compute all that follows from the state; before the simulation also x, from the start values. */
+fmu_status fmu_evaluate(
+    fmu_instance *fmu);
 
 fmu_status fmu_set_time(
     fmu_instance *fmu,
