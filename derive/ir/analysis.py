@@ -52,7 +52,7 @@ def reads(statement: Statement) -> Iterator[str]:
         case MatVec():
             yield statement.packing.array
             for term in statement.terms:
-                yield from (vector for vector, _ in term.sums)
+                yield from (product.vector for product in term.sums)
                 yield from (term.base,) if term.base else ()
         case MatrixStore():
             yield statement.packing.array

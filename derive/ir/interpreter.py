@@ -191,11 +191,12 @@ class _Run:
         tables, n = self.arrays[packing.array], packing.count
         for term in loop.terms:
             y = list(self.arrays[term.base][:n]) if term.base else [self.zero] * n
-            for vector, table in term.sums:
-                x = self.arrays[vector]
+            for product in term.sums:
+                x = self.arrays[product.vector]
                 for i in range(n):
                     for j in range(n):
-                        y[i] = y[i] + tables[packing.position(table, i, j)] * x[j]
+                        part = tables[packing.position(product.table, i, j)] * x[j]
+                        y[i] = y[i] + part if product.sign > 0 else y[i] - part
             self.arrays[term.name] = y
 
     def _matrix_store(self, loop: MatrixStore) -> None:

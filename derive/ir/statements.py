@@ -184,15 +184,24 @@ def padded(count: int) -> int:
 
 
 @dataclass(frozen=True)
-class MatVecTerm:
-    """Local array name_i = base_i + sum over j of vector_j matrix_ij, for pairs (vector, matrix); no base is zero.
+class Product:
+    """The sum over j of sign * matrix_ij vector_j; the sign is 1 or -1."""
 
-    The pairs follow each other: all columns j of the first, then all of the second.
+    vector: str
+    table: str
+    sign: int = 1
+
+
+@dataclass(frozen=True)
+class MatVecTerm:
+    """Local array name_i = base_i + products; no base is zero.
+
+    The products follow each other: all columns j of the first, then all of the second.
     """
 
     name: str
     base: str
-    sums: tuple[tuple[str, str], ...]
+    sums: tuple[Product, ...]
 
 
 @dataclass(frozen=True)

@@ -195,7 +195,7 @@ def test_loops_of_a_kernel_are_few_and_simple() -> None:
     loops = [s for s in kernel.statements if not isinstance(s, Let | Store | Require)]
     assert [type(loop) for loop in loops] == [MatVec, Accumulate, Map]
     (contract,) = (loop for loop in loops if isinstance(loop, MatVec))
-    tables = [table for lane in contract.terms for _, table in lane.sums]
+    tables = [product.table for term in contract.terms for product in term.sums]
     assert len(tables) == len(set(tables)) == 9
     pairs = [s for s in symbolic(8, "mean").kernel("jacobian").statements if isinstance(s, MatrixStore)]
     assert len(pairs) == 2  # by alpha, by alphadot
@@ -213,7 +213,7 @@ def test_tables_of_a_function_are_read_once_and_in_order() -> None:
     for name, groups in (("mass", 1), ("force", 2)):
         (loop,) = (s for s in symbolic(8, "given").kernel(name).statements if isinstance(s, MatVec))
         packing = loop.packing
-        read = {table for term in loop.terms for _, table in term.sums}
+        read = {product.table for term in loop.terms for product in term.sums}
         tables = [table for table in packing.tables if table in read]
         assert tuple(tables) == sum(packing.groups[:groups], ())
         cells = ((i, j, t) for group in packing.groups[:groups] for i in (0, 4) for j in range(8) for t in group)

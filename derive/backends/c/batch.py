@@ -96,7 +96,7 @@ class _Body:
         elements = {name: (a.name, index) for a in states for index, name in a.named_elements}
         names = Names(width, elements, frozenset(v.name for v in self.k.arrays), block_arrays(self.parts))
         contracts = [part for part in self.parts if isinstance(part, MatVec)]
-        vectors = frozenset(vector for c in contracts for term in c.terms for vector, _ in term.sums)
+        vectors = frozenset(p.vector for c in contracts for term in c.terms for p in term.sums)
         self.loops = BlockLoops(names, self.prefix, vectors)
         self.stored = sorted(s.index for s in kernel.statements if isinstance(s, Store))
         self.checked = any(isinstance(s, Require) for s in kernel.statements)

@@ -145,13 +145,16 @@ class BlockLoops:
             for term in loop.terms
         ]
         inner = [f"for (int r = i; r < i + {LANES}; r++) {{", *map(_indented, names.loop(start)), "}"]
-        for products in rounds(loop):
+        for totals in rounds(loop):
             inner.append(f"for (int j = 0; j < {size}; j += {LANES}) {{")
-            for p in products:
+            for total in totals:
+                p = total.product
                 first, stride = packing.first(p.table), packing.stride(p.table)
                 at = f"{packing.array}{f' + {first}' if first else ''}"
                 column = f"{at} + {packing.block(p.table) // LANES} * i + {stride} * j"
-                inner.append(f"    {self.prefix}_rows({column}, {stride}, {p.vector} + j, {p.name} + i);")
+                inner.append(
+                    f"    {self.prefix}_rows({column}, {stride}, {p.sign}.0, {p.vector} + j, {total.name} + i);"
+                )
             inner.append("}")
         return [f"for (int i = 0; i < {size}; i += {LANES}) {{", *map(_indented, inner), "}"]
 
@@ -204,12 +207,13 @@ def scatter(prefix: str, rows: int, to: str, source: str, first: int = 0) -> str
 
 
 def rows_helper(prefix: str, width: int) -> Lines:
-    """y += A x for the rows of a block and four columns of A, of which a row has the states of a block."""
+    """y += sign A x for the rows of a block and four columns of A, of which a row has the states of a block."""
     lines = [
-        f"/* y += A x for {LANES} rows and {LANES} columns of A, where rows of x and y have {width} states */",
+        f"/* y += sign A x for {LANES} rows and {LANES} columns of A, where rows of x and y have {width} states */",
         f"static inline void {prefix}_rows(",
         "    const double *TISSERAND_RESTRICT a,",
         "    int stride,",
+        "    double sign,",
         f"    double (*TISSERAND_RESTRICT x)[{width}],",
         f"    double (*TISSERAND_RESTRICT y)[{width}])",
         "{",
@@ -217,7 +221,9 @@ def rows_helper(prefix: str, width: int) -> Lines:
     columns = ("", "stride", *(f"{c} * stride" for c in range(2, LANES)))
     for r in range(LANES):
         offsets = (" + ".join(filter(None, [column, str(r) if r else ""])) or "0" for column in columns)
-        lines.append(f"    const double {', '.join(f'a{r}{c} = a[{offset}]' for c, offset in enumerate(offsets))};")
+        lines.append(
+            f"    const double {', '.join(f'a{r}{c} = sign * a[{offset}]' for c, offset in enumerate(offsets))};"
+        )
     body = [f"    const double {', '.join(f'x{c} = x[{c}][b]' for c in range(LANES))};"]
     for r in range(LANES):
         body.append(f"    y[{r}][b] = y[{r}][b] + {' + '.join(f'a{r}{c} * x{c}' for c in range(LANES))};")

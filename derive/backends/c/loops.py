@@ -31,6 +31,7 @@ from derive.ir.statements import (
     Pack,
     Packing,
     PackSource,
+    Product,
     RequireFinite,
     StoreLocal,
     StoreStrided,
@@ -139,16 +140,15 @@ class CLoops:
 
 
 @dataclass(frozen=True)
-class Product:
-    """name_i = base_i + sum over j of vector_j table_ij; no base is zero."""
+class RowSum:
+    """name_i = base_i + product_i; no base is zero."""
 
     name: str
     base: str
-    vector: str
-    table: str
+    product: Product
 
 
-def rounds(loop: MatVec) -> list[list[Product]]:
+def rounds(loop: MatVec) -> list[list[RowSum]]:
     """The products of a statement: the first of each term, then the second of those that have one, and so on.
 
     In a round, products with the same matrix are neighbours.
@@ -156,24 +156,25 @@ def rounds(loop: MatVec) -> list[list[Product]]:
     result = []
     for k in range(max((len(term.sums) for term in loop.terms), default=0)):
         present = [term for term in loop.terms if len(term.sums) > k]
-        products = [Product(t.name, t.name if k else t.base, *t.sums[k]) for t in present]
-        result.append(sorted(products, key=lambda product: loop.packing.first(product.table)))
+        products = [RowSum(t.name, t.name if k else t.base, t.sums[k]) for t in present]
+        result.append(sorted(products, key=lambda total: loop.packing.first(total.product.table)))
     return result
 
 
-def _products(packing: Packing, products: list[Product]) -> Lines:
+def _products(packing: Packing, totals: list[RowSum]) -> Lines:
     """Some products of the rows of a block, each in a register until it is complete."""
-    starts = [f"double {p.name}_l = {f'{p.base}[i + l]' if p.base else '0.0'};" for p in products]
+    starts = [f"double {t.name}_l = {f'{t.base}[i + l]' if t.base else '0.0'};" for t in totals]
     lines: Lines = plain(*starts, _for("j", packing.count, 0, short=False))
-    for p in products:
-        index = f"{packing.stride(p.table)} * j + l"
-        lines += defining([f"    {p.name}_l += {p.table}[{index}] * {p.vector}[j];"], p.name)
-    lines += plain("}", *(f"{p.name}[i + l] = {p.name}_l;" for p in products))
+    for t in totals:
+        p, change = t.product, "+=" if t.product.sign > 0 else "-="
+        value = f"{p.table}[{packing.stride(p.table)} * j + l] * {p.vector}[j]"
+        lines += defining([f"    {t.name}_l {change} {value};"], t.name)
+    lines += plain("}", *(f"{t.name}[i + l] = {t.name}_l;" for t in totals))
     return [*plain(_for("l", LANES)), *indented(lines), *plain("}")]
 
 
 def _tables_of(loop: MatVec) -> list[str]:
-    used = {table for term in loop.terms for _, table in term.sums}
+    used = {product.table for term in loop.terms for product in term.sums}
     return [table for table in loop.packing.tables if table in used]
 
 

@@ -61,8 +61,7 @@ def _numbers(statement: Statement, arrays: dict[str, int]) -> int:
             size = statement.packing.padded
             for term in statement.terms:
                 arrays[term.name] = size
-                arrays.update({f"x_{vector}": size for vector, _ in term.sums})
-            return LANES
+            return LANES * len(statement.terms)
         case TriangularSolve():
             return len(statement.arrays)
         case MatrixStore() | Pack() | Cholesky():

@@ -138,9 +138,9 @@ class PythonLoops:
         lines: Lines = []
         for term in loop.terms:
             parts = [self._array(ArrayAccess(term.base, "i"), n)] if term.base else []
-            for vector, table in term.sums:
-                matrix = f"_table(xp, {packing.array}, {_places(packing, table)}, {n})"
-                parts.append(f"_product(xp, {vector}, {matrix})")
+            for p in term.sums:
+                matrix = f"_table(xp, {packing.array}, {_places(packing, p.table)}, {n})"
+                parts.append(f"{'-' if p.sign < 0 else ''}_product(xp, {p.vector}, {matrix})")
             value = join(parts[0], *(part for other in parts[1:] for part in (PLUS, other)))
             lines += defining(_short(term.name, value), term.name)
             self.lengths[term.name] = n

@@ -17,7 +17,7 @@ from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar, Tar
 from derive.lowering.loops.context import RIGID, SHAPE, LoopContext
 from derive.lowering.loops.program import Program
 from derive.mechanics.sums import ModeSum
-from derive.mechanics.symbols import Family, I, local, quantity
+from derive.mechanics.symbols import Family, I, is_indexed, local, quantity
 from derive.mechanics.tables import TableKind
 from derive.roles import Source
 
@@ -26,15 +26,21 @@ def accel(context: LoopContext, function: ModelFunction) -> Kernel:
     """M vdot = -h by the Schur complement of the shapes, whose mass matrix c8 is constant: factorised in setup."""
     program = context.program(context.q, context.v)
     coupled = tuple(context.coupling)
-    b = {r: local("B", r + 1, shapes=(I,)) for r in coupled}
+    named = context.c8 is TableKind.FULL  # what the substitution overwrites has its own array
+    b = {r: e if is_indexed(e) and not named else local("B", r + 1, shapes=(I,)) for r, e in context.coupling.items()}
+    computed = [r for r in coupled if b[r] != context.coupling[r]]
+    moving = _moving(context)
     h = local("h", shapes=(I,))
-    scalars: list[Scalar] = [(local(f"h_{name}"), context.at_rest(context.left[name])) for name in context.rows]
-    nonzeros = [(r, c) for c in range(RIGID) for r in range(c, RIGID) if context.mass_entry(r, c) != 0]
+    scalars: list[Scalar] = [
+        (local(f"h_{context.rows[r]}"), context.at_rest(context.left[context.rows[r]])) for r in moving
+    ]
+    nonzeros = [(r, c) for c in moving for r in moving if r >= c and context.mass_entry(r, c) != 0]
     scalars += [(local("M", r + 1, c + 1), context.mass_entry(r, c)) for r, c in nonzeros]
     rows: list[IndexedStore] = [(StoreLocal("h", NOTHING), context.at_rest(context.left[SHAPE]))] if context.n else []
-    rows += [(StoreLocal(f"B_{r + 1}", NOTHING), context.coupling[r]) for r in coupled]
+    rows += [(StoreLocal(f"B_{r + 1}", NOTHING), context.coupling[r]) for r in computed]
+    program.sums([*(e for _, e in scalars), *(e for _, e in rows), *b.values()])  # all tables in one pass
     program.phase("h and B", "(15)", "forces, and coupling of rigid-body motion and modes", scalars, rows)
-    arrays = ("h", *(f"B_{r + 1}" for r in coupled))
+    arrays = ("h", *(f"B_{r + 1}" for r in computed))
     weight = sp.S.One
     if context.c8 is TableKind.FULL and context.n:
         program.sections.append(_substituted(context, arrays, transposed=False))
@@ -48,24 +54,19 @@ def accel(context: LoopContext, function: ModelFunction) -> Kernel:
     ]
     mode_sums += [ModeSum(local("Bh", r + 1), sp.S.Zero, weight * b[r] * h, "B^T c8^-1 h") for r in coupled]
     program.add_mode_sums(mode_sums if context.n else [])
-    _rigid_accelerations(context, program, nonzeros, coupled)
+    _rigid_accelerations(context, program, nonzeros, coupled, moving)
     rest = h + sum((b[r] * context.rigid_rows[r].a for r in coupled), sp.S.Zero)
     if context.n:
         x = local("x", shapes=(I,))
-        program.phase(
-            "alphaddot",
-            "(15)",
-            "accelerations of the modal amplitudes",
-            (),
-            [(StoreLocal("x", NOTHING), -weight * rest)],
-        )
-        if context.c8 is TableKind.FULL:
+        doc = "accelerations of the modal amplitudes"
+        modes: IndexedStore = (StoreLocal("x", NOTHING), -weight * rest)
+        stored: IndexedStore = (StoreStrided("vdot", RIGID, 1, NOTHING), x if named else -weight * rest)
+        program.phase("alphaddot", "(15)", doc, (), [modes] if named else [modes, stored])
+        if named:
             program.sections.append(_substituted(context, ("x",), transposed=True))
-        program.phase(
-            "vdot", "", "accelerations of the modal amplitudes", (), [(StoreStrided("vdot", RIGID, 1, NOTHING), x)]
-        )
+            program.phase("vdot", "", doc, (), [stored])
         program.add_mode_sums([ModeSum(local("shapes"), sp.S.Zero, x, "sum that is finite if all are")])
-    every = sp.Add(*(row.a for row in context.rigid_rows), *([local("shapes")] if context.n else []))
+    every = sp.Add(*(context.rigid_rows[r].a for r in moving), *([local("shapes")] if context.n else []))
     finite = Require(Requirement.FINITE, NOTHING, ReturnCode.NOT_FINITE, "an acceleration is not finite")
     program.scalars("check", "", "check that the result is finite", [(finite, every)])
     names = tuple(str(row.a) for row in context.rigid_rows)
@@ -83,12 +84,24 @@ def _substituted(context: LoopContext, arrays: tuple[str, ...], transposed: bool
     return Section("c8", Source.APPENDIX, doc, (TriangularSolve("root", context.n, arrays, transposed),))
 
 
+def _moving(context: LoopContext) -> tuple[int, ...]:
+    """The rigid rows with a force or with a coupling; the acceleration of another one, without weight, is zero."""
+    coupled = set(context.coupling)
+    coupled |= {k for r in range(RIGID) for c in range(r) if context.mass_entry(r, c) != 0 for k in (r, c)}
+    return tuple(r for r, name in enumerate(context.rows) if r in coupled or context.at_rest(context.left[name]) != 0)
+
+
 def _rigid_accelerations(
-    context: LoopContext, program: Program, nonzeros: list[tuple[int, int]], coupled: tuple[int, ...]
+    context: LoopContext,
+    program: Program,
+    nonzeros: list[tuple[int, int]],
+    coupled: tuple[int, ...],
+    moving: tuple[int, ...],
 ) -> None:
-    """Solve the Schur complement for the six rigid accelerations."""
+    """Solve the Schur complement for the rigid accelerations."""
     schur = {(r, c) for r in coupled for c in coupled if r >= c}
-    shape = pattern(RIGID, RIGID, schur | set(nonzeros), symmetric=True)
+    present = {(moving.index(r), moving.index(c)) for r, c in schur | set(nonzeros)}
+    shape = pattern(len(moving), len(moving), present, symmetric=True)
 
     def make(symbols: Symbols) -> list[tuple[Target, ca.SX]]:
         def known(label: str, *components: int) -> ca.SX:
@@ -99,23 +112,23 @@ def _rigid_accelerations(
         for r, c in schur:
             inner = known("BB", r + 1, c + 1)
             entries[r, c] = whole[r, c] - inner if (r, c) in whole else -inner
-        right = [
-            -known(f"h_{name}") + (known("Bh", r + 1) if r in coupled else 0) for r, name in enumerate(context.rows)
-        ]
-        factors = factorise(shape, {entry: entries[entry] for entry in shape.entries})
+        right = [-known(f"h_{context.rows[r]}") + (known("Bh", r + 1) if r in coupled else 0) for r in moving]
+        factors = factorise(shape, {(i, j): entries[moving[i], moving[j]] for i, j in shape.entries})
         solution = solve(factors, right)
         margin = symbols.number(VANISHING)
         wants: list[tuple[Target, ca.SX]] = [
             (
-                Require(Requirement.POSITIVE, NOTHING, ReturnCode.PIVOT, f"the pivot of {context.rows[j]} vanished"),
-                pivot - margin * whole[j, j],
+                Require(
+                    Requirement.POSITIVE, NOTHING, ReturnCode.PIVOT, f"the pivot of {context.rows[moving[j]]} vanished"
+                ),
+                pivot - margin * whole[moving[j], moving[j]],
             )
             for pivot, j in zip(factors.pivots, factors.order, strict=True)
         ]
-        for r, x in enumerate(solution):
+        for r, x in zip(moving, solution, strict=True):
             wants.append((context.rigid_rows[r].a, x))
             wants.append((Store("vdot", r, NOTHING), x))
-        return wants
+        return wants + [(Store("vdot", r, NOTHING), ca.SX(0)) for r in range(RIGID) if r not in moving]
 
-    order = ", ".join(context.rows[j] for j in elimination_order(shape))
+    order = ", ".join(context.rows[moving[j]] for j in elimination_order(shape))
     program.straight("vdot", Source.FACTORISATION, f"accelerations of the rigid motion: eliminate {order}", make)

@@ -13,7 +13,7 @@ import casadi as ca
 import sympy as sp
 
 from derive.ir.analysis import reads
-from derive.ir.expressions import ArrayAccess, Expr, Leaf, Number, Operation, Operator, ScalarRef
+from derive.ir.expressions import Expr, Leaf, Number, ScalarRef
 from derive.ir.model import Argument, Kernel, Output, Section
 from derive.ir.statements import (
     Accumulate,
@@ -23,6 +23,7 @@ from derive.ir.statements import (
     MatVec,
     MatVecTerm,
     Packing,
+    Product,
     Require,
     Statement,
     Store,
@@ -47,8 +48,8 @@ from derive.lowering.loops.assignments import (
     pair_expression,
 )
 from derive.lowering.loops.loop_invariants import LoopInvariants, by_vector
-from derive.mechanics.sums import ModeSum, TableSum, canonical
-from derive.mechanics.symbols import Symbol, identity, local
+from derive.mechanics.sums import PARITY, ModeSum, TableSum, canonical
+from derive.mechanics.symbols import Symbol, identity
 from derive.mechanics.terms import Intermediate, rotation_symbols
 from derive.roles import Source
 
@@ -86,23 +87,12 @@ class Program:
         terms = []
         for c in table_sums:
             self._arrays.add(c.symbol)
-            pairs = tuple((self._vector(factor, entry), canonical(entry).identity.array) for factor, entry in c.sums)
-            terms.append(MatVecTerm(c.symbol.identity.array, identity(c.offset).array if c.offset != 0 else "", pairs))
+            products = tuple(_product(factor, entry) for factor, entry in c.sums)
+            base = identity(c.offset).array if c.offset != 0 else ""
+            terms.append(MatVecTerm(c.symbol.identity.array, base, products))
         if terms:
             section = Section("tables", Source.APPENDIX, _described(table_sums), (MatVec(self.packing, tuple(terms)),))
             self.sections.append(section)
-
-    def _vector(self, factor: Symbol, entry: Symbol) -> str:
-        """The factor of a table; of an odd table with its indices exchanged, the factor with its sign changed."""
-        vector = factor.identity.array
-        if canonical(entry) == entry:
-            return vector
-        name = f"minus_{vector}"
-        if local(name) not in self._arrays:
-            self._arrays.add(local(name))
-            negated = StoreLocal(name, Operation(Operator.NEG, (ArrayAccess(vector, "i"),)))
-            self.sections.append(Section(name, "", f"{vector} with its sign changed", (self._each((negated,)),)))
-        return name
 
     def add_mode_sums(self, mode_sums: Iterable[ModeSum]) -> None:
         """Compute mode sums in a single loop."""
@@ -219,6 +209,13 @@ class Program:
 
     def _each(self, body: tuple[Let | StoreLocal | StoreStrided, ...]) -> Map:
         return Map(self.packing.count, body)
+
+
+def _product(factor: Symbol, entry: Symbol) -> Product:
+    """The product of a table and a factor; an odd table with its indices exchanged has its sign changed."""
+    kept = canonical(entry)
+    sign = 1 if kept == entry else PARITY[entry.identity.family]
+    return Product(factor.identity.array, kept.identity.array, sign)
 
 
 def _without_unread(sections: list[Section]) -> list[Section]:
