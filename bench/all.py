@@ -27,7 +27,7 @@ from derive.runtime.compiler import FLAGS
 
 MODULES: dict[str, dict[str, Any]] = {
     "beam_accelerations": {"quick": True},
-    "loops_by_hand": {"sizes": (2,), "sparse": (8,), "accels": (8,), "repeats": 1},
+    "loops_by_hand": {"quick": True},
     "python_calls": {"quick": True},
     "tool_speed": {"quick": True},
 }

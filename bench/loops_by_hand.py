@@ -3,7 +3,8 @@
 python bench/loops_by_hand.py [--sizes 2 8 32 100] [--sparse 8 32] [--accelerations 8 32 100]
 
 All implementations of a function run alternately in one process, with one compiler and the same flags; each time is
-the least of many slices. Their values are compared first. Of our own lowerings the cost model selects one.
+the least of many slices. Their values are compared first. Of our own lowerings the cost model selects one, whose time
+the rows have. `handwritten_body.c` computes the same outputs.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from bodies import BODIES, states
 from interleaved import TimedCall, interleaved
 from limited import limited
 from machine import described
+from rows import Row, row
 from scale import STATES, TOLERANCE, CSource, by_position, check_agreement, compiled, ours, peers, timed_call
 
 import derive
@@ -30,20 +32,20 @@ from derive.runtime.compiler import compiler
 HERE = Path(__file__).parent
 FLAGS = "-O3 -march=x86-64-v3"
 LABELS = {"mass": "M", "force": "h", "jacobian": "Jacobian"}
-GOALS = {"mass": 1.1, "force": 1.1, "jacobian": 1.2}
-"""The largest ratio of our time to the time by hand; for sparse tables to that of CasADi, see SPARSE_GOAL."""
-ACCEL_GOAL = 1.1
+GOALS = {"mass": 1.1, "force": 1.1, "jacobian": 1.2, "accel": 1.1}
+"""The largest ratio of our time to the time by hand."""
 SPARSE_GOAL = 1.0
+"""The largest ratio of our time to that of CasADi, for the sparse tables of a beam."""
 MAX_PEER_MODES = {"mass": 8, "force": 32, "jacobian": 8}
 """The largest number of modes of a dense body for which CasADi is measured: beyond, gcc takes minutes."""
+LIMIT = 600.0
+"""Seconds of a derivation or a compilation."""
 DECLARATIONS = """\
 void hand_setup(const double *); void hand_mass(const double *, double *);
 void hand_force(const double *, const double *, double *);
 void hand_jacobian(const double *, const double *, double, double *);
 void hand_accel(const double *, const double *, double *);
 """
-
-Row = dict[str, str | float | None]
 
 
 def by_hand(size: int, flags: str, folder: Path, *defines: str) -> Path:
@@ -61,39 +63,26 @@ def hand_call(item: str, size: int, count: int) -> TimedCall:
     return TimedCall("hand", f"hand_{item}({arguments[item]}, out);", count)
 
 
-def measured(data: str, size: int, flags: str, repeats: int, limit: float, folder: Path) -> list[Row]:
+def functions(data: str, size: int, flags: str, repeats: int, with_peers: bool, folder: Path) -> list[Row]:
     """The rows of M, h and the iteration matrix of a body: dense, or with the sparse tables of a beam."""
-    own, sizes = ours(data, size, limit, folder, ("flat", "table") if size <= MAX_PEER_MODES["force"] else ("table",))
+    few = data == "beam" or size <= max(MAX_PEER_MODES.values())
+    lowerings = ("flat", "table") if few and with_peers else ("table",)
+    own, sizes = ours(data, size, LIMIT, folder, lowerings)
     hand = by_hand(size, flags, folder) if data == "dense" else None
     selected = estimate_costs(modal_body(BODIES[data](size), None)).lowering
-    rows = []
+    result = []
     for item, label in LABELS.items():
         few = data == "beam" or size <= MAX_PEER_MODES[item]
-        sources = [s for (i, _), s in own.items() if i == item and (s.maker == "table" or few)]
-        sources += peers(data, size, limit, folder, (item,)).values() if few else ()
-        sources = [s for s in sources if compiled(s.path, flags, limit).seconds is not None]
+        sources = [s for (i, _), s in own.items() if i == item and (s.maker == selected or few)]
+        sources += peers(data, size, LIMIT, folder, (item,)).values() if few and with_peers else ()
+        sources = [s for s in sources if compiled(s.path, flags, LIMIT).seconds is not None]
         times = nanoseconds(data, size, item, sources, sizes, repeats, folder, hand)
-        name = f"{label}, {data}, N = {size}"
-        goal = GOALS[item] if hand else SPARSE_GOAL
-        rows.append(row(name, times[selected], times.get("casadi"), times.get("hand"), goal))
-        print(" ".join([f"{name:28}", *(f"{k} {t:.1f}" for k, t in times.items())]), flush=True)
-    return rows
-
-
-def row(name: str, own: float, peer: float | None, hand: float | None, goal: float) -> Row:
-    """A row of the table; the ratio is to the time by hand, where there is none to that of the peer."""
-    base = hand or peer
-    ratio = own / base if base else None
-    peer_name = "CasADi" if peer else None
-    return {
-        "name": name,
-        "ours_ns": own,
-        "peer_ns": peer,
-        "peer_name": peer_name,
-        "hand_ns": hand,
-        "ratio": ratio,
-        "goal": goal,
-    }
+        name, goal = f"{label}, {data} body, {size} modes", GOALS[item] if hand else SPARSE_GOAL
+        form = {"flat": "unrolled", "table": "looped"}
+        note = ", ".join([f"{form[selected]} as selected", *(f"{form[k]} {times[k]:.0f}" for k in form if k in times)])
+        others = {"CasADi": times["casadi"]} if "casadi" in times else {}
+        result.append(row(name, times[selected], peers=others, hand=times.get("hand"), goal=goal, note=note))
+    return result
 
 
 def nanoseconds(
@@ -112,7 +101,7 @@ def nanoseconds(
     arrays = states(size, STATES)
     once, declare, objects = [], [d for d, _ in pairs], [s.path.with_suffix(".o") for s in sources]
     scratch = {"work": 1 << 22}
-    for lowering in {s.maker for s in sources} - {"casadi"}:
+    for lowering in sorted({s.maker for s in sources} - {"casadi"}):
         setup = folder / f"own_{lowering}_setup.c"
         compiled(setup, "-O1")
         objects.append(setup.with_suffix(".o"))
@@ -123,11 +112,12 @@ def nanoseconds(
     if any(s.maker == "casadi" for s in sources):
         arrays["parameters"] = np.append(np.fromfile(folder / "parameters.bin"), 0.0)
     declare.append("static const double cj = 10.0;")
-    if hand:
+    table = next((k for k, s in enumerate(sources) if s.maker == "table"), None)
+    if hand and table is not None:
         declare.append(DECLARATIONS)
         once.append("hand_setup(p_table);")
         objects.append(hand)
-        calls.append(hand_call(item, size, next(s.size for s in sources if s.maker == "table")))
+        calls.append(hand_call(item, size, sources[table].size))
     times, values = interleaved(
         calls,
         declare="\n".join(declare),
@@ -141,31 +131,30 @@ def nanoseconds(
         statistic=np.min,
     )
     check_agreement([by_position(s, item, v, folder) for s, v in zip(sources, values, strict=False)], sources)
-    if hand:
-        table = next(k for k, s in enumerate(sources) if s.maker == "table")
-        error = np.max(np.abs(values[-1] - values[table])) / np.max(np.abs(values[table]))
-        if not error < TOLERANCE:
-            raise ArithmeticError(f"{item} by hand is off by {error:.1e}")
+    if hand and table is not None:
+        check(f"{item} by hand", values[-1], values[table])
     return {call.name: t for call, t in zip(calls, times, strict=True)}
+
+
+def check(name: str, values: np.ndarray, others: np.ndarray) -> None:
+    """Raise ArithmeticError if values differ from others, relative to the largest."""
+    error = np.max(np.abs(values - others)) / np.max(np.abs(others))
+    if not error < TOLERANCE:
+        raise ArithmeticError(f"{name} is off by {error:.1e}")
 
 
 def accelerations(size: int, flags: str, repeats: int, folder: Path) -> Row:
     """The row of the accelerations in the mean frame, where c8 is the unit matrix."""
-    spec = derive.symbolic_body("body", size, frame="mean", lowering="table")
-    model = derive.lower(derive.derive(spec))
+    model = derive.lower(derive.derive(derive.symbolic_body("body", size, frame="mean", lowering="table")))
     derive.write(CBackend().files(model, "a benchmark"), folder)
     source = folder / "body" / "body.c"
     target = source.with_suffix(".o")
     limited([*compiler(), *shlex.split(flags), "-w", "-c", str(source), "-o", str(target)])
-    n, nq = 6 + size, 7 + size
+    state = f"q + s * {7 + size}, v + s * {6 + size}"
+    texts = {"ours": f"body_accel(0.0, {state}, k, out);", "hand": f"hand_accel({state}, out);"}
     rng = np.random.default_rng(size)
-    state = f"q + s * {nq}, v + s * {n}"
-    calls = [
-        TimedCall("ours", f"body_accel(0.0, {state}, k, out);", n),
-        TimedCall("hand", f"hand_accel({state}, out);", n),
-    ]
     (own, hand), (values, others) = interleaved(
-        calls,
+        [TimedCall(maker, call, 6 + size) for maker, call in texts.items()],
         declare=f'#include "{source.with_suffix(".h").resolve()}"\n{DECLARATIONS}',
         once="if (body_setup(p, k)) return 5; hand_setup(p);",
         arrays={
@@ -179,12 +168,8 @@ def accelerations(size: int, flags: str, repeats: int, folder: Path) -> Row:
         repeats=repeats,
         statistic=np.min,
     )
-    error = np.max(np.abs(values - others)) / np.max(np.abs(values))
-    if not error < TOLERANCE:
-        raise ArithmeticError(f"accelerations by hand are off by {error:.1e}")
-    name = f"accelerations, c8 = I, N = {size}"
-    print(f"{name:28} table {own:.1f} hand {hand:.1f}", flush=True)
-    return row(name, own, None, hand, ACCEL_GOAL)
+    check("accelerations by hand", others, values)
+    return row(f"accelerations, c8 = I, {size} modes", own, hand=hand, goal=GOALS["accel"], note="looped")
 
 
 def rows(
@@ -193,14 +178,16 @@ def rows(
     accels: Sequence[int] = (8, 32, 100),
     flags: str = FLAGS,
     repeats: int = 41,
-    limit: float = 600.0,
+    quick: bool = False,
 ) -> list[Row]:
-    """The rows of the table: name, times (ns) of an evaluation, and the ratio with its goal."""
+    """The rows of bodies in space, see `rows.py`. quick: a small body, without CasADi, once."""
+    if quick:
+        sizes, sparse, accels, flags, repeats = (5,), (), (5,), "-O1", 1
     result: list[Row] = []
     with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
         for data, counts in (("dense", sizes), ("beam", sparse)):
             for size in counts:
-                result += measured(data, size, flags, repeats, limit, Path(folder))
+                result += functions(data, size, flags, repeats, not quick, Path(folder))
         result += [accelerations(size, flags, repeats, Path(folder)) for size in accels]
     return result
 
@@ -215,11 +202,11 @@ def main(argv: Sequence[str] | None = None) -> None:
     options = parser.parse_args(argv)
     print("\n".join(described("casadi", "sympy", "scipy")))
     print(f"flags     {options.flags}; ns of an evaluation\n")
-    table = rows(options.sizes, options.sparse, options.accelerations, options.flags, options.repeats)
-    print("\n| | ours | CasADi | by hand | ratio | goal |\n| --- | ---: | ---: | ---: | ---: | ---: |")
-    for r in table:
-        cells = [f"{r[k]:.1f}" if r[k] else "" for k in ("ours_ns", "peer_ns", "hand_ns")]
-        print(f"| {r['name']} | {' | '.join(cells)} | {r['ratio']:.2f} | {r['goal']} |")
+    print("| | ours | CasADi | by hand | ratio | goal |\n| --- | ---: | ---: | ---: | ---: | ---: |")
+    for r in rows(options.sizes, options.sparse, options.accelerations, options.flags, options.repeats):
+        cells = [f"{r[k]:.4g}" if r[k] else "" for k in ("ours_ns", "peer_ns", "hand_ns")]
+        ratio = f"{r['ratio']:.2f}" if r["ratio"] else ""
+        print(f"| {r['name']} ({r['note']}) | {' | '.join(cells)} | {ratio} | {r['goal']} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,11 @@
 """Cost model: predicts whether straight-line code or loops are faster, from the non-zeros of the integrals of a body.
 
 The cost of straight-line code is proportional to the number of non-zeros, that of loops to the number of all entries.
-The times are those of h, measured with gcc 12 at -O3 -march=native on a server processor with AVX-512; bench/scale.py
-repeats the measurement:
+The times are those of h, measured with gcc 12 at -O3 -march=x86-64-v3 on a server processor; bench/loops_by_hand.py
+measures both forms:
 
-    straight-line code   0.075 ns for each operation
-    loops                27 ns, 1 ns for each mode, and 0.022 ns for each operation, with 2 operations for each (i, j)
+    straight-line code   0.092 ns for each operation
+    loops                22 ns, 1 ns for each mode, and 0.0235 ns for each operation, with 2 operations for each (i, j)
 
 Straight-line code is limited to about 15 000 operations of h, beyond which derivation and compilation take minutes.
 """
@@ -64,7 +64,7 @@ def estimate_costs(body: Body) -> CostEstimate:
     full = sum(
         len(t.components) for t in tables if t.kind is TableKind.FULL and t.counted == 2 and t.family is not Family.C8
     )
-    flat, table = 0.075 * operations, 27 + modes + 0.022 * 2 * full * modes**2
+    flat, table = 0.092 * operations, 22 + modes + 0.0235 * 2 * full * modes**2
     return CostEstimate(
         "table" if table < flat or operations > MAX_FLAT_OPERATIONS else "flat", flat, table, operations
     )

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_d37a15e25ffc65f6
+#ifndef BODY_SYMBOLIC_HASH_78f790ca48420ae8
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -108,12 +108,6 @@ int body_symbolic_mass(
     const double *C4_23 = k + 608;
     const double *C4_33 = k + 616;
 
-    /* minus_alpha: alpha with its sign changed */
-    double minus_alpha[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        minus_alpha[i] = -alpha[i];
-    }
-
     /* tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i */
     double S_11[8];
     double S_12[8];
@@ -151,9 +145,9 @@ int body_symbolic_mass(
                 S_22_l += C5_22[36 * j + l] * alpha[j];
                 S_23_l += C5_23[36 * j + l] * alpha[j];
                 S_33_l += C5_33[36 * j + l] * alpha[j];
-                d3_1_l += c7_1[36 * j + l] * minus_alpha[j];
-                d3_2_l += c7_2[36 * j + l] * minus_alpha[j];
-                d3_3_l += c7_3[36 * j + l] * minus_alpha[j];
+                d3_1_l -= c7_1[36 * j + l] * alpha[j];
+                d3_2_l -= c7_2[36 * j + l] * alpha[j];
+                d3_3_l -= c7_3[36 * j + l] * alpha[j];
             }
             S_11[i + l] = S_11_l;
             S_12[i + l] = S_12_l;
@@ -443,12 +437,6 @@ int body_symbolic_mass_force(
     const double *C4_33 = k + 616;
     const double *K = k + 624;
 
-    /* minus_alpha: alpha with its sign changed */
-    double minus_alpha[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        minus_alpha[i] = -alpha[i];
-    }
-
     /*
      * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
      *     Phi_i x rdot
@@ -495,11 +483,11 @@ int body_symbolic_mass_force(
                 S_22_l += C5_22[36 * j + l] * alpha[j];
                 S_23_l += C5_23[36 * j + l] * alpha[j];
                 S_33_l += C5_33[36 * j + l] * alpha[j];
-                d3_1_l += c7_1[36 * j + l] * minus_alpha[j];
+                d3_1_l -= c7_1[36 * j + l] * alpha[j];
                 c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
-                d3_2_l += c7_2[36 * j + l] * minus_alpha[j];
+                d3_2_l -= c7_2[36 * j + l] * alpha[j];
                 c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
-                d3_3_l += c7_3[36 * j + l] * minus_alpha[j];
+                d3_3_l -= c7_3[36 * j + l] * alpha[j];
                 c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
             }
             S_11[i + l] = S_11_l;
@@ -656,7 +644,6 @@ int body_symbolic_accel(
     const double omega2 = v[4];
     const double omega3 = v[5];
     const double *alphadot = v + 6;
-    const double mass = k[632];
     const double C3_11 = k[633];
     const double C3_12 = k[634];
     const double C3_13 = k[635];
@@ -671,12 +658,6 @@ int body_symbolic_accel(
     const double *C4_23 = k + 608;
     const double *C4_33 = k + 616;
     const double *K = k + 624;
-
-    /* minus_alpha: alpha with its sign changed */
-    double minus_alpha[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        minus_alpha[i] = -alpha[i];
-    }
 
     /*
      * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
@@ -724,11 +705,11 @@ int body_symbolic_accel(
                 S_22_l += C5_22[36 * j + l] * alpha[j];
                 S_23_l += C5_23[36 * j + l] * alpha[j];
                 S_33_l += C5_33[36 * j + l] * alpha[j];
-                d3_1_l += c7_1[36 * j + l] * minus_alpha[j];
+                d3_1_l -= c7_1[36 * j + l] * alpha[j];
                 c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
-                d3_2_l += c7_2[36 * j + l] * minus_alpha[j];
+                d3_2_l -= c7_2[36 * j + l] * alpha[j];
                 c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
-                d3_3_l += c7_3[36 * j + l] * minus_alpha[j];
+                d3_3_l -= c7_3[36 * j + l] * alpha[j];
                 c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
             }
             S_11[i + l] = S_11_l;
@@ -835,9 +816,6 @@ int body_symbolic_accel(
     const double f7 = 2.0 * omega1;
     const double f8 = 2.0 * omega2;
     const double f9 = 2.0 * omega3;
-    const double h_c1 = 0.0;
-    const double h_c2 = 0.0;
-    const double h_c3 = 0.0;
     const double t1 = 2.0 * Sdot_12;
     const double t2 = 2.0 * Sdot_13;
     const double h_pi1 = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + 2.0 * Sdot_11 * omega1
@@ -850,9 +828,6 @@ int body_symbolic_accel(
     const double h_pi3 = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
         + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
         - d3dot_1 * omega2;
-    const double M_11 = mass;
-    const double M_22 = mass;
-    const double M_33 = mass;
     const double M_44 = J_11;
     const double M_54 = J_12;
     const double M_64 = J_13;
@@ -862,15 +837,9 @@ int body_symbolic_accel(
 
     /* h and B_i (15): forces, and coupling of rigid-body motion and modes, for each mode */
     double h[8];
-    double B_4[8];
-    double B_5[8];
-    double B_6[8];
     TISSERAND_LANES for (int i = 0; i < 8; i++) {
         h[i] = K[i] * alpha[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
             - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
-        B_4[i] = d3_1[i];
-        B_5[i] = d3_2[i];
-        B_6[i] = d3_3[i];
     }
 
     /* sums (appendix): BB = B^T c8^-1 B; Bh = B^T c8^-1 h */
@@ -886,15 +855,15 @@ int body_symbolic_accel(
         double Bh_5_l = 0.0;
         double Bh_6_l = 0.0;
         for (int i = 0; i < 8; i += 4) {
-            BB_44_l += B_4[i + l] * B_4[i + l];
-            BB_54_l += B_4[i + l] * B_5[i + l];
-            BB_64_l += B_4[i + l] * B_6[i + l];
-            BB_55_l += B_5[i + l] * B_5[i + l];
-            BB_65_l += B_5[i + l] * B_6[i + l];
-            BB_66_l += B_6[i + l] * B_6[i + l];
-            Bh_4_l += B_4[i + l] * h[i + l];
-            Bh_5_l += B_5[i + l] * h[i + l];
-            Bh_6_l += B_6[i + l] * h[i + l];
+            BB_44_l += d3_1[i + l] * d3_1[i + l];
+            BB_54_l += d3_1[i + l] * d3_2[i + l];
+            BB_64_l += d3_1[i + l] * d3_3[i + l];
+            BB_55_l += d3_2[i + l] * d3_2[i + l];
+            BB_65_l += d3_2[i + l] * d3_3[i + l];
+            BB_66_l += d3_3[i + l] * d3_3[i + l];
+            Bh_4_l += d3_1[i + l] * h[i + l];
+            Bh_5_l += d3_2[i + l] * h[i + l];
+            Bh_6_l += d3_3[i + l] * h[i + l];
         }
         sums2[0][l] = BB_44_l;
         sums2[1][l] = BB_54_l;
@@ -916,10 +885,7 @@ int body_symbolic_accel(
     const double Bh_5 = ((sums2[7][0] + sums2[7][1]) + (sums2[7][2] + sums2[7][3]));
     const double Bh_6 = ((sums2[8][0] + sums2[8][1]) + (sums2[8][2] + sums2[8][3]));
 
-    /* vdot (LDL^T): accelerations of the rigid motion: eliminate c1, c2, c3, pi1, pi2, pi3 */
-    if (!(M_11 - 5.684341886080802e-14 * M_11 > 0.0)) return 1; /* the pivot of c1 vanished */
-    if (!(M_22 - 5.684341886080802e-14 * M_22 > 0.0)) return 1; /* the pivot of c2 vanished */
-    if (!(M_33 - 5.684341886080802e-14 * M_33 > 0.0)) return 1; /* the pivot of c3 vanished */
+    /* vdot (LDL^T): accelerations of the rigid motion: eliminate pi1, pi2, pi3 */
     const double t4 = M_44 - BB_44;
     if (!(t4 - 5.684341886080802e-14 * M_44 > 0.0)) return 1; /* the pivot of pi1 vanished */
     const double t5 = M_54 - BB_54;
@@ -934,12 +900,6 @@ int body_symbolic_accel(
     const double t11 = t10 * inverse_t7;
     const double t12 = M_66 - BB_66 - t9 * t8 - t11 * t10;
     if (!(t12 - 5.684341886080802e-14 * M_66 > 0.0)) return 1; /* the pivot of pi3 vanished */
-    const double c1ddot = -(h_c1 / M_11);
-    vdot[0] = c1ddot;
-    const double c2ddot = -(h_c2 / M_22);
-    vdot[1] = c2ddot;
-    const double c3ddot = -(h_c3 / M_33);
-    vdot[2] = c3ddot;
     const double t13 = Bh_4 - h_pi1;
     const double t14 = Bh_5 - h_pi2 - t6 * t13;
     const double omega3dot = (Bh_6 - h_pi3 - t9 * t13 - t11 * t14) / t12;
@@ -948,16 +908,16 @@ int body_symbolic_accel(
     vdot[3] = omega1dot;
     vdot[4] = omega2dot;
     vdot[5] = omega3dot;
+    vdot[0] = 0.0;
+    vdot[1] = 0.0;
+    vdot[2] = 0.0;
 
     /* alphaddot_i (15): accelerations of the modal amplitudes, for each mode */
     double x[8];
     TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        x[i] = -(h[i] + omega1dot * B_4[i]) - omega2dot * B_5[i] - omega3dot * B_6[i];
-    }
-
-    /* vdot_i: accelerations of the modal amplitudes, for each mode */
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        vdot[6 + i] = x[i];
+        const double t15 = -(h[i] + omega1dot * d3_1[i]) - omega2dot * d3_2[i] - omega3dot * d3_3[i];
+        x[i] = t15;
+        vdot[6 + i] = t15;
     }
 
     /* sums (appendix): shapes = sum that is finite if all are */
@@ -972,7 +932,7 @@ int body_symbolic_accel(
     const double shapes = ((sums3[0][0] + sums3[0][1]) + (sums3[0][2] + sums3[0][3]));
 
     /* check: check that the result is finite */
-    if (!isfinite(c1ddot + c2ddot + c3ddot + omega1dot + omega2dot + omega3dot
+    if (!isfinite(omega1dot + omega2dot + omega3dot
         + shapes)) return 2; /* an acceleration is not finite */
     return 0;
 }
@@ -1393,12 +1353,6 @@ int body_symbolic_residual(
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
-    /* minus_alpha: alpha with its sign changed */
-    double minus_alpha[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        minus_alpha[i] = -alpha[i];
-    }
-
     /*
      * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
      *     Phi_i x rdot
@@ -1445,11 +1399,11 @@ int body_symbolic_residual(
                 S_22_l += C5_22[36 * j + l] * alpha[j];
                 S_23_l += C5_23[36 * j + l] * alpha[j];
                 S_33_l += C5_33[36 * j + l] * alpha[j];
-                d3_1_l += c7_1[36 * j + l] * minus_alpha[j];
+                d3_1_l -= c7_1[36 * j + l] * alpha[j];
                 c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
-                d3_2_l += c7_2[36 * j + l] * minus_alpha[j];
+                d3_2_l -= c7_2[36 * j + l] * alpha[j];
                 c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
-                d3_3_l += c7_3[36 * j + l] * minus_alpha[j];
+                d3_3_l -= c7_3[36 * j + l] * alpha[j];
                 c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
             }
             S_11[i + l] = S_11_l;
@@ -1647,12 +1601,6 @@ int body_symbolic_jacobian(
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
-    /* minus_alpha: alpha with its sign changed */
-    double minus_alpha[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
-        minus_alpha[i] = -alpha[i];
-    }
-
     /*
      * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
      *     Phi_i x rdot; C5dot_i = sum over the modes of alphadot_j C5_i_j_11; c7ddot_i = sum over
@@ -1740,13 +1688,13 @@ int body_symbolic_jacobian(
             double c7dot_3_l = 0.0;
             double c7ddot_3_l = 0.0;
             for (int j = 0; j < 8; j++) {
-                d3_1_l += c7_1[36 * j + l] * minus_alpha[j];
+                d3_1_l -= c7_1[36 * j + l] * alpha[j];
                 c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
                 c7ddot_1_l += c7_1[36 * j + l] * alphaddot[j];
-                d3_2_l += c7_2[36 * j + l] * minus_alpha[j];
+                d3_2_l -= c7_2[36 * j + l] * alpha[j];
                 c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
                 c7ddot_2_l += c7_2[36 * j + l] * alphaddot[j];
-                d3_3_l += c7_3[36 * j + l] * minus_alpha[j];
+                d3_3_l -= c7_3[36 * j + l] * alpha[j];
                 c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
                 c7ddot_3_l += c7_3[36 * j + l] * alphaddot[j];
             }
@@ -2052,17 +2000,18 @@ static inline void body_symbolic_block32_gather(
     }
 }
 
-/* y += A x for 4 rows and 4 columns of A, where rows of x and y have 32 states */
+/* y += sign A x for 4 rows and 4 columns of A, where rows of x and y have 32 states */
 static inline void body_symbolic_block32_rows(
     const double *TISSERAND_RESTRICT a,
     int stride,
+    double sign,
     double (*TISSERAND_RESTRICT x)[32],
     double (*TISSERAND_RESTRICT y)[32])
 {
-    const double a00 = a[0], a01 = a[stride], a02 = a[2 * stride], a03 = a[3 * stride];
-    const double a10 = a[1], a11 = a[stride + 1], a12 = a[2 * stride + 1], a13 = a[3 * stride + 1];
-    const double a20 = a[2], a21 = a[stride + 2], a22 = a[2 * stride + 2], a23 = a[3 * stride + 2];
-    const double a30 = a[3], a31 = a[stride + 3], a32 = a[2 * stride + 3], a33 = a[3 * stride + 3];
+    const double a00 = sign * a[0], a01 = sign * a[stride], a02 = sign * a[2 * stride], a03 = sign * a[3 * stride];
+    const double a10 = sign * a[1], a11 = sign * a[stride + 1], a12 = sign * a[2 * stride + 1], a13 = sign * a[3 * stride + 1];
+    const double a20 = sign * a[2], a21 = sign * a[stride + 2], a22 = sign * a[2 * stride + 2], a23 = sign * a[3 * stride + 2];
+    const double a30 = sign * a[3], a31 = sign * a[stride + 3], a32 = sign * a[2 * stride + 3], a33 = sign * a[3 * stride + 3];
     for (int b = 0; b < 32; b++) {
         const double x0 = x[0][b], x1 = x[1][b], x2 = x[2][b], x3 = x[3][b];
         y[0][b] = y[0][b] + a00 * x0 + a01 * x1 + a02 * x2 + a03 * x3;
@@ -2104,19 +2053,14 @@ int body_symbolic_mass_batch(
     const double *C4_22 = k + 600;
     const double *C4_23 = k + 608;
     const double *C4_33 = k + 616;
-    double alpha[8][32], minus_alpha[8][32], S_11[8][32], S_12[8][32], S_13[8][32], S_22[8][32];
-    double S_23[8][32], S_33[8][32], d3_1[8][32], d3_2[8][32], d3_3[8][32], sums3[24][32];
-    double rows[4][32], M_block[9][32];
+    double alpha[8][32], S_11[8][32], S_12[8][32], S_13[8][32], S_22[8][32], S_23[8][32];
+    double S_33[8][32], d3_1[8][32], d3_2[8][32], d3_3[8][32], sums2[24][32], rows[4][32];
+    double M_block[9][32];
     const ptrdiff_t all = n;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         body_symbolic_block32_gather(all, count, 8, q + 7 * all, alpha);
-        for (int i = 0; i < 8; i++) {
-            for (int b = 0; b < 32; b++) {
-                minus_alpha[i][b] = -alpha[i][b];
-            }
-        }
         for (int i = 0; i < 8; i += 4) {
             for (int r = i; r < i + 4; r++) {
                 for (int b = 0; b < 32; b++) {
@@ -2132,40 +2076,40 @@ int body_symbolic_mass_batch(
                 }
             }
             for (int j = 0; j < 8; j += 4) {
-                body_symbolic_block32_rows(tables + 72 * i + 36 * j, 36, alpha + j, S_11 + i);
-                body_symbolic_block32_rows(tables + 4 + 72 * i + 36 * j, 36, alpha + j, S_12 + i);
-                body_symbolic_block32_rows(tables + 8 + 72 * i + 36 * j, 36, alpha + j, S_13 + i);
-                body_symbolic_block32_rows(tables + 12 + 72 * i + 36 * j, 36, alpha + j, S_22 + i);
-                body_symbolic_block32_rows(tables + 16 + 72 * i + 36 * j, 36, alpha + j, S_23 + i);
-                body_symbolic_block32_rows(tables + 20 + 72 * i + 36 * j, 36, alpha + j, S_33 + i);
-                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, minus_alpha + j, d3_1 + i);
-                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, minus_alpha + j, d3_2 + i);
-                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, minus_alpha + j, d3_3 + i);
+                body_symbolic_block32_rows(tables + 72 * i + 36 * j, 36, 1.0, alpha + j, S_11 + i);
+                body_symbolic_block32_rows(tables + 4 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_12 + i);
+                body_symbolic_block32_rows(tables + 8 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_13 + i);
+                body_symbolic_block32_rows(tables + 12 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_22 + i);
+                body_symbolic_block32_rows(tables + 16 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_23 + i);
+                body_symbolic_block32_rows(tables + 20 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_33 + i);
+                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_1 + i);
+                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_2 + i);
+                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_3 + i);
             }
         }
         for (int i = 0; i < 24; i++) {
             for (int b = 0; b < 32; b++) {
-                sums3[i][b] = 0.0;
+                sums2[i][b] = 0.0;
             }
         }
         for (int i = 0; i < 8; i++) {
             const int l = i % 4;
             for (int b = 0; b < 32; b++) {
-                sums3[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
-                sums3[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
-                sums3[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
-                sums3[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
-                sums3[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
-                sums3[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
+                sums2[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
+                sums2[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
+                sums2[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
+                sums2[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
+                sums2[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
+                sums2[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
             }
         }
         for (int b = 0; b < 32; b++) {
-            const double J_11 = C3_11 + (sums3[0][b] + sums3[1][b] + (sums3[2][b] + sums3[3][b]));
-            const double J_12 = C3_12 + (sums3[4][b] + sums3[5][b] + (sums3[6][b] + sums3[7][b]));
-            const double J_13 = C3_13 + (sums3[8][b] + sums3[9][b] + (sums3[10][b] + sums3[11][b]));
-            const double J_22 = C3_22 + (sums3[12][b] + sums3[13][b] + (sums3[14][b] + sums3[15][b]));
-            const double J_23 = C3_23 + (sums3[16][b] + sums3[17][b] + (sums3[18][b] + sums3[19][b]));
-            const double J_33 = C3_33 + (sums3[20][b] + sums3[21][b] + (sums3[22][b] + sums3[23][b]));
+            const double J_11 = C3_11 + (sums2[0][b] + sums2[1][b] + (sums2[2][b] + sums2[3][b]));
+            const double J_12 = C3_12 + (sums2[4][b] + sums2[5][b] + (sums2[6][b] + sums2[7][b]));
+            const double J_13 = C3_13 + (sums2[8][b] + sums2[9][b] + (sums2[10][b] + sums2[11][b]));
+            const double J_22 = C3_22 + (sums2[12][b] + sums2[13][b] + (sums2[14][b] + sums2[15][b]));
+            const double J_23 = C3_23 + (sums2[16][b] + sums2[17][b] + (sums2[18][b] + sums2[19][b]));
+            const double J_33 = C3_33 + (sums2[20][b] + sums2[21][b] + (sums2[22][b] + sums2[23][b]));
             M_block[0][b] = mass;
             M_block[1][b] = mass;
             M_block[2][b] = mass;
@@ -2248,15 +2192,15 @@ int body_symbolic_force_batch(
                 }
             }
             for (int j = 0; j < 8; j += 4) {
-                body_symbolic_block32_rows(tables + 72 * i + 36 * j, 36, alpha + j, S_11 + i);
-                body_symbolic_block32_rows(tables + 4 + 72 * i + 36 * j, 36, alpha + j, S_12 + i);
-                body_symbolic_block32_rows(tables + 8 + 72 * i + 36 * j, 36, alpha + j, S_13 + i);
-                body_symbolic_block32_rows(tables + 12 + 72 * i + 36 * j, 36, alpha + j, S_22 + i);
-                body_symbolic_block32_rows(tables + 16 + 72 * i + 36 * j, 36, alpha + j, S_23 + i);
-                body_symbolic_block32_rows(tables + 20 + 72 * i + 36 * j, 36, alpha + j, S_33 + i);
-                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, alphadot + j, c7dot_1 + i);
-                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, alphadot + j, c7dot_2 + i);
-                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, alphadot + j, c7dot_3 + i);
+                body_symbolic_block32_rows(tables + 72 * i + 36 * j, 36, 1.0, alpha + j, S_11 + i);
+                body_symbolic_block32_rows(tables + 4 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_12 + i);
+                body_symbolic_block32_rows(tables + 8 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_13 + i);
+                body_symbolic_block32_rows(tables + 12 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_22 + i);
+                body_symbolic_block32_rows(tables + 16 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_23 + i);
+                body_symbolic_block32_rows(tables + 20 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_33 + i);
+                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_1 + i);
+                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_2 + i);
+                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_3 + i);
             }
         }
         for (int i = 0; i < 60; i++) {
@@ -2356,7 +2300,6 @@ int body_symbolic_accel_batch(
     double *vdot)
 {
     (void) t;
-    const double mass = k[632];
     const double C3_11 = k[633];
     const double C3_12 = k[634];
     const double C3_13 = k[635];
@@ -2372,15 +2315,13 @@ int body_symbolic_accel_batch(
     const double *C4_33 = k + 616;
     const double *K = k + 624;
     double v_tail[192];
-    double f4[32], f5[32], f6[32], f7[32], f8[32], f9[32], M_11[32], M_22[32], M_33[32], M_44[32];
-    double M_54[32], M_55[32], M_64[32], M_65[32], M_66[32], h_c1[32], h_c2[32], h_c3[32];
-    double h_pi1[32], h_pi2[32], h_pi3[32], oo_11[32], oo_22[32], oo_33[32], c1ddot[32];
-    double c2ddot[32], c3ddot[32], omega1dot[32], omega2dot[32], omega3dot[32], codes[32];
-    double alpha[8][32], alphadot[8][32], minus_alpha[8][32], S_11[8][32], S_12[8][32];
-    double S_13[8][32], S_22[8][32], S_23[8][32], S_33[8][32], d3_1[8][32], d3_2[8][32];
-    double d3_3[8][32], c7dot_1[8][32], c7dot_2[8][32], c7dot_3[8][32], sums3[60][32], h[8][32];
-    double B_4[8][32], B_5[8][32], B_6[8][32], sums6[36][32], x[8][32], rows[1][32], sums10[4][32];
-    double vdot_block[6][32];
+    double f4[32], f5[32], f6[32], f7[32], f8[32], f9[32], M_44[32], M_54[32], M_55[32], M_64[32];
+    double M_65[32], M_66[32], h_pi1[32], h_pi2[32], h_pi3[32], oo_11[32], oo_22[32], oo_33[32];
+    double omega1dot[32], omega2dot[32], omega3dot[32], codes[32];
+    double alpha[8][32], alphadot[8][32], S_11[8][32], S_12[8][32], S_13[8][32], S_22[8][32];
+    double S_23[8][32], S_33[8][32], d3_1[8][32], d3_2[8][32], d3_3[8][32], c7dot_1[8][32];
+    double c7dot_2[8][32], c7dot_3[8][32], sums2[60][32], h[8][32], sums5[36][32], x[8][32];
+    double rows[1][32], sums8[4][32], vdot_block[6][32];
     const ptrdiff_t all = n;
     int code = 0;
 
@@ -2390,11 +2331,6 @@ int body_symbolic_accel_batch(
         const double *v_block = count < 32 ? body_symbolic_block32_pad(all, count, 6, v, v_tail) : v;
         body_symbolic_block32_gather(all, count, 8, q + 7 * all, alpha);
         body_symbolic_block32_gather(all, count, 8, v + 6 * all, alphadot);
-        for (int i = 0; i < 8; i++) {
-            for (int b = 0; b < 32; b++) {
-                minus_alpha[i][b] = -alpha[i][b];
-            }
-        }
         for (int i = 0; i < 8; i += 4) {
             for (int r = i; r < i + 4; r++) {
                 for (int b = 0; b < 32; b++) {
@@ -2413,64 +2349,64 @@ int body_symbolic_accel_batch(
                 }
             }
             for (int j = 0; j < 8; j += 4) {
-                body_symbolic_block32_rows(tables + 72 * i + 36 * j, 36, alpha + j, S_11 + i);
-                body_symbolic_block32_rows(tables + 4 + 72 * i + 36 * j, 36, alpha + j, S_12 + i);
-                body_symbolic_block32_rows(tables + 8 + 72 * i + 36 * j, 36, alpha + j, S_13 + i);
-                body_symbolic_block32_rows(tables + 12 + 72 * i + 36 * j, 36, alpha + j, S_22 + i);
-                body_symbolic_block32_rows(tables + 16 + 72 * i + 36 * j, 36, alpha + j, S_23 + i);
-                body_symbolic_block32_rows(tables + 20 + 72 * i + 36 * j, 36, alpha + j, S_33 + i);
-                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, minus_alpha + j, d3_1 + i);
-                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, alphadot + j, c7dot_1 + i);
-                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, minus_alpha + j, d3_2 + i);
-                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, alphadot + j, c7dot_2 + i);
-                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, minus_alpha + j, d3_3 + i);
-                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, alphadot + j, c7dot_3 + i);
+                body_symbolic_block32_rows(tables + 72 * i + 36 * j, 36, 1.0, alpha + j, S_11 + i);
+                body_symbolic_block32_rows(tables + 4 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_12 + i);
+                body_symbolic_block32_rows(tables + 8 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_13 + i);
+                body_symbolic_block32_rows(tables + 12 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_22 + i);
+                body_symbolic_block32_rows(tables + 16 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_23 + i);
+                body_symbolic_block32_rows(tables + 20 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_33 + i);
+                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_1 + i);
+                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_1 + i);
+                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_2 + i);
+                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_2 + i);
+                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_3 + i);
+                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_3 + i);
             }
         }
         for (int i = 0; i < 60; i++) {
             for (int b = 0; b < 32; b++) {
-                sums3[i][b] = 0.0;
+                sums2[i][b] = 0.0;
             }
         }
         for (int i = 0; i < 8; i++) {
             const int l = i % 4;
             for (int b = 0; b < 32; b++) {
-                sums3[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
-                sums3[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
-                sums3[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
-                sums3[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
-                sums3[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
-                sums3[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
-                sums3[24 + l][b] += S_11[i][b] * alphadot[i][b];
-                sums3[28 + l][b] += S_12[i][b] * alphadot[i][b];
-                sums3[32 + l][b] += S_13[i][b] * alphadot[i][b];
-                sums3[36 + l][b] += S_22[i][b] * alphadot[i][b];
-                sums3[40 + l][b] += S_23[i][b] * alphadot[i][b];
-                sums3[44 + l][b] += S_33[i][b] * alphadot[i][b];
-                sums3[48 + l][b] += alpha[i][b] * c7dot_1[i][b];
-                sums3[52 + l][b] += alpha[i][b] * c7dot_2[i][b];
-                sums3[56 + l][b] += alpha[i][b] * c7dot_3[i][b];
+                sums2[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
+                sums2[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
+                sums2[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
+                sums2[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
+                sums2[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
+                sums2[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
+                sums2[24 + l][b] += S_11[i][b] * alphadot[i][b];
+                sums2[28 + l][b] += S_12[i][b] * alphadot[i][b];
+                sums2[32 + l][b] += S_13[i][b] * alphadot[i][b];
+                sums2[36 + l][b] += S_22[i][b] * alphadot[i][b];
+                sums2[40 + l][b] += S_23[i][b] * alphadot[i][b];
+                sums2[44 + l][b] += S_33[i][b] * alphadot[i][b];
+                sums2[48 + l][b] += alpha[i][b] * c7dot_1[i][b];
+                sums2[52 + l][b] += alpha[i][b] * c7dot_2[i][b];
+                sums2[56 + l][b] += alpha[i][b] * c7dot_3[i][b];
             }
         }
         for (int b = 0; b < 32; b++) {
             const double omega1 = v_block[3 * stride + b];
             const double omega2 = v_block[4 * stride + b];
             const double omega3 = v_block[5 * stride + b];
-            const double J_11 = C3_11 + (sums3[0][b] + sums3[1][b] + (sums3[2][b] + sums3[3][b]));
-            const double J_12 = C3_12 + (sums3[4][b] + sums3[5][b] + (sums3[6][b] + sums3[7][b]));
-            const double J_13 = C3_13 + (sums3[8][b] + sums3[9][b] + (sums3[10][b] + sums3[11][b]));
-            const double J_22 = C3_22 + (sums3[12][b] + sums3[13][b] + (sums3[14][b] + sums3[15][b]));
-            const double J_23 = C3_23 + (sums3[16][b] + sums3[17][b] + (sums3[18][b] + sums3[19][b]));
-            const double J_33 = C3_33 + (sums3[20][b] + sums3[21][b] + (sums3[22][b] + sums3[23][b]));
-            const double Sdot_11 = sums3[24][b] + sums3[25][b] + (sums3[26][b] + sums3[27][b]);
-            const double Sdot_12 = sums3[28][b] + sums3[29][b] + (sums3[30][b] + sums3[31][b]);
-            const double Sdot_13 = sums3[32][b] + sums3[33][b] + (sums3[34][b] + sums3[35][b]);
-            const double Sdot_22 = sums3[36][b] + sums3[37][b] + (sums3[38][b] + sums3[39][b]);
-            const double Sdot_23 = sums3[40][b] + sums3[41][b] + (sums3[42][b] + sums3[43][b]);
-            const double Sdot_33 = sums3[44][b] + sums3[45][b] + (sums3[46][b] + sums3[47][b]);
-            const double d3dot_1 = sums3[48][b] + sums3[49][b] + (sums3[50][b] + sums3[51][b]);
-            const double d3dot_2 = sums3[52][b] + sums3[53][b] + (sums3[54][b] + sums3[55][b]);
-            const double d3dot_3 = sums3[56][b] + sums3[57][b] + (sums3[58][b] + sums3[59][b]);
+            const double J_11 = C3_11 + (sums2[0][b] + sums2[1][b] + (sums2[2][b] + sums2[3][b]));
+            const double J_12 = C3_12 + (sums2[4][b] + sums2[5][b] + (sums2[6][b] + sums2[7][b]));
+            const double J_13 = C3_13 + (sums2[8][b] + sums2[9][b] + (sums2[10][b] + sums2[11][b]));
+            const double J_22 = C3_22 + (sums2[12][b] + sums2[13][b] + (sums2[14][b] + sums2[15][b]));
+            const double J_23 = C3_23 + (sums2[16][b] + sums2[17][b] + (sums2[18][b] + sums2[19][b]));
+            const double J_33 = C3_33 + (sums2[20][b] + sums2[21][b] + (sums2[22][b] + sums2[23][b]));
+            const double Sdot_11 = sums2[24][b] + sums2[25][b] + (sums2[26][b] + sums2[27][b]);
+            const double Sdot_12 = sums2[28][b] + sums2[29][b] + (sums2[30][b] + sums2[31][b]);
+            const double Sdot_13 = sums2[32][b] + sums2[33][b] + (sums2[34][b] + sums2[35][b]);
+            const double Sdot_22 = sums2[36][b] + sums2[37][b] + (sums2[38][b] + sums2[39][b]);
+            const double Sdot_23 = sums2[40][b] + sums2[41][b] + (sums2[42][b] + sums2[43][b]);
+            const double Sdot_33 = sums2[44][b] + sums2[45][b] + (sums2[46][b] + sums2[47][b]);
+            const double d3dot_1 = sums2[48][b] + sums2[49][b] + (sums2[50][b] + sums2[51][b]);
+            const double d3dot_2 = sums2[52][b] + sums2[53][b] + (sums2[54][b] + sums2[55][b]);
+            const double d3dot_3 = sums2[56][b] + sums2[57][b] + (sums2[58][b] + sums2[59][b]);
             oo_11[b] = omega1 * omega1;
             const double oo_12 = omega1 * omega2;
             const double oo_13 = omega1 * omega3;
@@ -2483,9 +2419,6 @@ int body_symbolic_accel_batch(
             f7[b] = 2.0 * omega1;
             f8[b] = 2.0 * omega2;
             f9[b] = 2.0 * omega3;
-            h_c1[b] = 0.0;
-            h_c2[b] = 0.0;
-            h_c3[b] = 0.0;
             const double t1 = 2.0 * Sdot_12;
             const double t2 = 2.0 * Sdot_13;
             h_pi1[b] = J_13 * oo_12 + J_23 * oo_22[b] + J_33 * oo_23 + 2.0 * Sdot_11 * omega1 + t1 * omega2
@@ -2498,9 +2431,6 @@ int body_symbolic_accel_batch(
             h_pi3[b] = J_12 * oo_11[b] + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
                 + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22[b] - J_13 * oo_23
                 - d3dot_1 * omega2;
-            M_11[b] = mass;
-            M_22[b] = mass;
-            M_33[b] = mass;
             M_44[b] = J_11;
             M_54[b] = J_12;
             M_64[b] = J_13;
@@ -2513,40 +2443,37 @@ int body_symbolic_accel_batch(
                 h[i][b] = K[i] * alpha[i][b] - oo_11[b] * S_11[i][b] - f4[b] * S_12[i][b] - f5[b] * S_13[i][b]
                     - oo_22[b] * S_22[i][b] - f6[b] * S_23[i][b] - oo_33[b] * S_33[i][b] - f7[b] * c7dot_1[i][b]
                     - f8[b] * c7dot_2[i][b] - f9[b] * c7dot_3[i][b];
-                B_4[i][b] = d3_1[i][b];
-                B_5[i][b] = d3_2[i][b];
-                B_6[i][b] = d3_3[i][b];
             }
         }
         for (int i = 0; i < 36; i++) {
             for (int b = 0; b < 32; b++) {
-                sums6[i][b] = 0.0;
+                sums5[i][b] = 0.0;
             }
         }
         for (int i = 0; i < 8; i++) {
             const int l = i % 4;
             for (int b = 0; b < 32; b++) {
-                sums6[0 + l][b] += B_4[i][b] * B_4[i][b];
-                sums6[4 + l][b] += B_4[i][b] * B_5[i][b];
-                sums6[8 + l][b] += B_4[i][b] * B_6[i][b];
-                sums6[12 + l][b] += B_5[i][b] * B_5[i][b];
-                sums6[16 + l][b] += B_5[i][b] * B_6[i][b];
-                sums6[20 + l][b] += B_6[i][b] * B_6[i][b];
-                sums6[24 + l][b] += B_4[i][b] * h[i][b];
-                sums6[28 + l][b] += B_5[i][b] * h[i][b];
-                sums6[32 + l][b] += B_6[i][b] * h[i][b];
+                sums5[0 + l][b] += d3_1[i][b] * d3_1[i][b];
+                sums5[4 + l][b] += d3_1[i][b] * d3_2[i][b];
+                sums5[8 + l][b] += d3_1[i][b] * d3_3[i][b];
+                sums5[12 + l][b] += d3_2[i][b] * d3_2[i][b];
+                sums5[16 + l][b] += d3_2[i][b] * d3_3[i][b];
+                sums5[20 + l][b] += d3_3[i][b] * d3_3[i][b];
+                sums5[24 + l][b] += d3_1[i][b] * h[i][b];
+                sums5[28 + l][b] += d3_2[i][b] * h[i][b];
+                sums5[32 + l][b] += d3_3[i][b] * h[i][b];
             }
         }
         for (int b = 0; b < 32; b++) {
-            const double BB_44 = sums6[0][b] + sums6[1][b] + (sums6[2][b] + sums6[3][b]);
-            const double BB_54 = sums6[4][b] + sums6[5][b] + (sums6[6][b] + sums6[7][b]);
-            const double BB_64 = sums6[8][b] + sums6[9][b] + (sums6[10][b] + sums6[11][b]);
-            const double BB_55 = sums6[12][b] + sums6[13][b] + (sums6[14][b] + sums6[15][b]);
-            const double BB_65 = sums6[16][b] + sums6[17][b] + (sums6[18][b] + sums6[19][b]);
-            const double BB_66 = sums6[20][b] + sums6[21][b] + (sums6[22][b] + sums6[23][b]);
-            const double Bh_4 = sums6[24][b] + sums6[25][b] + (sums6[26][b] + sums6[27][b]);
-            const double Bh_5 = sums6[28][b] + sums6[29][b] + (sums6[30][b] + sums6[31][b]);
-            const double Bh_6 = sums6[32][b] + sums6[33][b] + (sums6[34][b] + sums6[35][b]);
+            const double BB_44 = sums5[0][b] + sums5[1][b] + (sums5[2][b] + sums5[3][b]);
+            const double BB_54 = sums5[4][b] + sums5[5][b] + (sums5[6][b] + sums5[7][b]);
+            const double BB_64 = sums5[8][b] + sums5[9][b] + (sums5[10][b] + sums5[11][b]);
+            const double BB_55 = sums5[12][b] + sums5[13][b] + (sums5[14][b] + sums5[15][b]);
+            const double BB_65 = sums5[16][b] + sums5[17][b] + (sums5[18][b] + sums5[19][b]);
+            const double BB_66 = sums5[20][b] + sums5[21][b] + (sums5[22][b] + sums5[23][b]);
+            const double Bh_4 = sums5[24][b] + sums5[25][b] + (sums5[26][b] + sums5[27][b]);
+            const double Bh_5 = sums5[28][b] + sums5[29][b] + (sums5[30][b] + sums5[31][b]);
+            const double Bh_6 = sums5[32][b] + sums5[33][b] + (sums5[34][b] + sums5[35][b]);
             const double t4 = M_44[b] - BB_44;
             const double t5 = M_54[b] - BB_54;
             const double inverse_t4 = 1.0 / t4;
@@ -2558,12 +2485,6 @@ int body_symbolic_accel_batch(
             const double inverse_t7 = 1.0 / t7;
             const double t11 = t10 * inverse_t7;
             const double t12 = M_66[b] - BB_66 - t9 * t8 - t11 * t10;
-            c1ddot[b] = -(h_c1[b] / M_11[b]);
-            vdot_block[0][b] = c1ddot[b];
-            c2ddot[b] = -(h_c2[b] / M_22[b]);
-            vdot_block[1][b] = c2ddot[b];
-            c3ddot[b] = -(h_c3[b] / M_33[b]);
-            vdot_block[2][b] = c3ddot[b];
             const double t13 = Bh_4 - h_pi1[b];
             const double t14 = Bh_5 - h_pi2[b] - t6 * t13;
             omega3dot[b] = (Bh_6 - h_pi3[b] - t9 * t13 - t11 * t14) / t12;
@@ -2572,6 +2493,9 @@ int body_symbolic_accel_batch(
             vdot_block[3][b] = omega1dot[b];
             vdot_block[4][b] = omega2dot[b];
             vdot_block[5][b] = omega3dot[b];
+            vdot_block[0][b] = 0.0;
+            vdot_block[1][b] = 0.0;
+            vdot_block[2][b] = 0.0;
             double code_b = 0.0;
             code_b = t12
                 - 5.684341886080802e-14 * M_66[b] > 0.0 ? code_b : 1.0; /* the pivot of pi3 vanished */
@@ -2579,42 +2503,32 @@ int body_symbolic_accel_batch(
                 - 5.684341886080802e-14 * M_55[b] > 0.0 ? code_b : 1.0; /* the pivot of pi2 vanished */
             code_b = t4
                 - 5.684341886080802e-14 * M_44[b] > 0.0 ? code_b : 1.0; /* the pivot of pi1 vanished */
-            code_b = M_33[b]
-                - 5.684341886080802e-14 * M_33[b] > 0.0 ? code_b : 1.0; /* the pivot of c3 vanished */
-            code_b = M_22[b]
-                - 5.684341886080802e-14 * M_22[b] > 0.0 ? code_b : 1.0; /* the pivot of c2 vanished */
-            code_b = M_11[b]
-                - 5.684341886080802e-14 * M_11[b] > 0.0 ? code_b : 1.0; /* the pivot of c1 vanished */
             codes[b] = code_b;
         }
         for (int i = 0; i < 8; i++) {
             for (int b = 0; b < 32; b++) {
-                x[i][b] = -(h[i][b] + omega1dot[b] * B_4[i][b]) - omega2dot[b] * B_5[i][b]
-                    - omega3dot[b] * B_6[i][b];
-            }
-        }
-        for (int i = 0; i < 8; i++) {
-            for (int b = 0; b < 32; b++) {
-                rows[0][b] = x[i][b];
+                const double t15 = -(h[i][b] + omega1dot[b] * d3_1[i][b]) - omega2dot[b] * d3_2[i][b]
+                    - omega3dot[b] * d3_3[i][b];
+                x[i][b] = t15;
+                rows[0][b] = t15;
             }
             body_symbolic_block32_scatter(all, count, 1, rows, vdot + (6 + i) * all);
         }
         for (int i = 0; i < 4; i++) {
             for (int b = 0; b < 32; b++) {
-                sums10[i][b] = 0.0;
+                sums8[i][b] = 0.0;
             }
         }
         for (int i = 0; i < 8; i++) {
             const int l = i % 4;
             for (int b = 0; b < 32; b++) {
-                sums10[0 + l][b] += x[i][b];
+                sums8[0 + l][b] += x[i][b];
             }
         }
         for (int b = 0; b < 32; b++) {
-            const double shapes = sums10[0][b] + sums10[1][b] + (sums10[2][b] + sums10[3][b]);
+            const double shapes = sums8[0][b] + sums8[1][b] + (sums8[2][b] + sums8[3][b]);
             double code_b = 0.0;
-            const double finite = c1ddot[b] + c2ddot[b] + c3ddot[b] + omega1dot[b] + omega2dot[b]
-                + omega3dot[b] + shapes;
+            const double finite = omega1dot[b] + omega2dot[b] + omega3dot[b] + shapes;
             code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
             codes[b] = codes[b] > 0.0 ? codes[b] : code_b;
         }

@@ -12,7 +12,7 @@
  * The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
  * and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
  * markers are resolved in the inertial frame.
- * Kernels are looped, the faster form; predicted evaluation time of h: 124 ns unrolled, 60 ns
+ * Kernels are looped, the faster form; predicted evaluation time of h: 153 ns unrolled, 57 ns
  *     looped.
  *
  * Generalised coordinates q:
@@ -258,8 +258,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "d37a15e25ffc65f6"
-#define BODY_SYMBOLIC_HASH_d37a15e25ffc65f6
+#define BODY_SYMBOLIC_HASH "78f790ca48420ae8"
+#define BODY_SYMBOLIC_HASH_78f790ca48420ae8
 
 /* ---- sizes and indices ---- */
 
@@ -340,7 +340,7 @@ int body_symbolic_setup(
  * M: values of the mass matrix, lower triangle by columns, 14 x 14, 41 values, 68 in both triangles
  *
  * From appendix, (15).
- * 1310 operations.
+ * 1302 operations.
  */
 int body_symbolic_mass(
     const double *TISSERAND_RESTRICT q,
@@ -379,7 +379,7 @@ int body_symbolic_force(
  *     h[alpha1 .. alpha8]
  *
  * From appendix, (5), (15).
- * 2071 operations.
+ * 2063 operations.
  */
 int body_symbolic_mass_force(
     double t,
@@ -401,7 +401,7 @@ int body_symbolic_mass_force(
  *     alpha8ddot
  *
  * From appendix, (5), (15), LDL^T.
- * 2340 operations.
+ * 2317 operations.
  */
 int body_symbolic_accel(
     double t,
@@ -474,7 +474,7 @@ int body_symbolic_rates(
  *     M vdot + h[pi2], M vdot + h[pi3], M vdot + h[alpha1 .. alpha8]
  *
  * From appendix, (5), (15).
- * 2245 operations.
+ * 2237 operations.
  */
 int body_symbolic_residual(
     double t,
@@ -495,7 +495,7 @@ int body_symbolic_residual(
  * jac: values of the iteration matrix by columns, 29 x 29, 262 values
  *
  * From appendix, (5), (15).
- * 5586 operations.
+ * 5578 operations.
  */
 int body_symbolic_jacobian(
     double t,
@@ -508,7 +508,7 @@ int body_symbolic_jacobian(
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
    b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
-   states are computed at a time, on some 76 kB of stack. accel_batch gives NaN
+   states are computed at a time, on some 66 kB of stack. accel_batch gives NaN
    for a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int body_symbolic_mass_batch(
