@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_80752baf426c34f0
+#ifndef BLOCK_HASH_34085c3dad97c084
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 

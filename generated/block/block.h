@@ -336,8 +336,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "80752baf426c34f0"
-#define BLOCK_HASH_80752baf426c34f0
+#define BLOCK_HASH "34085c3dad97c084"
+#define BLOCK_HASH_34085c3dad97c084
 
 /* ---- sizes and indices ---- */
 

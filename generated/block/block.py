@@ -169,6 +169,9 @@ Arrays may have leading batch axes, which broadcast; the last axis is the one de
 values in the order of their pattern; `dense` unfolds them.
 """
 
+import functools
+import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy
@@ -196,7 +199,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "80752baf426c34f0"
+HASH = "34085c3dad97c084"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -293,6 +296,46 @@ def dense(pattern, values):
     return matrix
 
 
+def _in_numbers(function):
+    """A function of numbers, which has another try with arrays where numbers raise errors: 1 / 0 is inf there."""
+
+    @functools.wraps(function)
+    def call(*arguments, **named):
+        try:
+            return function(*arguments, **named)
+        except ModelError:
+            raise
+        except (ArithmeticError, ValueError):
+            pass
+        arguments = [_as_list(value) for value in arguments]
+        return function(*arguments, **{name: _as_list(value) for name, value in named.items()})
+
+    return call
+
+
+def _as_list(value):
+    """A vector of NumPy as a list, which functions convert to arrays again."""
+    return value.tolist() if type(value) is _ARRAY and value.ndim == 1 else value
+
+
+_ARRAY, _DOUBLE = numpy.ndarray, numpy.dtype(numpy.float64)
+_SINGLE = (), _DOUBLE
+_NUMBERS = SimpleNamespace(
+    sin=math.sin,
+    cos=math.cos,
+    sqrt=math.sqrt,
+    exp=math.exp,
+    log=math.log,
+    tanh=math.tanh,
+    atan2=math.atan2,
+    minimum=lambda a, b: a if a <= b or a != a else b,
+    maximum=lambda a, b: a if a >= b or a != a else b,
+    where=lambda condition, a, b: a if condition else b,
+    logical_not=lambda condition: not condition,
+    isfinite=math.isfinite,
+)
+"""The functions of an array namespace for the numbers of a single state, which are faster than arrays without axes."""
+
 def setup(p):
     """Constants k from the parameters p: once for a set of parameters.
 
@@ -318,7 +361,11 @@ def mass(q, k):
     From appendix, (15).
     187 operations.
     """
-    xp, batch, (q, k) = _arrays(dict(q=15, k=0), q, k)
+    if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (15,) and
+        k.shape == (0,)):
+        xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
+    else:
+        xp, batch, (q, k) = _arrays(dict(q=15, k=0), q, k)
     alpha1 = q[7]
     alpha2 = q[8]
     alpha3 = q[9]
@@ -483,7 +530,11 @@ def force(t, q, v, k):
     From (5), appendix, (15).
     534 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
     alpha1 = q[7]
     alpha2 = q[8]
     alpha3 = q[9]
@@ -726,7 +777,11 @@ def mass_force(t, q, v, k):
     From (5), appendix, (15).
     558 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
     alpha1 = q[7]
     alpha2 = q[8]
     alpha3 = q[9]
@@ -1042,6 +1097,7 @@ def mass_force(t, q, v, k):
     return M, h
 
 
+@_in_numbers
 def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
 
@@ -1055,7 +1111,11 @@ def accel(t, q, v, k):
     From appendix, LDL^T, (5).
     813 operations.
     """
-    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
     alpha1 = q[7]
     alpha2 = q[8]
     alpha3 = q[9]
@@ -1398,7 +1458,11 @@ def energy(q, v, k):
     From (5), appendix, (22).
     303 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and v.shape == (14,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     alpha1 = q[7]
     alpha2 = q[8]
     alpha3 = q[9]
@@ -1570,7 +1634,11 @@ def momentum(q, v, k):
     From (1), appendix.
     313 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and v.shape == (14,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     c1 = q[0]
     c2 = q[1]
     c3 = q[2]
@@ -1764,7 +1832,11 @@ def rates(q, v, k):
     From (1).
     31 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and v.shape == (14,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     e0 = q[3]
     e1 = q[4]
     e2 = q[5]
@@ -1826,7 +1898,11 @@ def marker_corner(q, v, k):
     From (14), (1).
     323 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and v.shape == (14,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     c1 = q[0]
     c2 = q[1]
     c3 = q[2]
@@ -2035,7 +2111,11 @@ def marker_centre(q, v, k):
     From (1).
     107 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and v.shape == (14,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     c1 = q[0]
     c2 = q[1]
     c3 = q[2]
@@ -2139,7 +2219,11 @@ def marker_end(q, v, k):
     From (14), (1).
     147 operations.
     """
-    xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
+    if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and v.shape == (14,) and k.shape == (0,)):
+        xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
+    else:
+        xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     c1 = q[0]
     c2 = q[1]
     c3 = q[2]
@@ -2267,7 +2351,11 @@ def load_corner(q, F, k):
     From (1), (10).
     147 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and F.shape == (3,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
     e0 = q[3]
     e1 = q[4]
     e2 = q[5]
@@ -2370,7 +2458,11 @@ def load_centre(q, F, k):
     From (1), (10).
     63 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and F.shape == (3,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
     e0 = q[3]
     e1 = q[4]
     e2 = q[5]
@@ -2450,7 +2542,11 @@ def load_end(q, F, k):
     From (1), (10).
     75 operations.
     """
-    xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
+    if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
+        q.shape == (15,) and F.shape == (3,) and k.shape == (0,)):
+        xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
+    else:
+        xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
     e0 = q[3]
     e1 = q[4]
     e2 = q[5]
@@ -2537,7 +2633,11 @@ def residual(t, y, ydot, k):
     From (5), appendix, (15).
     712 operations.
     """
-    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=29, ydot=29, k=0), t, y, ydot, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (29,) and k.shape == (0,) and isinstance(t, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=29, ydot=29, k=0), t, y, ydot, k)
     e0 = y[3]
     e1 = y[4]
     e2 = y[5]
@@ -2876,7 +2976,12 @@ def jacobian(t, y, ydot, cj, k):
     From (5), appendix, (15).
     1706 operations.
     """
-    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=29, ydot=29, cj=None, k=0), t, y, ydot, cj, k)
+    if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
+        and y.shape == ydot.shape == (29,) and k.shape == (0,) and isinstance(t, float) and
+        isinstance(cj, float)):
+        xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
+    else:
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=29, ydot=29, cj=None, k=0), t, y, ydot, cj, k)
     e0 = y[3]
     e1 = y[4]
     e2 = y[5]
@@ -3616,9 +3721,6 @@ def jacobian(t, y, ydot, cj, k):
     return _where(xp, valid_1, jac)
 
 
-_DOUBLE = numpy.dtype(numpy.float64)
-
-
 def _arrays(sizes, *values):
     """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
 
@@ -3671,6 +3773,8 @@ def _empty(xp, batch, size):
 
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
+    if xp is _NUMBERS:
+        return numpy.array(elements, _DOUBLE)
     shape, dtype = batch
     if xp is numpy and not shape:
         return numpy.array(elements, dtype)
@@ -3687,7 +3791,7 @@ def _stack(xp, batch, elements):
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
-    if not valid.shape:
+    if xp is _NUMBERS or not valid.shape:
         return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 

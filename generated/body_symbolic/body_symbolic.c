@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_78f790ca48420ae8
+#ifndef BODY_SYMBOLIC_HASH_600c872343640c99
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 

@@ -258,8 +258,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "78f790ca48420ae8"
-#define BODY_SYMBOLIC_HASH_78f790ca48420ae8
+#define BODY_SYMBOLIC_HASH "600c872343640c99"
+#define BODY_SYMBOLIC_HASH_600c872343640c99
 
 /* ---- sizes and indices ---- */
 

@@ -131,7 +131,7 @@ def _columns(rows, groups, symmetric):
 
 
 NAME = "body_symbolic"
-HASH = "78f790ca48420ae8"
+HASH = "600c872343640c99"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -201,7 +201,6 @@ def dense(pattern, values):
             if pattern.symmetric:
                 matrix[..., j, i] = values[..., position]
     return matrix
-
 
 def setup(p):
     """Constants k from the parameters p: once for a set of parameters.

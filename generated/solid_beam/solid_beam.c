@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_5dd99bb7fb605504
+#ifndef SOLID_BEAM_HASH_bcb6e95b05c0be5c
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 

@@ -428,8 +428,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SOLID_BEAM_HASH "5dd99bb7fb605504"
-#define SOLID_BEAM_HASH_5dd99bb7fb605504
+#define SOLID_BEAM_HASH "bcb6e95b05c0be5c"
+#define SOLID_BEAM_HASH_bcb6e95b05c0be5c
 
 /* ---- sizes and indices ---- */
 
