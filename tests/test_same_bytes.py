@@ -22,7 +22,8 @@ import hashlib, sys
 sys.path.insert(0, "tests")
 import beams, derive
 specs = [beams.beam("mean", 4), derive.symbolic_body("loops", 5, frame="given", lowering="table")]
-specs += [derive.symbolic_body("lines", 2, frame="given", gravity=[0, 0, 1], lowering="flat"), derive.read("scenes/block.toml")]
+specs += [derive.symbolic_body("lines", 2, frame="given", gravity=[0, 0, 1], lowering="flat")]
+specs += [derive.read("scenes/block.toml")]
 specs += [derive.read("scenes/four_bar.toml")]
 for spec in specs:
     for file in beams.build(spec).files:
