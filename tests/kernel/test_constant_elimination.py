@@ -11,7 +11,7 @@ import pytest
 import beams
 import derive
 from conftest import QUICK
-from derive.ir.expressions import Number, Operation, Operator, walk
+from derive.ir.expressions import Number, Operation, Operator, ScalarRef, walk
 from derive.lowering.flat.constant_elimination import reduced_system
 from derive.runtime.native_call import ModelError
 
@@ -74,6 +74,15 @@ def test_centrifugal_forces_on_the_shapes_cancel_exactly() -> None:
         squares = [(powers, c) for powers, c in free.terms() if ring({powers: ring.domain.one}) % spin**2 == 0]
         amplitudes = [ring.symbols[powers.index(1)].name for powers, _ in squares]
         assert amplitudes == ([f"alpha{i - 2}"] if i > 2 else []) and all(c == 1 for _, c in squares)
+
+
+@pytest.mark.parametrize("frame", beams.FRAMES)
+def test_a_pivot_that_is_positive_in_every_state_is_compared_with_zero_alone(frame: str) -> None:
+    """Its constant part and its quadratic form are positive definite beyond rounding errors."""
+    system = reduced_system(made(frame, 4).equations.expanded())
+    assert system is not None and system.is_definite
+    (required,) = (s for s in made(frame, 4).model.kernel("accel").statements if getattr(s, "code", 0) == 1)
+    assert isinstance(required.expr, ScalarRef)
 
 
 @pytest.mark.parametrize(("part", "code"), [("1/10^3", 0), ("1/10^9", 1)])

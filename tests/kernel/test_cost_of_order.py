@@ -69,12 +69,12 @@ def test_operations_at_second_order(frame: str, n: int, terms: str) -> None:
 FIRST = {
     ("mean", 2): (18, 20),
     ("mean", 4): (42, 44),
-    ("chord", 2): (37, 47),
-    ("chord", 4): (75, 91),
-    ("point", 2): (37, 46),
-    ("point", 4): (75, 91),
-    ("tangent", 2): (47, 67),
-    ("tangent", 4): (103, 143),
+    ("chord", 2): (37, 42),
+    ("chord", 4): (75, 86),
+    ("point", 2): (37, 41),
+    ("point", 4): (75, 86),
+    ("tangent", 2): (47, 62),
+    ("tangent", 4): (103, 138),
 }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import chain, count
+from itertools import chain, count, zip_longest
 
 import casadi as ca
 import sympy as sp
@@ -63,12 +63,14 @@ def _reduced(context: Context, function: ModelFunction, system: ReducedSystem) -
     names, row = _names(context), context.rows[system.row]
     pivot = code(system.pivot, Label(f"inertia_{row}", f"inertia of {row} that elimination leaves"))
     moment = code(system.right, Label(f"force_{row}", f"force of {row} that elimination leaves"))
+    together = (total for totals in zip_longest(*code.running) for total in totals if total is not None)
+    sums = tuple(NamedValue(f"sum_{n}", total) for n, total in enumerate(together, 1))
     x = {system.row: moment / pivot}
     for i, free in system.free.items():
         x[i] = code(free, Label(f"free_{names[i]}", f"acceleration of {names[i]} apart from that of {row}"))
         if system.coupling[i]:
             x[i] = x[i] - code(system.coupling[i], _coupling(names[i], row)) * x[system.row]
-    taken = _eliminated_inertia(system, code, names)
+    taken = None if system.is_definite else _eliminated_inertia(system, code, names)
     above = pivot if taken is None else pivot - symbols.number(VANISHING) * taken
     required = [RequiredValue(Requirement.POSITIVE, above, ReturnCode.PIVOT, f"the pivot of {row} vanished")]
     for block in system.blocks:
@@ -89,7 +91,7 @@ def _reduced(context: Context, function: ModelFunction, system: ReducedSystem) -
             "pivot",
             Source.FACTORISATION,
             f"translations x in the body frame; eliminate {order}",
-            (NamedValue(f"pivot_{row}", pivot),),
+            (*sums, NamedValue(f"pivot_{row}", pivot)),
         ),
         Step("solution", Source.FACTORISATION, "back substitution; x in the inertial frame", stores("vdot", vdot)),
         _check(vdot, required),

@@ -55,6 +55,18 @@ class ReducedSystem:
     coupling: dict[int, Polynomial]
     blocks: tuple[ConstantBlock, ...]
 
+    @property
+    def is_definite(self) -> bool:
+        """Whether the pivot is known to exceed rounding errors of what elimination takes, in every state.
+
+        A positive constant and a positive definite quadratic form in the amplitudes need no check of this at run time.
+        """
+        zero = self.polynomials.ring.zero
+        taken = sum((entry * self.coupling[i] for i, entry in self.column.items()), start=zero)
+        domain = self.polynomials.ring.domain
+        margin = domain.from_sympy(sp.Rational(VANISHING.numerator, VANISHING.denominator))
+        return _is_positive(self.polynomials, self.pivot - taken * margin)
+
 
 def reduced_system(equations: Equations) -> ReducedSystem | None:
     """The system of a planar body, None where M has another structure or is nearly singular."""
@@ -153,20 +165,39 @@ def _components(mass: Matrix, rows: Sequence[int]) -> list[tuple[int, ...]]:
 
 def _block(polynomials: StatePolynomials, mass: Matrix, rows: tuple[int, ...]) -> ConstantBlock | None:
     """A block with its inverse; None if it varies, is nearly singular, or is no rational matrix times a unit."""
-    domain = polynomials.ring.domain
-    unit = mass[rows[0]][rows[0]].coeff(1)
-    values: list[list[sp.Rational]] = []
-    for i in rows:
-        if not unit or not all(mass[i][j].is_ground for j in rows):
-            return None
-        ratios = [rational(domain, mass[i][j].coeff(1) / unit) for j in rows]
-        values.append([sp.Rational(r.numerator, r.denominator) for r in ratios if r is not None])
-        if None in ratios:
-            return None
-    if not _is_definite(values):
+    values = _multiple(polynomials, [[mass[i][j] for j in rows] for i in rows])
+    if values is None or not _is_definite(values):
         return None
+    domain, unit = polynomials.ring.domain, mass[rows[0]][rows[0]].coeff(1)
     inverse = DomainMatrix(values, (len(rows), len(rows)), sp.QQ).inv().to_list()
     return ConstantBlock(rows, unit, [[domain.convert_from(x, sp.QQ) / unit for x in line] for line in inverse])
+
+
+def _is_positive(polynomials: StatePolynomials, polynomial: Polynomial) -> bool:
+    """Whether a polynomial is known to be positive: a positive constant plus a positive definite quadratic form.
+
+    The latter is a rational matrix times a positive unit.
+    """
+    ring = polynomials.ring
+    constant = polynomial.coeff(1)
+    form = polynomial - constant
+    used = [x for x in ring.gens if form.diff(x)]
+    entries = [[form.diff(x).diff(y) / 2 for y in used] for x in used]
+    products = (x * y * e for x, line in zip(used, entries, strict=True) for y, e in zip(used, line, strict=True))
+    if form != sum(products, start=ring.zero) or not polynomials.is_positive(constant):
+        return False
+    matrix = _multiple(polynomials, entries)
+    return not used or (matrix is not None and polynomials.is_positive(entries[0][0].coeff(1)) and _is_definite(matrix))
+
+
+def _multiple(polynomials: StatePolynomials, entries: Matrix) -> list[list[sp.Rational]] | None:
+    """A matrix over its first entry; None if the quotients are not rational numbers."""
+    if not entries or not entries[0][0] or not all(entry.is_ground for line in entries for entry in line):
+        return None
+    unit = entries[0][0].coeff(1)
+    quotients = [[rational(polynomials.ring.domain, entry.coeff(1) / unit) for entry in line] for line in entries]
+    values = [[sp.Rational(x.numerator, x.denominator) for x in line if x is not None] for line in quotients]
+    return values if all(len(line) == len(entries) for line in values) else None
 
 
 def _is_definite(matrix: list[list[sp.Rational]]) -> bool:

@@ -50,7 +50,8 @@ Leaf = Callable[[Coefficient, Label], Signed]
 class PolynomialCode:
     """CasADi values of polynomials of degree 2 or less in the amplitudes; all polynomials share their linear forms.
 
-    leaf: the value of a coefficient.
+    leaf: the value of a coefficient. running: the partial totals of each sum of products with linear forms; a compiler
+    keeps the forms in registers if the sums that share them advance together.
     """
 
     def __init__(self, polynomials: StatePolynomials, values: Mapping[sp.Symbol, ca.SX], leaf: Leaf) -> None:
@@ -58,6 +59,7 @@ class PolynomialCode:
         self.names = [symbol.name for symbol in self.ring.symbols]
         self.amplitudes = frozenset(self.ring.symbols.index(s) for s in polynomials.amplitudes)
         self.values = [values[symbol] for symbol in self.ring.symbols]
+        self.running: list[list[ca.SX]] = []
         self._forms: dict[tuple[tuple[Powers, Any], ...], tuple[Coefficient, ca.SX]] = {}
 
     def __call__(self, polynomial: Polynomial, label: Label) -> ca.SX:
@@ -108,7 +110,8 @@ class PolynomialCode:
             if half:
                 ratio, value = self._linear(half, label.per(self.names[k]))
                 terms.append((1 if ratio > 0 else -1, self._scaled(abs(ratio), self.values[k]) * value))
-        return _value(terms)
+        sign, total = self._running(terms)
+        return total if sign > 0 else -total
 
     def _is_known(self, form: Polynomial) -> bool:
         return self._known(form) is not None
@@ -161,8 +164,14 @@ class PolynomialCode:
             terms.append((sign, self._times(rest, value)))
         if not any(common) and ratio == 1:
             return terms
-        sign, total = _sum(terms)
+        sign, total = self._running(terms)
         return [(sign, _times(self._scaled(ratio, self._times(common, ca.SX(1))), total))]
+
+    def _running(self, terms: list[Signed]) -> Signed:
+        """A sum whose partial totals are kept."""
+        sign, totals = _totals(terms)
+        self.running.append(totals[1:])
+        return sign, totals[-1]
 
     def _scaled(self, ratio: Fraction, value: ca.SX) -> ca.SX:
         return value if ratio == 1 else 2 * value if ratio == 2 else value / 2
@@ -194,13 +203,20 @@ def _times(a: ca.SX, b: ca.SX) -> ca.SX:
     return b if a.is_one() else a if b.is_one() else a * b
 
 
-def _sum(terms: list[Signed]) -> Signed:
-    """A sum that begins with a positive term; if there is none, the sum of the opposites, and a minus."""
+def _totals(terms: list[Signed]) -> tuple[int, list[ca.SX]]:
+    """The partial totals of a sum that begins with a positive term; if there is none, of the opposites, and a minus."""
     flipped = 1 if any(sign > 0 for sign, _ in terms) else -1
-    (_, total), *others = sorted(terms, key=lambda term: -flipped * term[0])
+    (_, first), *others = sorted(terms, key=lambda term: -flipped * term[0])
+    totals = [first]
     for sign, term in others:
-        total = total + term if flipped * sign > 0 else total - term
-    return flipped, total
+        totals.append(totals[-1] + term if flipped * sign > 0 else totals[-1] - term)
+    return flipped, totals
+
+
+def _sum(terms: list[Signed]) -> Signed:
+    """The sign and the value of a sum."""
+    sign, totals = _totals(terms)
+    return sign, totals[-1]
 
 
 def _value(terms: list[Signed]) -> ca.SX:

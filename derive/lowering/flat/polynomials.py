@@ -54,6 +54,7 @@ class StatePolynomials:
             for family in (Family.COSINE, Family.SINE)
         )
         parameters = [p.symbol for p in equations.parameters]
+        self._positive = [p.positive for p in equations.parameters]
         domain = sp.QQ.frac_field(*parameters) if parameters else sp.QQ
         self.ring = PolyRing([*self.velocities, *self.amplitudes, self.cosine, self.sine], domain, sp.lex)
         self._values: dict[sp.Symbol, Polynomial] = dict(zip(self.ring.symbols, self.ring.gens, strict=True))
@@ -93,6 +94,17 @@ class StatePolynomials:
         """The polynomial with sin^2 = 1 - cos^2, which is unique."""
         cosine, sine = self(self.cosine), self(self.sine)
         return polynomial.rem([sine**2 + cosine**2 - 1])
+
+    def is_positive(self, coefficient: Coefficient) -> bool:
+        """Whether a coefficient is positive whatever the values are that setup accepts for the parameters."""
+        value = rational(self.ring.domain, coefficient)
+        if value is not None:
+            return value > 0
+        return all(
+            factor > 0 and all(positive or not power for positive, power in zip(self._positive, powers, strict=True))
+            for part in (coefficient.numer, coefficient.denom)
+            for powers, factor in part.terms()
+        )
 
     def degree(self, polynomial: Polynomial) -> int:
         """The degree in the amplitudes."""
