@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_4f769cb10cf57313
+#ifndef FREE_BEAM_MEAN_HASH_bc1dc405f24dc1cc
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -217,12 +217,14 @@ int free_beam_mean_accel(
     /* pivot (LDL^T): translations x in the body frame; eliminate x1, x2, alpha1, alpha2, phi */
     const double t1 = c8_1_1 * alpha1;
     const double t2 = c8_2_2 * alpha2;
-    const double pivot_phi = alpha1 * t1 + alpha2 * t2 + C3;
+    const double sum_1 = alpha1 * t1 + alpha2 * t2;
+    const double sum_2 = alpha1dot * t1 + alpha2dot * t2;
+    const double pivot_phi = sum_1 + C3;
 
     /* solution (LDL^T): back substitution; x in the inertial frame */
     vdot[0] = 0.0;
     vdot[1] = 0.0;
-    const double t3 = 2.0 * phidot * (alpha1dot * t1 + alpha2dot * t2) / pivot_phi;
+    const double t3 = 2.0 * phidot * sum_2 / pivot_phi;
     vdot[2] = -t3;
     const double t4 = phidot * phidot;
     const double t5 = (t4 - free_alpha1_alpha1) * alpha1;
@@ -837,10 +839,12 @@ int free_beam_mean_accel_batch(
             const double alpha2dot = v_block[4 * stride + b];
             const double t1 = c8_1_1 * alpha1;
             const double t2 = c8_2_2 * alpha2;
-            const double pivot_phi = alpha1 * t1 + alpha2 * t2 + C3;
+            const double sum_1 = alpha1 * t1 + alpha2 * t2;
+            const double sum_2 = alpha1dot * t1 + alpha2dot * t2;
+            const double pivot_phi = sum_1 + C3;
             vdot_block[0][b] = 0.0;
             vdot_block[1][b] = 0.0;
-            const double t3 = 2.0 * phidot * (alpha1dot * t1 + alpha2dot * t2) / pivot_phi;
+            const double t3 = 2.0 * phidot * sum_2 / pivot_phi;
             vdot_block[2][b] = -t3;
             const double t4 = phidot * phidot;
             const double t5 = (t4 - free_alpha1_alpha1) * alpha1;

@@ -257,8 +257,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "4f769cb10cf57313"
-#define FREE_BEAM_MEAN_HASH_4f769cb10cf57313
+#define FREE_BEAM_MEAN_HASH "bc1dc405f24dc1cc"
+#define FREE_BEAM_MEAN_HASH_bc1dc405f24dc1cc
 
 /* ---- sizes and indices ---- */
 

@@ -122,7 +122,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "4f769cb10cf57313"
+HASH = "bc1dc405f24dc1cc"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -497,12 +497,14 @@ def accel(t, q, v, k):
     # pivot (LDL^T): translations x in the body frame; eliminate x1, x2, alpha1, alpha2, phi
     t1 = c8_1_1 * alpha1
     t2 = c8_2_2 * alpha2
-    pivot_phi = alpha1 * t1 + alpha2 * t2 + C3
+    sum_1 = alpha1 * t1 + alpha2 * t2
+    sum_2 = alpha1dot * t1 + alpha2dot * t2
+    pivot_phi = sum_1 + C3
 
     # solution (LDL^T): back substitution; x in the inertial frame
     vdot_0 = 0
     vdot_1 = 0
-    t3 = 2 * phidot * (alpha1dot * t1 + alpha2dot * t2) / pivot_phi
+    t3 = 2 * phidot * sum_2 / pivot_phi
     vdot_2 = -t3
     t4 = phidot * phidot
     t5 = (t4 - free_alpha1_alpha1) * alpha1

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_POINT_HASH_d53d0522212afefb
+#ifndef FREE_BEAM_POINT_HASH_f1a1ba5f21c3a2c7
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
@@ -49,7 +49,6 @@ int free_beam_point_setup(
     const double free_alpha1_alpha1 = 720.0 * t5;
     const double free_alpha2_alpha2 = 1344.0 * t5;
     const double coupling_alpha2 = (7.0 / 10.0) * p_l;
-    const double eliminated_phi = (7.0 / 100.0) * t2;
     const double minus_c2_1_2 = -c2_1_2;
 
     /* constants: constants that the kernels read */
@@ -70,8 +69,7 @@ int free_beam_point_setup(
     k[14] = free_alpha1_alpha1;
     k[15] = free_alpha2_alpha2;
     k[16] = coupling_alpha2;
-    k[17] = eliminated_phi;
-    k[18] = minus_c2_1_2;
+    k[17] = minus_c2_1_2;
 
     /* checks: checks of the parameters */
     if (!(p_m > 0.0)) return 2; /* m must be positive */
@@ -98,7 +96,6 @@ int free_beam_point_setup(
     if (!isfinite(free_alpha1_alpha1)) return 2; /* free_alpha1_alpha1 is not finite */
     if (!isfinite(free_alpha2_alpha2)) return 2; /* free_alpha2_alpha2 is not finite */
     if (!isfinite(coupling_alpha2)) return 2; /* coupling_alpha2 is not finite */
-    if (!isfinite(eliminated_phi)) return 2; /* eliminated_phi is not finite */
     if (!isfinite(minus_c2_1_2)) return 2; /* minus_c2_1_2 is not finite */
     if (!(p_m > 0.0)) return 1; /* the pivot of c1 vanished */
     if (!(c8_2_2 > 0.0)) return 1; /* the pivot of alpha2 vanished */
@@ -119,7 +116,7 @@ int free_beam_point_mass(
     const double c6_2 = k[3];
     const double c8_1_1 = k[4];
     const double c8_2_2 = k[5];
-    const double minus_c2_1_2 = k[18];
+    const double minus_c2_1_2 = k[17];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double cos_phi = cos(phi);
@@ -222,7 +219,7 @@ int free_beam_point_mass_force(
     const double c8_2_2 = k[5];
     const double K_1_1 = k[6];
     const double K_2_2 = k[7];
-    const double minus_c2_1_2 = k[18];
+    const double minus_c2_1_2 = k[17];
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
@@ -289,7 +286,6 @@ int free_beam_point_accel(
     const double phidot = v[2];
     const double alpha1dot = v[3];
     const double alpha2dot = v[4];
-    const double mass = k[0];
     const double c6_2 = k[3];
     const double c8_2_2 = k[5];
     const double inertia_phi_alpha1_alpha1 = k[10];
@@ -299,7 +295,6 @@ int free_beam_point_accel(
     const double free_alpha1_alpha1 = k[14];
     const double free_alpha2_alpha2 = k[15];
     const double coupling_alpha2 = k[16];
-    const double eliminated_phi = k[17];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double cos_phi = cos(phi);
@@ -308,29 +303,28 @@ int free_beam_point_accel(
     /* pivot (LDL^T): translations x in the body frame; eliminate x1, x2, alpha1, alpha2, phi */
     const double t1 = inertia_phi_alpha1_alpha1 * alpha1;
     const double t2 = c8_2_2 * alpha2;
-    const double pivot_phi = alpha1 * t1 + alpha2 * t2 + inertia_phi;
+    const double sum_1 = alpha1 * t1 + alpha2 * t2;
+    const double sum_2 = alpha1dot * t1 + alpha2dot * t2;
+    const double pivot_phi = sum_1 + inertia_phi;
 
     /* solution (LDL^T): back substitution; x in the inertial frame */
-    const double t3 = (1.0 / 3.0) * alpha1;
-    const double t4 = phidot * phidot;
-    const double t5 = ((force_phi_alpha2 - t4 * c6_2) * alpha2 - 2.0 * phidot * (alpha1dot * t1
-        + alpha2dot * t2)) / pivot_phi;
-    const double t6 = (2.0 / 3.0) * (phidot * alpha1dot) + t3 * t5;
-    const double t7 = free_x2_alpha1 * alpha1;
-    const double t8 = t6 * cos_phi - t7 * sin_phi;
-    vdot[0] = t8;
-    const double t9 = t7 * cos_phi + t6 * sin_phi;
-    vdot[1] = t9;
-    vdot[2] = t5;
-    const double t10 = (t4 - free_alpha1_alpha1) * alpha1;
-    vdot[3] = t10;
-    const double t11 = (t4 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t5;
-    vdot[4] = t11;
+    const double t3 = phidot * phidot;
+    const double t4 = ((force_phi_alpha2 - t3 * c6_2) * alpha2 - 2.0 * phidot * sum_2) / pivot_phi;
+    const double t5 = (2.0 / 3.0) * (phidot * alpha1dot) + (1.0 / 3.0) * alpha1 * t4;
+    const double t6 = free_x2_alpha1 * alpha1;
+    const double t7 = t5 * cos_phi - t6 * sin_phi;
+    vdot[0] = t7;
+    const double t8 = t6 * cos_phi + t5 * sin_phi;
+    vdot[1] = t8;
+    vdot[2] = t4;
+    const double t9 = (t3 - free_alpha1_alpha1) * alpha1;
+    vdot[3] = t9;
+    const double t10 = (t3 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t4;
+    vdot[4] = t10;
 
     /* check: check the pivot and that the result is finite */
-    if (!(pivot_phi - 5.684341886080802e-14 * (eliminated_phi
-        + mass * (t3 * t3)) > 0.0)) return 1; /* the pivot of phi vanished */
-    if (!isfinite(t8 + t9 + (t5 + (t10 + t11)))) return 2; /* an acceleration is not finite */
+    if (!(pivot_phi > 0.0)) return 1; /* the pivot of phi vanished */
+    if (!isfinite(t7 + t8 + (t4 + (t9 + t10)))) return 2; /* an acceleration is not finite */
     return 0;
 }
 
@@ -908,7 +902,7 @@ int free_beam_point_mass_batch(
     const double c6_2 = k[3];
     const double c8_1_1 = k[4];
     const double c8_2_2 = k[5];
-    const double minus_c2_1_2 = k[18];
+    const double minus_c2_1_2 = k[17];
     double q_tail[160];
     double cos_phi[32], sin_phi[32];
     double M_block[10][32];
@@ -1015,7 +1009,6 @@ int free_beam_point_accel_batch(
     double *vdot)
 {
     (void) t;
-    const double mass = k[0];
     const double c6_2 = k[3];
     const double c8_2_2 = k[5];
     const double inertia_phi_alpha1_alpha1 = k[10];
@@ -1025,7 +1018,6 @@ int free_beam_point_accel_batch(
     const double free_alpha1_alpha1 = k[14];
     const double free_alpha2_alpha2 = k[15];
     const double coupling_alpha2 = k[16];
-    const double eliminated_phi = k[17];
     double q_tail[160], v_tail[160];
     double cos_phi[32], sin_phi[32], codes[32];
     double vdot_block[5][32];
@@ -1050,27 +1042,26 @@ int free_beam_point_accel_batch(
             const double alpha2dot = v_block[4 * stride + b];
             const double t1 = inertia_phi_alpha1_alpha1 * alpha1;
             const double t2 = c8_2_2 * alpha2;
-            const double pivot_phi = alpha1 * t1 + alpha2 * t2 + inertia_phi;
-            const double t3 = (1.0 / 3.0) * alpha1;
-            const double t4 = phidot * phidot;
-            const double t5 = ((force_phi_alpha2 - t4 * c6_2) * alpha2 - 2.0 * phidot * (alpha1dot * t1
-                + alpha2dot * t2)) / pivot_phi;
-            const double t6 = (2.0 / 3.0) * (phidot * alpha1dot) + t3 * t5;
-            const double t7 = free_x2_alpha1 * alpha1;
-            const double t8 = t6 * cos_phi[b] - t7 * sin_phi[b];
-            vdot_block[0][b] = t8;
-            const double t9 = t7 * cos_phi[b] + t6 * sin_phi[b];
-            vdot_block[1][b] = t9;
-            vdot_block[2][b] = t5;
-            const double t10 = (t4 - free_alpha1_alpha1) * alpha1;
-            vdot_block[3][b] = t10;
-            const double t11 = (t4 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t5;
-            vdot_block[4][b] = t11;
+            const double sum_1 = alpha1 * t1 + alpha2 * t2;
+            const double sum_2 = alpha1dot * t1 + alpha2dot * t2;
+            const double pivot_phi = sum_1 + inertia_phi;
+            const double t3 = phidot * phidot;
+            const double t4 = ((force_phi_alpha2 - t3 * c6_2) * alpha2 - 2.0 * phidot * sum_2) / pivot_phi;
+            const double t5 = (2.0 / 3.0) * (phidot * alpha1dot) + (1.0 / 3.0) * alpha1 * t4;
+            const double t6 = free_x2_alpha1 * alpha1;
+            const double t7 = t5 * cos_phi[b] - t6 * sin_phi[b];
+            vdot_block[0][b] = t7;
+            const double t8 = t6 * cos_phi[b] + t5 * sin_phi[b];
+            vdot_block[1][b] = t8;
+            vdot_block[2][b] = t4;
+            const double t9 = (t3 - free_alpha1_alpha1) * alpha1;
+            vdot_block[3][b] = t9;
+            const double t10 = (t3 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t4;
+            vdot_block[4][b] = t10;
             double code_b = 0.0;
-            const double finite = t8 + t9 + (t5 + (t10 + t11));
+            const double finite = t7 + t8 + (t4 + (t9 + t10));
             code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
-            code_b = pivot_phi - 5.684341886080802e-14 * (eliminated_phi
-                + mass * (t3 * t3)) > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
+            code_b = pivot_phi > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
             codes[b] = code_b;
         }
         free_beam_point_block32_scatter(all, count, 5, vdot_block, vdot);
@@ -1203,7 +1194,6 @@ static const tisserand_variable free_beam_point_table_k[] = {
     {"free_alpha1_alpha1", "", "acceleration of alpha1 apart from that of phi per alpha1", 0.0, 1, 0},
     {"free_alpha2_alpha2", "", "acceleration of alpha2 apart from that of phi per alpha2", 0.0, 1, 0},
     {"coupling_alpha2", "", "acceleration of alpha2 due to that of phi", 0.0, 1, 0},
-    {"eliminated_phi", "", "constant inertia of phi that elimination takes", 0.0, 1, 0},
     {"minus_c2_1_2", "", "-c2_1_2", 0.0, 1, 0},
 };
 
@@ -1244,7 +1234,7 @@ static const tisserand_model free_beam_point_descriptor = {
     5,
     5,
     3,
-    19,
+    18,
     FREE_BEAM_POINT_NMARKERS,
     2,
     3,

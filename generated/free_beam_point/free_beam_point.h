@@ -51,7 +51,6 @@
  *   free_alpha1_alpha1  acceleration of alpha1 apart from that of phi per alpha1
  *   free_alpha2_alpha2  acceleration of alpha2 apart from that of phi per alpha2
  *   coupling_alpha2  acceleration of alpha2 due to that of phi
- *   eliminated_phi  constant inertia of phi that elimination takes
  *   minus_c2_1_2  -c2_1_2
  *
  * Mass matrix (x: structural non-zero, .: structural zero):
@@ -246,8 +245,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_POINT_HASH "d53d0522212afefb"
-#define FREE_BEAM_POINT_HASH_d53d0522212afefb
+#define FREE_BEAM_POINT_HASH "f1a1ba5f21c3a2c7"
+#define FREE_BEAM_POINT_HASH_f1a1ba5f21c3a2c7
 
 /* ---- sizes and indices ---- */
 
@@ -256,7 +255,7 @@ enum {
     FREE_BEAM_POINT_NV = 5,
     FREE_BEAM_POINT_NY = 10,
     FREE_BEAM_POINT_NP = 3,
-    FREE_BEAM_POINT_NK = 19,
+    FREE_BEAM_POINT_NK = 18,
     FREE_BEAM_POINT_Q_c1 = 0,
     FREE_BEAM_POINT_Q_c2 = 1,
     FREE_BEAM_POINT_Q_phi = 2,
@@ -293,8 +292,7 @@ enum {
     FREE_BEAM_POINT_K_free_alpha1_alpha1 = 14,
     FREE_BEAM_POINT_K_free_alpha2_alpha2 = 15,
     FREE_BEAM_POINT_K_coupling_alpha2 = 16,
-    FREE_BEAM_POINT_K_eliminated_phi = 17,
-    FREE_BEAM_POINT_K_minus_c2_1_2 = 18,
+    FREE_BEAM_POINT_K_minus_c2_1_2 = 17,
     FREE_BEAM_POINT_ABI = 7
 };
 
@@ -308,12 +306,12 @@ enum {
  * Constants k from the parameters p: once for a set of parameters.
  *
  * p: parameters (3)
- * k: constants (19): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
+ * k: constants (18): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
  *     inertia_phi_alpha1_alpha1, inertia_phi, force_phi_alpha2, free_x2_alpha1, free_alpha1_alpha1,
- *     free_alpha2_alpha2, coupling_alpha2, eliminated_phi, minus_c2_1_2
+ *     free_alpha2_alpha2, coupling_alpha2, minus_c2_1_2
  *
  * From appendix.
- * 26 operations.
+ * 25 operations.
  */
 int free_beam_point_setup(
     const double *TISSERAND_RESTRICT p,
@@ -323,7 +321,7 @@ int free_beam_point_setup(
  * Mass matrix M(q): values of the lower triangle by columns.
  *
  * q: generalised coordinates (5)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
  *
  * From (26), appendix, (15).
@@ -340,7 +338,7 @@ int free_beam_point_mass(
  * t: time (a free body does not depend on it)
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * h: forces, one for each equation of motion (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
  *
  * From (26), appendix, (15).
@@ -359,7 +357,7 @@ int free_beam_point_force(
  * t: time (a free body does not depend on it)
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
  * h: forces, one for each equation of motion (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
  *
@@ -381,11 +379,11 @@ int free_beam_point_mass_force(
  * t: time (a free body does not depend on it)
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * vdot: accelerations (5): c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot
  *
  * From (26), LDL^T.
- * 46 operations.
+ * 41 operations.
  */
 int free_beam_point_accel(
     double t,
@@ -399,7 +397,7 @@ int free_beam_point_accel(
  *
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * energy: energies [J] (2): kinetic, strain
  *
  * From (26), appendix, (22).
@@ -416,7 +414,7 @@ int free_beam_point_energy(
  *
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
  *
  * From (26), appendix, (1).
@@ -433,7 +431,7 @@ int free_beam_point_momentum(
  *
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
  *
  * From (1).
@@ -450,7 +448,7 @@ int free_beam_point_rates(
  *
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * x: position in the inertial frame [m] (2): x1, x2
  * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
@@ -471,7 +469,7 @@ int free_beam_point_marker_left(
  *
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * x: position in the inertial frame [m] (2): x1, x2
  * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 5, 2 values
@@ -492,7 +490,7 @@ int free_beam_point_marker_middle(
  *
  * q: generalised coordinates (5)
  * v: generalised velocities (5)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * x: position in the inertial frame [m] (2): x1, x2
  * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
@@ -513,7 +511,7 @@ int free_beam_point_marker_right(
  *
  * q: generalised coordinates (5)
  * F: force at the marker, in the inertial frame [N] (2)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
  *     f[alpha2]
  *
@@ -531,7 +529,7 @@ int free_beam_point_load_left(
  *
  * q: generalised coordinates (5)
  * F: force at the marker, in the inertial frame [N] (2)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
  *     f[alpha2]
  *
@@ -549,7 +547,7 @@ int free_beam_point_load_middle(
  *
  * q: generalised coordinates (5)
  * F: force at the marker, in the inertial frame [N] (2)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
  *     f[alpha2]
  *
@@ -568,7 +566,7 @@ int free_beam_point_load_right(
  * t: time (a free body does not depend on it)
  * y: first-order state [q; v] (10)
  * ydot: time derivative of y (10)
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * F: residual, one for each state (10): c1, c2, phi, alpha1, alpha2, c1dot, c2dot, phidot,
  *     alpha1dot, alpha2dot
  *
@@ -590,7 +588,7 @@ int free_beam_point_residual(
  * y: first-order state [q; v] (10)
  * ydot: time derivative of y (10)
  * cj: factor of dF/dydot
- * k: constants from setup (19)
+ * k: constants from setup (18)
  * jac: values of the iteration matrix by columns, 10 x 10, 37 values
  *
  * From (26), appendix, (15).

@@ -49,7 +49,6 @@ Constants k, computed from the parameters by setup:
   free_alpha1_alpha1  acceleration of alpha1 apart from that of phi per alpha1
   free_alpha2_alpha2  acceleration of alpha2 apart from that of phi per alpha2
   coupling_alpha2  acceleration of alpha2 due to that of phi
-  eliminated_phi  constant inertia of phi that elimination takes
   minus_c2_1_2  -c2_1_2
 
 Mass matrix (x: structural non-zero, .: structural zero):
@@ -111,7 +110,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_point"
-HASH = "d53d0522212afefb"
+HASH = "f1a1ba5f21c3a2c7"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -120,8 +119,7 @@ UNITS = ("kg", "m", "N m^2")
 CONSTANTS = (
     "mass", "c2_1_2", "C3", "c6_2", "c8_1_1", "c8_2_2", "K_1_1", "K_2_2", "X_left", "X_right",
     "inertia_phi_alpha1_alpha1", "inertia_phi", "force_phi_alpha2", "free_x2_alpha1",
-    "free_alpha1_alpha1", "free_alpha2_alpha2", "coupling_alpha2", "eliminated_phi",
-    "minus_c2_1_2",
+    "free_alpha1_alpha1", "free_alpha2_alpha2", "coupling_alpha2", "minus_c2_1_2",
 )
 MARKERS = ("left", "middle", "right")
 DEFAULTS = (1.0, 1.0, 1.0)
@@ -241,12 +239,12 @@ def setup(p):
     """Constants k from the parameters p: once for a set of parameters.
 
     p: parameters (3)
-    k: constants (19): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
+    k: constants (18): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
         inertia_phi_alpha1_alpha1, inertia_phi, force_phi_alpha2, free_x2_alpha1,
-        free_alpha1_alpha1, free_alpha2_alpha2, coupling_alpha2, eliminated_phi, minus_c2_1_2
+        free_alpha1_alpha1, free_alpha2_alpha2, coupling_alpha2, minus_c2_1_2
 
     From appendix.
-    26 operations.
+    25 operations.
     """
     xp, batch, (p,) = _arrays(dict(p=3), p)
     p_m = p[0]
@@ -275,7 +273,6 @@ def setup(p):
     free_alpha1_alpha1 = 720 * t5
     free_alpha2_alpha2 = 1344 * t5
     coupling_alpha2 = (7 / 10) * p_l
-    eliminated_phi = (7 / 100) * t2
     minus_c2_1_2 = -c2_1_2
 
     # constants: constants that the kernels read
@@ -296,8 +293,7 @@ def setup(p):
     k_14 = free_alpha1_alpha1
     k_15 = free_alpha2_alpha2
     k_16 = coupling_alpha2
-    k_17 = eliminated_phi
-    k_18 = minus_c2_1_2
+    k_17 = minus_c2_1_2
 
     # checks: checks of the parameters
     _require(xp.all(p_m > 0), 2, "m must be positive")
@@ -323,13 +319,12 @@ def setup(p):
     _require(xp.all(xp.isfinite(free_alpha1_alpha1)), 2, "free_alpha1_alpha1 is not finite")
     _require(xp.all(xp.isfinite(free_alpha2_alpha2)), 2, "free_alpha2_alpha2 is not finite")
     _require(xp.all(xp.isfinite(coupling_alpha2)), 2, "coupling_alpha2 is not finite")
-    _require(xp.all(xp.isfinite(eliminated_phi)), 2, "eliminated_phi is not finite")
     _require(xp.all(xp.isfinite(minus_c2_1_2)), 2, "minus_c2_1_2 is not finite")
     _require(xp.all(p_m > 0), 1, "the pivot of c1 vanished")
     _require(xp.all(c8_2_2 > 0), 1, "the pivot of alpha2 vanished")
 
     k = _stack(xp, batch, (k_0, k_1, k_2, k_3, k_4, k_5, k_6, k_7, k_8, k_9, k_10, k_11, k_12, k_13,
-        k_14, k_15, k_16, k_17, k_18))
+        k_14, k_15, k_16, k_17))
     return k
 
 
@@ -338,17 +333,17 @@ def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
     q: generalised coordinates (5)
-    k: constants from setup (19)
+    k: constants from setup (18)
     M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
 
     From (26), appendix, (15).
     15 operations.
     """
     if (type(q) is type(k) is _ARRAY and q.dtype is k.dtype is _DOUBLE and q.shape == (5,) and
-        k.shape == (19,)):
+        k.shape == (18,)):
         xp, batch, q, k = _NUMBERS, _SINGLE, q.tolist(), k.tolist()
     else:
-        xp, batch, (q, k) = _arrays(dict(q=5, k=19), q, k)
+        xp, batch, (q, k) = _arrays(dict(q=5, k=18), q, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -358,7 +353,7 @@ def mass(q, k):
     c6_2 = k[3]
     c8_1_1 = k[4]
     c8_2_2 = k[5]
-    minus_c2_1_2 = k[18]
+    minus_c2_1_2 = k[17]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -397,17 +392,17 @@ def force(t, q, v, k):
     t: time (a free body does not depend on it)
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (19)
+    k: constants from setup (18)
     h: forces, one for each equation of motion (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
 
     From (26), appendix, (15).
     27 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
-        q.shape == v.shape == (5,) and k.shape == (19,) and isinstance(t, float)):
+        q.shape == v.shape == (5,) and k.shape == (18,) and isinstance(t, float)):
         xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
     else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=19), t, q, v, k)
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=18), t, q, v, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -459,7 +454,7 @@ def mass_force(t, q, v, k):
     t: time (a free body does not depend on it)
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (19)
+    k: constants from setup (18)
     M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
     h: forces, one for each equation of motion (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
 
@@ -467,10 +462,10 @@ def mass_force(t, q, v, k):
     37 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
-        q.shape == v.shape == (5,) and k.shape == (19,) and isinstance(t, float)):
+        q.shape == v.shape == (5,) and k.shape == (18,) and isinstance(t, float)):
         xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
     else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=19), t, q, v, k)
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=18), t, q, v, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -485,7 +480,7 @@ def mass_force(t, q, v, k):
     c8_2_2 = k[5]
     K_1_1 = k[6]
     K_2_2 = k[7]
-    minus_c2_1_2 = k[18]
+    minus_c2_1_2 = k[17]
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -549,24 +544,23 @@ def accel(t, q, v, k):
     t: time (a free body does not depend on it)
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (19)
+    k: constants from setup (18)
     vdot: accelerations (5): c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot
 
     From (26), LDL^T.
-    46 operations.
+    41 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
-        q.shape == v.shape == (5,) and k.shape == (19,) and isinstance(t, float)):
+        q.shape == v.shape == (5,) and k.shape == (18,) and isinstance(t, float)):
         xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
     else:
-        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=19), t, q, v, k)
+        xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=18), t, q, v, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
     phidot = v[2]
     alpha1dot = v[3]
     alpha2dot = v[4]
-    mass = k[0]
     c6_2 = k[3]
     c8_2_2 = k[5]
     inertia_phi_alpha1_alpha1 = k[10]
@@ -576,7 +570,6 @@ def accel(t, q, v, k):
     free_alpha1_alpha1 = k[14]
     free_alpha2_alpha2 = k[15]
     coupling_alpha2 = k[16]
-    eliminated_phi = k[17]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -585,31 +578,29 @@ def accel(t, q, v, k):
     # pivot (LDL^T): translations x in the body frame; eliminate x1, x2, alpha1, alpha2, phi
     t1 = inertia_phi_alpha1_alpha1 * alpha1
     t2 = c8_2_2 * alpha2
-    pivot_phi = alpha1 * t1 + alpha2 * t2 + inertia_phi
+    sum_1 = alpha1 * t1 + alpha2 * t2
+    sum_2 = alpha1dot * t1 + alpha2dot * t2
+    pivot_phi = sum_1 + inertia_phi
 
     # solution (LDL^T): back substitution; x in the inertial frame
-    t3 = (1 / 3) * alpha1
-    t4 = phidot * phidot
-    t5 = (
-        ((force_phi_alpha2 - t4 * c6_2) * alpha2 - 2 * phidot * (alpha1dot * t1
-            + alpha2dot * t2)) / pivot_phi
-    )
-    t6 = (2 / 3) * (phidot * alpha1dot) + t3 * t5
-    t7 = free_x2_alpha1 * alpha1
-    t8 = t6 * cos_phi - t7 * sin_phi
-    vdot_0 = t8
-    t9 = t7 * cos_phi + t6 * sin_phi
-    vdot_1 = t9
-    vdot_2 = t5
-    t10 = (t4 - free_alpha1_alpha1) * alpha1
-    vdot_3 = t10
-    t11 = (t4 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t5
-    vdot_4 = t11
+    t3 = phidot * phidot
+    t4 = ((force_phi_alpha2 - t3 * c6_2) * alpha2 - 2 * phidot * sum_2) / pivot_phi
+    t5 = (2 / 3) * (phidot * alpha1dot) + (1 / 3) * alpha1 * t4
+    t6 = free_x2_alpha1 * alpha1
+    t7 = t5 * cos_phi - t6 * sin_phi
+    vdot_0 = t7
+    t8 = t6 * cos_phi + t5 * sin_phi
+    vdot_1 = t8
+    vdot_2 = t4
+    t9 = (t3 - free_alpha1_alpha1) * alpha1
+    vdot_3 = t9
+    t10 = (t3 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t4
+    vdot_4 = t10
 
     # check: check the pivot and that the result is finite
-    valid_1 = (pivot_phi - 5.684341886080802e-14 * (eliminated_phi + mass * (t3 * t3))) > 0
+    valid_1 = pivot_phi > 0
     _require(batch[0] or valid_1, 1, "the pivot of phi vanished")
-    valid_2 = xp.isfinite(t8 + t9 + (t5 + (t10 + t11)))
+    valid_2 = xp.isfinite(t7 + t8 + (t4 + (t9 + t10)))
     _require(batch[0] or valid_2, 2, "an acceleration is not finite")
 
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
@@ -622,17 +613,17 @@ def energy(q, v, k):
 
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (19)
+    k: constants from setup (18)
     energy: energies [J] (2): kinetic, strain
 
     From (26), appendix, (22).
     51 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
-        q.shape == v.shape == (5,) and k.shape == (19,)):
+        q.shape == v.shape == (5,) and k.shape == (18,)):
         xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
     else:
-        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=18), q, v, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -689,17 +680,17 @@ def momentum(q, v, k):
 
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (19)
+    k: constants from setup (18)
     momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
 
     From (26), appendix, (1).
     46 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
-        q.shape == v.shape == (5,) and k.shape == (19,)):
+        q.shape == v.shape == (5,) and k.shape == (18,)):
         xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
     else:
-        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=18), q, v, k)
     c1 = q[0]
     c2 = q[1]
     phi = q[2]
@@ -756,17 +747,17 @@ def rates(q, v, k):
 
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (19)
+    k: constants from setup (18)
     qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
 
     From (1).
     0 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
-        q.shape == v.shape == (5,) and k.shape == (19,)):
+        q.shape == v.shape == (5,) and k.shape == (18,)):
         xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
     else:
-        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=18), q, v, k)
     c1dot = v[0]
     c2dot = v[1]
     phidot = v[2]
@@ -790,7 +781,7 @@ def marker_left(q, v, k):
 
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (19)
+    k: constants from setup (18)
     x: position in the inertial frame [m] (2): x1, x2
     xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
@@ -799,10 +790,10 @@ def marker_left(q, v, k):
     28 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
-        q.shape == v.shape == (5,) and k.shape == (19,)):
+        q.shape == v.shape == (5,) and k.shape == (18,)):
         xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
     else:
-        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=18), q, v, k)
     c1 = q[0]
     c2 = q[1]
     phi = q[2]
@@ -855,7 +846,7 @@ def marker_middle(q, v, k):
 
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (19)
+    k: constants from setup (18)
     x: position in the inertial frame [m] (2): x1, x2
     xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 5, 2 values
@@ -864,10 +855,10 @@ def marker_middle(q, v, k):
     0 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
-        q.shape == v.shape == (5,) and k.shape == (19,)):
+        q.shape == v.shape == (5,) and k.shape == (18,)):
         xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
     else:
-        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=18), q, v, k)
     c1 = q[0]
     c2 = q[1]
     c1dot = v[0]
@@ -893,7 +884,7 @@ def marker_right(q, v, k):
 
     q: generalised coordinates (5)
     v: generalised velocities (5)
-    k: constants from setup (19)
+    k: constants from setup (18)
     x: position in the inertial frame [m] (2): x1, x2
     xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
@@ -902,10 +893,10 @@ def marker_right(q, v, k):
     27 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
-        q.shape == v.shape == (5,) and k.shape == (19,)):
+        q.shape == v.shape == (5,) and k.shape == (18,)):
         xp, batch, q, v, k = _NUMBERS, _SINGLE, q.tolist(), v.tolist(), k.tolist()
     else:
-        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=19), q, v, k)
+        xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=18), q, v, k)
     c1 = q[0]
     c2 = q[1]
     phi = q[2]
@@ -960,7 +951,7 @@ def load_left(q, F, k):
 
     q: generalised coordinates (5)
     F: force at the marker, in the inertial frame [N] (2)
-    k: constants from setup (19)
+    k: constants from setup (18)
     f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
         f[alpha2]
 
@@ -968,10 +959,10 @@ def load_left(q, F, k):
     13 operations.
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
-        q.shape == (5,) and F.shape == (2,) and k.shape == (19,)):
+        q.shape == (5,) and F.shape == (2,) and k.shape == (18,)):
         xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
     else:
-        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=19), q, F, k)
+        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=18), q, F, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -1006,7 +997,7 @@ def load_middle(q, F, k):
 
     q: generalised coordinates (5)
     F: force at the marker, in the inertial frame [N] (2)
-    k: constants from setup (19)
+    k: constants from setup (18)
     f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
         f[alpha2]
 
@@ -1014,10 +1005,10 @@ def load_middle(q, F, k):
     0 operations.
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
-        q.shape == (5,) and F.shape == (2,) and k.shape == (19,)):
+        q.shape == (5,) and F.shape == (2,) and k.shape == (18,)):
         xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
     else:
-        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=19), q, F, k)
+        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=18), q, F, k)
     F_1 = F[0]
     F_2 = F[1]
 
@@ -1038,7 +1029,7 @@ def load_right(q, F, k):
 
     q: generalised coordinates (5)
     F: force at the marker, in the inertial frame [N] (2)
-    k: constants from setup (19)
+    k: constants from setup (18)
     f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
         f[alpha2]
 
@@ -1046,10 +1037,10 @@ def load_right(q, F, k):
     12 operations.
     """
     if (type(q) is type(F) is type(k) is _ARRAY and q.dtype is F.dtype is k.dtype is _DOUBLE and
-        q.shape == (5,) and F.shape == (2,) and k.shape == (19,)):
+        q.shape == (5,) and F.shape == (2,) and k.shape == (18,)):
         xp, batch, q, F, k = _NUMBERS, _SINGLE, q.tolist(), F.tolist(), k.tolist()
     else:
-        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=19), q, F, k)
+        xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=18), q, F, k)
     phi = q[2]
     alpha1 = q[3]
     alpha2 = q[4]
@@ -1086,7 +1077,7 @@ def residual(t, y, ydot, k):
     t: time (a free body does not depend on it)
     y: first-order state [q; v] (10)
     ydot: time derivative of y (10)
-    k: constants from setup (19)
+    k: constants from setup (18)
     F: residual, one for each state (10): c1, c2, phi, alpha1, alpha2, c1dot, c2dot, phidot,
         alpha1dot, alpha2dot
 
@@ -1094,10 +1085,10 @@ def residual(t, y, ydot, k):
     66 operations.
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
-        and y.shape == ydot.shape == (10,) and k.shape == (19,) and isinstance(t, float)):
+        and y.shape == ydot.shape == (10,) and k.shape == (18,) and isinstance(t, float)):
         xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
     else:
-        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=19), t, y, ydot, k)
+        xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=18), t, y, ydot, k)
     phi = y[2]
     alpha1 = y[3]
     alpha2 = y[4]
@@ -1181,18 +1172,18 @@ def jacobian(t, y, ydot, cj, k):
     y: first-order state [q; v] (10)
     ydot: time derivative of y (10)
     cj: factor of dF/dydot
-    k: constants from setup (19)
+    k: constants from setup (18)
     jac: values of the iteration matrix by columns, 10 x 10, 37 values
 
     From (26), appendix, (15).
     110 operations.
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
-        and y.shape == ydot.shape == (10,) and k.shape == (19,) and isinstance(t, float) and
+        and y.shape == ydot.shape == (10,) and k.shape == (18,) and isinstance(t, float) and
         isinstance(cj, float)):
         xp, batch, y, ydot, k = _NUMBERS, _SINGLE, y.tolist(), ydot.tolist(), k.tolist()
     else:
-        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=19), t, y, ydot, cj, k)
+        xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=18), t, y, ydot, cj, k)
     phi = y[2]
     alpha1 = y[3]
     alpha2 = y[4]
