@@ -8,6 +8,7 @@ from derive.export.fmi import FMU2, FMU3
 from derive.export.fortran import FORTRAN
 from derive.export.host_model import host_model
 from derive.export.interface import HostFile, Interface, exported_files
+from derive.export.rust import RUST
 from derive.registry import Registry
 from derive.spec.model.scene import Specification
 
@@ -16,6 +17,7 @@ INTERFACES: Registry[Interface] = Registry(
     {
         "cmake": CMAKE,
         "fortran": FORTRAN,
+        "rust": RUST,
         "fmu2": FMU2,
         "fmu3": FMU3,
         "casadi": CASADI,
