@@ -27,7 +27,7 @@ def model_terms(equations: Equations, pattern: Pattern) -> tuple[ModelTerm, ...]
     result = []
     for term in equations.terms:
         row = names.index(term.row)
-        columns = {k for a, k in accelerations.items() if a in _symbols(term.expr, sums)}
+        columns = {accelerations[s] for s in _symbols(term.expr, sums) & accelerations.keys()}
         pairs = {(min(row, column), max(row, column)) for column in columns}
         mass = tuple(k for k, entry in enumerate(entries) if entry in pairs)
         count = equations.modes if row == of_modes else 1
