@@ -29,7 +29,7 @@ The public interface, by stages:
     simulation      simulate, initial_state, equilibrium, integrate; Trajectory, BodyTrajectory, Solution,
                     InitialState, Equilibrium, INTEGRATORS
     sweeps          sweep; grid, listed, random_samples; Samples, SweepResult
-    other programs  host_model, casadi_function; HostModel
+    other programs  exported, host_model, casadi_function; HostModel
     C integrators   FixedStep, GeneralisedAlpha, Ida; Integration
     errors          TisserandError and its subclasses SpecError, UnknownNameError, CompilerError, ModelError,
                     IntegratorError, SimulationError
@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from derive.errors import SpecError, TisserandError
     from derive.export.casadi_loading import casadi_function
     from derive.export.host_model import HostModel, host_model
+    from derive.export.registry import exported
     from derive.ir.interpreter import interpret
     from derive.ir.model import Model
     from derive.mechanics.bodies.modal_body import ModalBody
@@ -138,6 +139,7 @@ _MODULES = {
     ),
     "derive.export.casadi_loading": ("casadi_function",),
     "derive.export.host_model": ("HostModel", "host_model"),
+    "derive.export.registry": ("exported",),
     "derive.ir.interpreter": ("interpret",),
     "derive.ir.model": ("Model",),
     "derive.mechanics.bodies.modal_body": ("ModalBody",),
@@ -324,6 +326,7 @@ __all__ = [
     "derive",
     "derive_modal",
     "equilibrium",
+    "exported",
     "grid",
     "host_model",
     "initial_state",

@@ -61,6 +61,7 @@ CHECKS: dict[str, Check] = {
     "four_bar_rigid": lambda value: value < 1e-9,
     "free_beam_frequencies": near(2.5e-4, 0.02),  # of the Ritz method with P2 to P7
     "gravity_pendulum": near(1, 1e-9),
+    "jax_identification": near([1, 1], 1e-3),
     "joint_of_my_own": near(1, 1e-8),
     "mean_or_point_frame": lambda value: value == (15, 5),
     "monomial_conditioning": lambda value: value == pytest.approx((hilbert_condition(10), 23 / 5), rel=1e-6),
@@ -87,6 +88,9 @@ CHECKS: dict[str, Check] = {
     "stiffness_from_motion": near(1, 2e-3),
     "symbolic_body": lambda value: value < 1e-9,
 }
+
+PACKAGES = {"jax_identification": "jax"}
+"""What examples need beside Tisserand and what it depends on."""
 
 
 def load(path: Path) -> Any:
@@ -129,6 +133,8 @@ def test_index_of_the_examples(compare_or_update: Callable[[Path, str], None]) -
 def test_example(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    if name in PACKAGES:
+        pytest.importorskip(PACKAGES[name])
     monkeypatch.chdir(tmp_path)  # nothing may depend on the working directory
     module = load(EXAMPLES / f"{name}.py")
     registered = [(registry, {*registry}) for registry in (derive.JOINTS, derive.BODIES, derive.FORCES)]

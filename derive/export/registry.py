@@ -8,6 +8,7 @@ from derive.export.fmi import FMU2, FMU3
 from derive.export.fortran import FORTRAN
 from derive.export.host_model import host_model
 from derive.export.interface import HostFile, Interface, exported_files
+from derive.export.jax_module import JAX
 from derive.export.rust import RUST
 from derive.registry import Registry
 from derive.spec.model.scene import Specification
@@ -21,6 +22,7 @@ INTERFACES: Registry[Interface] = Registry(
         "fmu2": FMU2,
         "fmu3": FMU3,
         "casadi": CASADI,
+        "jax": JAX,
     },
 )
 

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import derive
 from conftest import ROOT
 from derive.export.host_model import HostModel, host_model
+from derive.spec.model.scene import Specification
 from derive.spec.toml.read import parse
 
 PUSHED = """
@@ -90,6 +93,22 @@ duration = 1
 output = 0.01
 """
 """An arm whose rotation is an input with two time derivatives, and a force that has no value in simulations."""
+
+TABLE = """
+[tables]
+load = { file = "load.csv", x = "t", y = "F" }
+[forces.more]
+at = "arm.tip"
+components = ["load(0.5*t + 0.1) + step(t, 0, 1)", 0]
+"""
+
+
+@cache
+def looked_up() -> Specification:
+    """The scene STEERED with a force that follows a table."""
+    with TemporaryDirectory() as folder:
+        (Path(folder) / "load.csv").write_text("t,F\n0,1\n0.4,2\n1,-1\n")
+        return parse(STEERED.replace("steered", "looked_up") + TABLE, str(Path(folder) / "given.toml"))
 
 
 @cache

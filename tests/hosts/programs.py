@@ -7,7 +7,10 @@ import re
 import shutil
 import subprocess
 from collections.abc import Mapping
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -24,6 +27,16 @@ def program(name: str) -> str:
     if path := shutil.which(name):
         return path
     message = f"{name} is missing: apt-get install {PACKAGES[name]}"
+    if os.environ.get("CI"):
+        pytest.fail(message, pytrace=False)
+    pytest.skip(message)
+
+
+def package(name: str) -> ModuleType:
+    """A Python package of the extra `hosts`."""
+    if find_spec(name):
+        return import_module(name)
+    message = f"{name} is missing: pip install tisserand[hosts]"
     if os.environ.get("CI"):
         pytest.fail(message, pytrace=False)
     pytest.skip(message)

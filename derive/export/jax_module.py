@@ -1,0 +1,36 @@
+"""`--to jax`: a Python module without branches on data, for JAX and for other arrays."""
+
+from __future__ import annotations
+
+from derive.artifacts import MARK, File
+from derive.backends.description import LICENCE, description, model_text, pattern_texts
+from derive.backends.wrapping import prefixed
+from derive.export.array_functions import array_functions
+from derive.export.host_model import HostModel
+from derive.export.interface import Interface
+from derive.rendering import render
+
+
+def jax_files(host: HostModel) -> tuple[File, ...]:
+    """The module of a model. Raises SpecError for a model with loops."""
+    model = host.model
+    values = {
+        "mark": f"# {MARK}. Do not edit.\n# {LICENCE}",
+        "description": "\n".join(prefixed(description(model_text(model)), "")),
+        "model": model,
+        "host": host,
+        "patterns": pattern_texts(model, "        "),
+        "functions": array_functions(model),
+        "scene": bool(model.bodies),
+        "wrapped": lambda values: "\n".join(prefixed(["".join(f"{value!r}, " for value in values)], "        ")),
+    }
+    return File(f"{host.name}.py", render("export/jax/module.py.jinja", values)), File(
+        "manifest.json", host.manifest.text
+    )
+
+
+JAX = Interface(
+    "JAX and other arrays: a Python module that can be traced, compiled, differentiated and vectorised",
+    jax_files,
+    "import {name} in Python with {folder} in the path; then jax.jit({name}.rhs), jax.grad, jax.vmap",
+)
