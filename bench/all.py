@@ -26,6 +26,7 @@ from rows import Row, is_met
 from derive.runtime.compiler import FLAGS
 
 MODULES: dict[str, dict[str, Any]] = {
+    "batch": {"quick": True},
     "beam_accelerations": {"quick": True},
     "loops_by_hand": {"quick": True},
     "python_calls": {"quick": True},

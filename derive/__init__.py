@@ -24,7 +24,7 @@ The public interface, by stages:
                     Mechanism, which keeps the equations once for each kind of body
     kernels         lower, interpret; Model
     files           model_files, write; File
-    compiled code   load, load_scene; Native, NativeScene, Role
+    compiled code   load, load_scene, vector_flags; Native, NativeScene, Role
     modes           modes; Modes, Mode, Linearisation
     simulation      simulate, initial_state, equilibrium, integrate; Trajectory, BodyTrajectory, Solution,
                     InitialState, Equilibrium, INTEGRATORS
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     from derive.registry import UnknownNameError
     from derive.roles import Role
     from derive.runtime.compiled_model import Native
-    from derive.runtime.compiler import CompilerError
+    from derive.runtime.compiler import CompilerError, vector_flags
     from derive.runtime.integrators.c_integrator import Integration, IntegratorError
     from derive.runtime.integrators.fixed_step import FixedStep
     from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
@@ -152,7 +152,10 @@ _MODULES = {
     "derive.registry": ("UnknownNameError",),
     "derive.roles": ("Role",),
     "derive.runtime.native_call": ("ModelError",),
-    "derive.runtime.compiler": ("CompilerError",),
+    "derive.runtime.compiler": (
+        "CompilerError",
+        "vector_flags",
+    ),
     "derive.runtime.integrators.c_integrator": (
         "Integration",
         "IntegratorError",
@@ -350,6 +353,7 @@ __all__ = [
     "symbolic_body",
     "time_function",
     "validated",
+    "vector_flags",
     "write",
 ]
 

@@ -67,7 +67,7 @@ class Dialect:
         return _Text(BreakableText((quotient,)), binding, False)
 
 
-C = Dialect(".0", "", {}, ("(", " ? ", " : ", ")"), "!", "")
+C = Dialect(".0", "", {Operator.SIN: "tisserand_sin", Operator.COS: "tisserand_cos"}, ("(", " ? ", " : ", ")"), "!", "")
 PYTHON = Dialect(
     "",
     "xp.",

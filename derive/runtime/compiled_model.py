@@ -224,15 +224,41 @@ class Native:
 
         States that fail have NaN; `check`: ModelError.
         """
-        return self._checked_batch("mass", [], [(self.nq, q)], k, len(self.mass_pattern.rowidx), check)
+        (values,) = self._batch("mass", [], [(self.nq, q)], k, [len(self.mass_pattern.rowidx)], check)
+        return values
 
     def force_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
         """h (n, nv) for each row of q (n, nq) and v (n, nv). States that fail have NaN; `check`: ModelError."""
-        return self._checked_batch("force", [t], [(self.nq, q), (self.nv, v)], k, self.nv, check)
+        (h,) = self._batch("force", [t], [(self.nq, q), (self.nv, v)], k, [self.nv], check)
+        return h
+
+    def mass_force_batch(
+        self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True
+    ) -> tuple[Matrix, Matrix]:
+        """Values of M (n, nnz), and h (n, nv), likewise."""
+        sizes = [len(self.mass_pattern.rowidx), self.nv]
+        values, h = self._batch("mass_force", [t], [(self.nq, q), (self.nv, v)], k, sizes, check)
+        return values, h
 
     def accel_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
         """vdot (n, nv) for each row of q (n, nq) and v (n, nv). States that fail have NaN; `check`: ModelError."""
-        return self._checked_batch("accel", [t], [(self.nq, q), (self.nv, v)], k, self.nv, check)
+        (vdot,) = self._batch("accel", [t], [(self.nq, q), (self.nv, v)], k, [self.nv], check)
+        return vdot
+
+    def energy_batch(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
+        """The energies of `energy` (n, nenergy), likewise."""
+        (energies,) = self._batch("energy", [], [(self.nq, q), (self.nv, v)], k, [self._model.nenergy], check)
+        return energies
+
+    def momentum_batch(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
+        """The momenta of `momentum` (n, nmomentum), likewise."""
+        (momenta,) = self._batch("momentum", [], [(self.nq, q), (self.nv, v)], k, [self._model.nmomentum], check)
+        return momenta
+
+    def rates_batch(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
+        """qdot (n, nq), likewise."""
+        (qdot,) = self._batch("rates", [], [(self.nq, q), (self.nv, v)], k, [self.nq], check)
+        return qdot
 
     def marker(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector, Vector]:
         """Position (m), velocity (m/s) in the inertial frame, and values of the Jacobian of a marker.
@@ -287,28 +313,28 @@ class Native:
         """The constants as functions of the time read them: with the inputs at t (s), where these follow functions."""
         return k
 
-    def _checked_batch(
-        self, kernel: str, t: list[float], states: list[tuple[int, ArrayLike]], k: ArrayLike, size: int, check: bool
-    ) -> Matrix:
-        result, code = self._batch(kernel, t, states, k, size)
-        if code and check:
-            raise ModelError(f"{self.name}_{kernel}_batch", code)
-        return result
-
     def _batch(
-        self, kernel: str, t: list[float], states: list[tuple[int, ArrayLike]], k: ArrayLike, size: int
-    ) -> tuple[Matrix, int]:
+        self,
+        kernel: str,
+        t: list[float],
+        states: list[tuple[int, ArrayLike]],
+        k: ArrayLike,
+        sizes: list[int],
+        check: bool,
+    ) -> list[Matrix]:
         name = f"{kernel}_batch"
         rows = [checked_rows(columns, given, name) for columns, given in states]
         count = len(rows[0])
         if any(len(given) != count for given in rows):
             raise ValueError(f"{name}: {' and '.join(str(len(given)) for given in rows)} states do not go together")
         columns_first = [np.ascontiguousarray(given.T) for given in rows]
-        result = np.empty((size, count))
-        arrays = [*columns_first, checked_vector(self.nk, self.own(k), name), result]
+        results = [np.empty((size, count)) for size in sizes]
+        arrays = [*columns_first, checked_vector(self.nk, self.own(k), name), *results]
         function: Callable[..., int] | None = getattr(self._model, name)  # a null pointer is false
         if not function:
             macro = OptionalPart.BATCHES.value
             raise CompilerError(f"{self.name}_{name} is not in this library, whose C was compiled with {macro}")
         code = function(count, *(checked_number(x, name) for x in t), *(a.ctypes.data for a in arrays))
-        return np.ascontiguousarray(result.T), code
+        if code and check:
+            raise ModelError(f"{self.name}_{name}", code)
+        return [np.ascontiguousarray(result.T) for result in results]

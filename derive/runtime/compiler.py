@@ -7,7 +7,7 @@ import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -24,6 +24,13 @@ ESSENTIAL = (WITHOUT_BATCHES, f"-D{OptionalPart.REDUCED_FORMS.value}")
 """For what calls neither batches nor forms of reduced index, as explicit integrators: compilers take half the time."""
 
 RUN_FLAGS = (*FLAGS, *ESSENTIAL)
+
+
+VECTORS = {
+    "avx512f avx512dq avx512vl": ("-mavx512f", "-mavx512dq", "-mavx512vl", "-mprefer-vector-width=512"),
+    "avx2": ("-mavx2",),
+}
+"""What a processor must have, and the options for its vectors, the widest first."""
 
 
 class CompilerError(TisserandError):
@@ -48,6 +55,29 @@ def compiler() -> list[str]:
     if installed := _installed():
         return installed
     raise CompilerError("no C compiler found: set CC, install gcc or clang, or `pip install tisserand[compiler]`")
+
+
+def vector_flags(features: Collection[str] | None = None) -> tuple[str, ...]:
+    """Compiler options for the vectors of this processor that keep the bits of FLAGS, for `derive.load(files, flags)`.
+
+    features: those of another processor, by their names in /proc/cpuinfo of Linux. Other processors than those of x86,
+    and systems without that file, have FLAGS. gcc makes fused operations of neighbouring statements in spite of
+    `-ffp-contract=off` where it looks for vectors in straight lines, and AVX-512 has such operations: it may not look.
+    """
+    available = _features() if features is None else features
+    for needed, options in VECTORS.items():
+        if all(feature in available for feature in needed.split()):
+            return (*FLAGS, "-O3", *options, "-fno-tree-slp-vectorize")
+    return FLAGS
+
+
+@cache
+def _features() -> frozenset[str]:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return frozenset()
+    return frozenset(next((line.split(":", 1)[1].split() for line in lines if line.startswith("flags")), []))
 
 
 def _installed() -> list[str]:

@@ -12,13 +12,39 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
+<<<<<<< HEAD
 #ifndef BLOCK_HASH_34085c3dad97c084
+=======
+#ifndef BLOCK_HASH_93c914c12a5e4003
+>>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
+/* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
+   and then make no vectors of it. */
+#if defined(__clang__)
+#  pragma clang diagnostic ignored "-Wpass-failed"
+#  define TISSERAND_STATES _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__) && __GNUC__ >= 8
+#  define TISSERAND_STATES _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
+#else
+#  define TISSERAND_STATES
+#endif
+
+/* INLINE: functions that are compiled anew wherever they are called, for the number of states that is given there.
+   APART: functions that are not, so that what calls them last needs no stack. */
+#if defined(__GNUC__)
+#  define TISSERAND_INLINE static inline __attribute__((always_inline, unused))
+#  define TISSERAND_APART static __attribute__((noinline))
+#else
+#  define TISSERAND_INLINE static inline
+#  define TISSERAND_APART static
+#endif
 int block_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -2843,40 +2869,205 @@ int block_jacobian(
 
 #ifndef TISSERAND_WITHOUT_BATCHES
 
-/* The rows of a block that is not full: its last state is repeated. */
-static const double *block_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
+/* The bits of a code, which are 0 for success. */
+TISSERAND_INLINE unsigned long long block_block_bits(double code)
 {
-    for (int e = 0; e < rows; e++)
-        for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
-    return to;
+    unsigned long long bits;
+    memcpy(&bits, &code, sizeof bits);
+    return bits;
 }
 
-/* The rows of a block to their places among those of all states. */
-static inline void block_block32_scatter(
-    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
+/* NaN for the states of a block that fail. */
+static void block_block_nan(int count, ptrdiff_t all, int rows, const double *codes, double *to)
 {
-    for (int e = 0; e < rows; e++) {
-        double *row = to + e * all;
-        if (count == 32) {
-            for (int b = 0; b < 32; b++) row[b] = from[e][b];
-        } else {
-            for (int b = 0; b < 32; b++) {
-                if (b < count) row[b] = from[e][b];
-            }
-        }
-    }
-}
-
-/* NaN for the states that fail, and the code of the first of them. */
-static int block_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
-{
-    int code = 0;
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
-        if (code == 0) code = (int) codes[b];
         for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
+}
+
+/* The code of the first state of a block that fails; there is one. */
+static int block_block_code(const double *codes)
+{
+    while (*codes == 0.0) codes++;
+    return (int) *codes;
+}
+
+TISSERAND_INLINE void block_mass_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M)
+{
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[7 * all + b];
+        const double alpha2 = q[8 * all + b];
+        const double alpha3 = q[9 * all + b];
+        const double alpha4 = q[10 * all + b];
+        const double alpha5 = q[11 * all + b];
+        const double alpha6 = q[12 * all + b];
+        const double alpha7 = q[13 * all + b];
+        const double alpha8 = q[14 * all + b];
+        const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+        const double S_1_12 = (-0.06983677418017273) * alpha3;
+        const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+        const double S_1_23 = (-0.4396173773693272) * alpha2;
+        const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+        const double S_2_11 = 0.8385822755284659 * alpha2;
+        const double S_2_13 = 0.17281858343053574 * alpha3;
+        const double S_2_22 = 0.1617571164547129 * alpha2;
+        const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+        const double S_2_33 = 0.9996606080168212 * alpha2;
+        const double S_3_11 = 0.9959824929644516 * alpha3;
+        const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+        const double S_3_13 = 0.17281858343053574 * alpha2;
+        const double S_3_22 = 0.7416169147200682 * alpha3;
+        const double S_3_33 = 0.26240059231547974 * alpha3;
+        const double S_4_11 = 0.8691692710140388 * alpha4;
+        const double S_4_12 = (-0.07653897132838097) * alpha7;
+        const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+        const double S_4_22 = 0.9978159483343315 * alpha4;
+        const double S_4_23 = 0.40905294172354 * alpha5;
+        const double S_4_33 = 0.13301478065162953 * alpha4;
+        const double S_5_11 = 0.7757986416100022 * alpha5;
+        const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+        const double S_5_13 = (-0.17116304786243786) * alpha7;
+        const double S_5_22 = 0.22560185358382823 * alpha5;
+        const double S_5_23 = 0.40905294172354 * alpha4;
+        const double S_5_33 = 0.9985995048061699 * alpha5;
+        const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+        const double S_6_12 = (-0.08100155107836308) * alpha5;
+        const double S_6_13 = 0.06612677259881924 * alpha4;
+        const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+        const double S_6_23 = (-0.009791878445593954) * alpha7;
+        const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+        const double S_7_11 = 0.9836361321701889 * alpha7;
+        const double S_7_12 = (-0.07653897132838097) * alpha4;
+        const double S_7_13 = (-0.17116304786243786) * alpha5;
+        const double S_7_22 = 0.7598894642705915 * alpha7;
+        const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+        const double S_7_33 = 0.2564744035592197 * alpha7;
+        const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+        const double S_8_12 = 0.05213396507997798 * alpha3;
+        const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+        const double S_8_23 = (-0.02992582521388207) * alpha2;
+        const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+        const double d3_1_1 = 0.8784787837749884 * alpha2;
+        const double d3_1_3 = (-0.14213269823254854) * alpha3;
+        const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
+        const double d3_2_2 = (-0.3434623359074803) * alpha3;
+        const double d3_3_2 = 0.3434623359074803 * alpha2;
+        const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
+        const double d3_4_1 = (-0.8146287617076164) * alpha5;
+        const double d3_4_2 = 0.13286677220194004 * alpha6;
+        const double d3_4_3 = (-0.16411826642656863) * alpha7;
+        const double d3_5_1 = 0.8146287617076164 * alpha4;
+        const double d3_5_2 = 0.3338704835108587 * alpha7;
+        const double d3_5_3 = 0.17320212202534865 * alpha6;
+        const double d3_6_1 = (-0.03812757101123808) * alpha7;
+        const double d3_6_2 = (-0.13286677220194004) * alpha4;
+        const double d3_6_3 = (-0.17320212202534865) * alpha5;
+        const double d3_7_1 = 0.03812757101123808 * alpha6;
+        const double d3_7_2 = (-0.3338704835108587) * alpha5;
+        const double d3_7_3 = 0.16411826642656863 * alpha4;
+        const double d3_8_1 = 0.06014933573656158 * alpha2;
+        const double d3_8_3 = 0.10707341325868729 * alpha3;
+        const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+            + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8;
+        const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+            + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+        const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+            + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+        const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+            + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8;
+        const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+            + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+            + S_8_33 * alpha8;
+        M[b] = 6.48;
+        M[all + b] = 6.48;
+        M[2 * all + b] = 6.48;
+        M[3 * all + b] = J_11;
+        M[4 * all + b] = J_12;
+        M[5 * all + b] = J_13;
+        M[6 * all + b] = d3_1_1;
+        M[7 * all + b] = d3_2_1;
+        M[8 * all + b] = d3_4_1;
+        M[9 * all + b] = d3_5_1;
+        M[10 * all + b] = d3_6_1;
+        M[11 * all + b] = d3_7_1;
+        M[12 * all + b] = d3_8_1;
+        M[13 * all + b] = J_22;
+        M[14 * all + b] = J_23;
+        M[15 * all + b] = d3_2_2;
+        M[16 * all + b] = d3_3_2;
+        M[17 * all + b] = d3_4_2;
+        M[18 * all + b] = d3_5_2;
+        M[19 * all + b] = d3_6_2;
+        M[20 * all + b] = d3_7_2;
+        M[21 * all + b] = J_33;
+        M[22 * all + b] = d3_1_3;
+        M[23 * all + b] = d3_3_3;
+        M[24 * all + b] = d3_4_3;
+        M[25 * all + b] = d3_5_3;
+        M[26 * all + b] = d3_6_3;
+        M[27 * all + b] = d3_7_3;
+        M[28 * all + b] = d3_8_3;
+        M[29 * all + b] = 1.0;
+        M[30 * all + b] = 1.0;
+        M[31 * all + b] = 1.0;
+        M[32 * all + b] = 1.0;
+        M[33 * all + b] = 1.0;
+        M[34 * all + b] = 1.0;
+        M[35 * all + b] = 1.0;
+        M[36 * all + b] = 1.0;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_mass_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    double q_b[480], M_b[1184];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    code = block_mass_batch(count, q_b, k, M_b);
+    for (int e = 0; e < 37; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
     return code;
+}
+
+TISSERAND_APART int block_mass_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        block_mass_copied(32, all, q, k, M);
+        q += 32; M += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        block_mass_states(8, all, q, k, M);
+        q += 8; M += 8;
+    }
+    for (; left > 0; left--) {
+        block_mass_copied(1, all, q, k, M);
+        q += 1; M += 1;
+    }
+    return 0;
 }
 
 int block_mass_batch(
@@ -2885,144 +3076,228 @@ int block_mass_batch(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    (void) k;
-    double q_tail[480];
-    double M_block[37][32];
-    const ptrdiff_t all = n;
+    return n == 1 ? block_mass(q, k, M) : block_mass_blocks(n, q, k, M);
+}
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? block_block32_pad(all, count, 15, q, q_tail) : q;
-        for (int b = 0; b < 32; b++) {
-            const double alpha1 = q_block[7 * stride + b];
-            const double alpha2 = q_block[8 * stride + b];
-            const double alpha3 = q_block[9 * stride + b];
-            const double alpha4 = q_block[10 * stride + b];
-            const double alpha5 = q_block[11 * stride + b];
-            const double alpha6 = q_block[12 * stride + b];
-            const double alpha7 = q_block[13 * stride + b];
-            const double alpha8 = q_block[14 * stride + b];
-            const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
-            const double S_1_12 = (-0.06983677418017273) * alpha3;
-            const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
-            const double S_1_23 = (-0.4396173773693272) * alpha2;
-            const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
-            const double S_2_11 = 0.8385822755284659 * alpha2;
-            const double S_2_13 = 0.17281858343053574 * alpha3;
-            const double S_2_22 = 0.1617571164547129 * alpha2;
-            const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
-            const double S_2_33 = 0.9996606080168212 * alpha2;
-            const double S_3_11 = 0.9959824929644516 * alpha3;
-            const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
-            const double S_3_13 = 0.17281858343053574 * alpha2;
-            const double S_3_22 = 0.7416169147200682 * alpha3;
-            const double S_3_33 = 0.26240059231547974 * alpha3;
-            const double S_4_11 = 0.8691692710140388 * alpha4;
-            const double S_4_12 = (-0.07653897132838097) * alpha7;
-            const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
-            const double S_4_22 = 0.9978159483343315 * alpha4;
-            const double S_4_23 = 0.40905294172354 * alpha5;
-            const double S_4_33 = 0.13301478065162953 * alpha4;
-            const double S_5_11 = 0.7757986416100022 * alpha5;
-            const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
-            const double S_5_13 = (-0.17116304786243786) * alpha7;
-            const double S_5_22 = 0.22560185358382823 * alpha5;
-            const double S_5_23 = 0.40905294172354 * alpha4;
-            const double S_5_33 = 0.9985995048061699 * alpha5;
-            const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
-            const double S_6_12 = (-0.08100155107836308) * alpha5;
-            const double S_6_13 = 0.06612677259881924 * alpha4;
-            const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
-            const double S_6_23 = (-0.009791878445593954) * alpha7;
-            const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
-            const double S_7_11 = 0.9836361321701889 * alpha7;
-            const double S_7_12 = (-0.07653897132838097) * alpha4;
-            const double S_7_13 = (-0.17116304786243786) * alpha5;
-            const double S_7_22 = 0.7598894642705915 * alpha7;
-            const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
-            const double S_7_33 = 0.2564744035592197 * alpha7;
-            const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
-            const double S_8_12 = 0.05213396507997798 * alpha3;
-            const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
-            const double S_8_23 = (-0.02992582521388207) * alpha2;
-            const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
-            const double d3_1_1 = 0.8784787837749884 * alpha2;
-            const double d3_1_3 = (-0.14213269823254854) * alpha3;
-            const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
-            const double d3_2_2 = (-0.3434623359074803) * alpha3;
-            const double d3_3_2 = 0.3434623359074803 * alpha2;
-            const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
-            const double d3_4_1 = (-0.8146287617076164) * alpha5;
-            const double d3_4_2 = 0.13286677220194004 * alpha6;
-            const double d3_4_3 = (-0.16411826642656863) * alpha7;
-            const double d3_5_1 = 0.8146287617076164 * alpha4;
-            const double d3_5_2 = 0.3338704835108587 * alpha7;
-            const double d3_5_3 = 0.17320212202534865 * alpha6;
-            const double d3_6_1 = (-0.03812757101123808) * alpha7;
-            const double d3_6_2 = (-0.13286677220194004) * alpha4;
-            const double d3_6_3 = (-0.17320212202534865) * alpha5;
-            const double d3_7_1 = 0.03812757101123808 * alpha6;
-            const double d3_7_2 = (-0.3338704835108587) * alpha5;
-            const double d3_7_3 = 0.16411826642656863 * alpha4;
-            const double d3_8_1 = 0.06014933573656158 * alpha2;
-            const double d3_8_3 = 0.10707341325868729 * alpha3;
-            const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-                + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-                + S_7_11 * alpha7 + S_8_11 * alpha8;
-            const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
-                + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
-            const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
-                + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
-            const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-                + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-                + S_7_22 * alpha7 + S_8_22 * alpha8;
-            const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
-                + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
-            const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-                + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-                + S_8_33 * alpha8;
-            M_block[0][b] = 6.48;
-            M_block[1][b] = 6.48;
-            M_block[2][b] = 6.48;
-            M_block[3][b] = J_11;
-            M_block[4][b] = J_12;
-            M_block[5][b] = J_13;
-            M_block[6][b] = d3_1_1;
-            M_block[7][b] = d3_2_1;
-            M_block[8][b] = d3_4_1;
-            M_block[9][b] = d3_5_1;
-            M_block[10][b] = d3_6_1;
-            M_block[11][b] = d3_7_1;
-            M_block[12][b] = d3_8_1;
-            M_block[13][b] = J_22;
-            M_block[14][b] = J_23;
-            M_block[15][b] = d3_2_2;
-            M_block[16][b] = d3_3_2;
-            M_block[17][b] = d3_4_2;
-            M_block[18][b] = d3_5_2;
-            M_block[19][b] = d3_6_2;
-            M_block[20][b] = d3_7_2;
-            M_block[21][b] = J_33;
-            M_block[22][b] = d3_1_3;
-            M_block[23][b] = d3_3_3;
-            M_block[24][b] = d3_4_3;
-            M_block[25][b] = d3_5_3;
-            M_block[26][b] = d3_6_3;
-            M_block[27][b] = d3_7_3;
-            M_block[28][b] = d3_8_3;
-            M_block[29][b] = 1.0;
-            M_block[30][b] = 1.0;
-            M_block[31][b] = 1.0;
-            M_block[32][b] = 1.0;
-            M_block[33][b] = 1.0;
-            M_block[34][b] = 1.0;
-            M_block[35][b] = 1.0;
-            M_block[36][b] = 1.0;
-        }
-        block_block32_scatter(all, count, 37, M_block, M);
-        q += count;
-        M += count;
+TISSERAND_INLINE void block_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT h)
+{
+    (void) t;
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[7 * all + b];
+        const double alpha2 = q[8 * all + b];
+        const double alpha3 = q[9 * all + b];
+        const double alpha4 = q[10 * all + b];
+        const double alpha5 = q[11 * all + b];
+        const double alpha6 = q[12 * all + b];
+        const double alpha7 = q[13 * all + b];
+        const double alpha8 = q[14 * all + b];
+        const double omega1 = v[3 * all + b];
+        const double omega2 = v[4 * all + b];
+        const double omega3 = v[5 * all + b];
+        const double alpha1dot = v[6 * all + b];
+        const double alpha2dot = v[7 * all + b];
+        const double alpha3dot = v[8 * all + b];
+        const double alpha4dot = v[9 * all + b];
+        const double alpha5dot = v[10 * all + b];
+        const double alpha6dot = v[11 * all + b];
+        const double alpha7dot = v[12 * all + b];
+        const double alpha8dot = v[13 * all + b];
+        const double oo_11 = omega1 * omega1;
+        const double oo_12 = omega1 * omega2;
+        const double oo_13 = omega1 * omega3;
+        const double oo_22 = omega2 * omega2;
+        const double oo_23 = omega2 * omega3;
+        const double oo_33 = omega3 * omega3;
+        const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+        const double S_1_12 = (-0.06983677418017273) * alpha3;
+        const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+        const double S_1_23 = (-0.4396173773693272) * alpha2;
+        const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+        const double S_2_11 = 0.8385822755284659 * alpha2;
+        const double S_2_13 = 0.17281858343053574 * alpha3;
+        const double S_2_22 = 0.1617571164547129 * alpha2;
+        const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+        const double S_2_33 = 0.9996606080168212 * alpha2;
+        const double S_3_11 = 0.9959824929644516 * alpha3;
+        const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+        const double S_3_13 = 0.17281858343053574 * alpha2;
+        const double S_3_22 = 0.7416169147200682 * alpha3;
+        const double S_3_33 = 0.26240059231547974 * alpha3;
+        const double S_4_11 = 0.8691692710140388 * alpha4;
+        const double S_4_12 = (-0.07653897132838097) * alpha7;
+        const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+        const double S_4_22 = 0.9978159483343315 * alpha4;
+        const double S_4_23 = 0.40905294172354 * alpha5;
+        const double S_4_33 = 0.13301478065162953 * alpha4;
+        const double S_5_11 = 0.7757986416100022 * alpha5;
+        const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+        const double S_5_13 = (-0.17116304786243786) * alpha7;
+        const double S_5_22 = 0.22560185358382823 * alpha5;
+        const double S_5_23 = 0.40905294172354 * alpha4;
+        const double S_5_33 = 0.9985995048061699 * alpha5;
+        const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+        const double S_6_12 = (-0.08100155107836308) * alpha5;
+        const double S_6_13 = 0.06612677259881924 * alpha4;
+        const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+        const double S_6_23 = (-0.009791878445593954) * alpha7;
+        const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+        const double S_7_11 = 0.9836361321701889 * alpha7;
+        const double S_7_12 = (-0.07653897132838097) * alpha4;
+        const double S_7_13 = (-0.17116304786243786) * alpha5;
+        const double S_7_22 = 0.7598894642705915 * alpha7;
+        const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+        const double S_7_33 = 0.2564744035592197 * alpha7;
+        const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+        const double S_8_12 = 0.05213396507997798 * alpha3;
+        const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+        const double S_8_23 = (-0.02992582521388207) * alpha2;
+        const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+        const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+            + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8;
+        const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+            + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+        const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+            + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+        const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+            + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8;
+        const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+            + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+            + S_8_33 * alpha8;
+        const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+            + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+            + alpha8dot * S_8_11;
+        const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
+            + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
+        const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
+            + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
+        const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+            + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+            + alpha8dot * S_8_22;
+        const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
+            + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
+        const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+            + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+            + alpha8dot * S_8_33;
+        const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+        const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+        const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+        const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+        const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+        const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+        const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+        const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+        const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+        const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+        const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+        const double t1 = 0.8146287617076164 * alpha4dot;
+        const double t2 = 0.03812757101123808 * alpha6dot;
+        const double t3 = 0.06014933573656158 * alpha2dot;
+        const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+            - alpha5 * t1 + alpha6 * c7dot_6_1 - alpha7 * t2 - alpha8 * t3;
+        const double t4 = 0.3434623359074803 * alpha2dot;
+        const double t5 = (-0.13286677220194004) * alpha4dot;
+        const double t6 = (-0.3338704835108587) * alpha5dot;
+        const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t4 + alpha4 * c7dot_4_2
+            + alpha5 * c7dot_5_2 - alpha6 * t5 - alpha7 * t6;
+        const double t7 = (-0.17320212202534865) * alpha5dot;
+        const double t8 = 0.16411826642656863 * alpha4dot;
+        const double t9 = 0.10707341325868729 * alpha3dot;
+        const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+            + alpha5 * c7dot_5_3 - alpha6 * t7 - alpha7 * t8 - alpha8 * t9;
+        h[b] = 0.0;
+        h[all + b] = 0.0;
+        h[2 * all + b] = 0.0;
+        const double t10 = 2.0 * omega1;
+        const double t11 = 2.0 * omega2;
+        const double t12 = 2.0 * omega3;
+        h[3 * all + b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
+            + t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
+            - omega3 * d3dot_2;
+        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t10 * Sdot_12 + t11 * Sdot_22
+            + t12 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+            - omega1 * d3dot_3;
+        h[5 * all + b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
+            + t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+            - omega2 * d3dot_1;
+        h[6 * all + b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
+            - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t10 * c7dot_1_1
+            - t12 * c7dot_1_3;
+        h[7 * all + b] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
+            - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t10 * c7dot_2_1
+            - t11 * c7dot_2_2;
+        h[8 * all + b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
+            - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
+        h[9 * all + b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
+            - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33
+            - t10 * c7dot_4_1 - t11 * c7dot_4_2 - t12 * c7dot_4_3;
+        h[10 * all + b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
+            - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t10 * t1
+            - t11 * c7dot_5_2 - t12 * c7dot_5_3;
+        h[11 * all + b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
+            - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
+            - t10 * c7dot_6_1 + t11 * t5 + t12 * t7;
+        h[12 * all + b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
+            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t10 * t2
+            + t11 * t6 + t12 * t8;
+        h[13 * all + b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
+            - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    double q_b[480], v_b[448], h_b[448];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = block_force_batch(count, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int block_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        block_force_copied(32, all, t, q, v, k, h);
+        q += 32; v += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        block_force_states(8, all, t, q, v, k, h);
+        q += 8; v += 8; h += 8;
+    }
+    for (; left > 0; left--) {
+        block_force_copied(1, all, t, q, v, k, h);
+        q += 1; v += 1; h += 1;
     }
     return 0;
 }
@@ -3035,187 +3310,628 @@ int block_force_batch(
     const double *TISSERAND_RESTRICT k,
     double *h)
 {
+    return n == 1 ? block_force(t, q, v, k, h) : block_force_blocks(n, t, q, v, k, h);
+}
+
+TISSERAND_INLINE void block_mass_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M,
+    double *TISSERAND_RESTRICT h)
+{
     (void) t;
     (void) k;
-    double q_tail[480], v_tail[448];
-    double h_block[14][32];
-    const ptrdiff_t all = n;
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? block_block32_pad(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? block_block32_pad(all, count, 14, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double alpha1 = q_block[7 * stride + b];
-            const double alpha2 = q_block[8 * stride + b];
-            const double alpha3 = q_block[9 * stride + b];
-            const double alpha4 = q_block[10 * stride + b];
-            const double alpha5 = q_block[11 * stride + b];
-            const double alpha6 = q_block[12 * stride + b];
-            const double alpha7 = q_block[13 * stride + b];
-            const double alpha8 = q_block[14 * stride + b];
-            const double omega1 = v_block[3 * stride + b];
-            const double omega2 = v_block[4 * stride + b];
-            const double omega3 = v_block[5 * stride + b];
-            const double alpha1dot = v_block[6 * stride + b];
-            const double alpha2dot = v_block[7 * stride + b];
-            const double alpha3dot = v_block[8 * stride + b];
-            const double alpha4dot = v_block[9 * stride + b];
-            const double alpha5dot = v_block[10 * stride + b];
-            const double alpha6dot = v_block[11 * stride + b];
-            const double alpha7dot = v_block[12 * stride + b];
-            const double alpha8dot = v_block[13 * stride + b];
-            const double oo_11 = omega1 * omega1;
-            const double oo_12 = omega1 * omega2;
-            const double oo_13 = omega1 * omega3;
-            const double oo_22 = omega2 * omega2;
-            const double oo_23 = omega2 * omega3;
-            const double oo_33 = omega3 * omega3;
-            const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
-            const double S_1_12 = (-0.06983677418017273) * alpha3;
-            const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
-            const double S_1_23 = (-0.4396173773693272) * alpha2;
-            const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
-            const double S_2_11 = 0.8385822755284659 * alpha2;
-            const double S_2_13 = 0.17281858343053574 * alpha3;
-            const double S_2_22 = 0.1617571164547129 * alpha2;
-            const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
-            const double S_2_33 = 0.9996606080168212 * alpha2;
-            const double S_3_11 = 0.9959824929644516 * alpha3;
-            const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
-            const double S_3_13 = 0.17281858343053574 * alpha2;
-            const double S_3_22 = 0.7416169147200682 * alpha3;
-            const double S_3_33 = 0.26240059231547974 * alpha3;
-            const double S_4_11 = 0.8691692710140388 * alpha4;
-            const double S_4_12 = (-0.07653897132838097) * alpha7;
-            const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
-            const double S_4_22 = 0.9978159483343315 * alpha4;
-            const double S_4_23 = 0.40905294172354 * alpha5;
-            const double S_4_33 = 0.13301478065162953 * alpha4;
-            const double S_5_11 = 0.7757986416100022 * alpha5;
-            const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
-            const double S_5_13 = (-0.17116304786243786) * alpha7;
-            const double S_5_22 = 0.22560185358382823 * alpha5;
-            const double S_5_23 = 0.40905294172354 * alpha4;
-            const double S_5_33 = 0.9985995048061699 * alpha5;
-            const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
-            const double S_6_12 = (-0.08100155107836308) * alpha5;
-            const double S_6_13 = 0.06612677259881924 * alpha4;
-            const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
-            const double S_6_23 = (-0.009791878445593954) * alpha7;
-            const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
-            const double S_7_11 = 0.9836361321701889 * alpha7;
-            const double S_7_12 = (-0.07653897132838097) * alpha4;
-            const double S_7_13 = (-0.17116304786243786) * alpha5;
-            const double S_7_22 = 0.7598894642705915 * alpha7;
-            const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
-            const double S_7_33 = 0.2564744035592197 * alpha7;
-            const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
-            const double S_8_12 = 0.05213396507997798 * alpha3;
-            const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
-            const double S_8_23 = (-0.02992582521388207) * alpha2;
-            const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
-            const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-                + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-                + S_7_11 * alpha7 + S_8_11 * alpha8;
-            const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
-                + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
-            const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
-                + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
-            const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-                + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-                + S_7_22 * alpha7 + S_8_22 * alpha8;
-            const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
-                + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
-            const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-                + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-                + S_8_33 * alpha8;
-            const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
-                + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
-                + alpha8dot * S_8_11;
-            const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
-                + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
-            const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
-                + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
-            const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
-                + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
-                + alpha8dot * S_8_22;
-            const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
-                + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
-            const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
-                + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
-                + alpha8dot * S_8_33;
-            const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
-            const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
-            const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
-            const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
-            const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
-            const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
-            const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
-            const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
-            const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
-            const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
-            const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
-            const double t1 = 0.8146287617076164 * alpha4dot;
-            const double t2 = 0.03812757101123808 * alpha6dot;
-            const double t3 = 0.06014933573656158 * alpha2dot;
-            const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
-                - alpha5 * t1 + alpha6 * c7dot_6_1 - alpha7 * t2 - alpha8 * t3;
-            const double t4 = 0.3434623359074803 * alpha2dot;
-            const double t5 = (-0.13286677220194004) * alpha4dot;
-            const double t6 = (-0.3338704835108587) * alpha5dot;
-            const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t4 + alpha4 * c7dot_4_2
-                + alpha5 * c7dot_5_2 - alpha6 * t5 - alpha7 * t6;
-            const double t7 = (-0.17320212202534865) * alpha5dot;
-            const double t8 = 0.16411826642656863 * alpha4dot;
-            const double t9 = 0.10707341325868729 * alpha3dot;
-            const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
-                + alpha5 * c7dot_5_3 - alpha6 * t7 - alpha7 * t8 - alpha8 * t9;
-            h_block[0][b] = 0.0;
-            h_block[1][b] = 0.0;
-            h_block[2][b] = 0.0;
-            const double t10 = 2.0 * omega1;
-            const double t11 = 2.0 * omega2;
-            const double t12 = 2.0 * omega3;
-            h_block[3][b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
-                + t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-                - omega3 * d3dot_2;
-            h_block[4][b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t10 * Sdot_12 + t11 * Sdot_22
-                + t12 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-                - omega1 * d3dot_3;
-            h_block[5][b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
-                + t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-                - omega2 * d3dot_1;
-            h_block[6][b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
-                - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t10 * c7dot_1_1
-                - t12 * c7dot_1_3;
-            h_block[7][b] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
-                - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t10 * c7dot_2_1
-                - t11 * c7dot_2_2;
-            h_block[8][b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
-                - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
-            h_block[9][b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
-                - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33
-                - t10 * c7dot_4_1 - t11 * c7dot_4_2 - t12 * c7dot_4_3;
-            h_block[10][b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
-                - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t10 * t1
-                - t11 * c7dot_5_2 - t12 * c7dot_5_3;
-            h_block[11][b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
-                - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-                - t10 * c7dot_6_1 + t11 * t5 + t12 * t7;
-            h_block[12][b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-                - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t10 * t2
-                + t11 * t6 + t12 * t8;
-            h_block[13][b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
-                - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
-        }
-        block_block32_scatter(all, count, 14, h_block, h);
-        q += count;
-        v += count;
-        h += count;
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[7 * all + b];
+        const double alpha2 = q[8 * all + b];
+        const double alpha3 = q[9 * all + b];
+        const double alpha4 = q[10 * all + b];
+        const double alpha5 = q[11 * all + b];
+        const double alpha6 = q[12 * all + b];
+        const double alpha7 = q[13 * all + b];
+        const double alpha8 = q[14 * all + b];
+        const double omega1 = v[3 * all + b];
+        const double omega2 = v[4 * all + b];
+        const double omega3 = v[5 * all + b];
+        const double alpha1dot = v[6 * all + b];
+        const double alpha2dot = v[7 * all + b];
+        const double alpha3dot = v[8 * all + b];
+        const double alpha4dot = v[9 * all + b];
+        const double alpha5dot = v[10 * all + b];
+        const double alpha6dot = v[11 * all + b];
+        const double alpha7dot = v[12 * all + b];
+        const double alpha8dot = v[13 * all + b];
+        const double oo_11 = omega1 * omega1;
+        const double oo_12 = omega1 * omega2;
+        const double oo_13 = omega1 * omega3;
+        const double oo_22 = omega2 * omega2;
+        const double oo_23 = omega2 * omega3;
+        const double oo_33 = omega3 * omega3;
+        const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+        const double S_1_12 = (-0.06983677418017273) * alpha3;
+        const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+        const double S_1_23 = (-0.4396173773693272) * alpha2;
+        const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+        const double S_2_11 = 0.8385822755284659 * alpha2;
+        const double S_2_13 = 0.17281858343053574 * alpha3;
+        const double S_2_22 = 0.1617571164547129 * alpha2;
+        const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+        const double S_2_33 = 0.9996606080168212 * alpha2;
+        const double S_3_11 = 0.9959824929644516 * alpha3;
+        const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+        const double S_3_13 = 0.17281858343053574 * alpha2;
+        const double S_3_22 = 0.7416169147200682 * alpha3;
+        const double S_3_33 = 0.26240059231547974 * alpha3;
+        const double S_4_11 = 0.8691692710140388 * alpha4;
+        const double S_4_12 = (-0.07653897132838097) * alpha7;
+        const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+        const double S_4_22 = 0.9978159483343315 * alpha4;
+        const double S_4_23 = 0.40905294172354 * alpha5;
+        const double S_4_33 = 0.13301478065162953 * alpha4;
+        const double S_5_11 = 0.7757986416100022 * alpha5;
+        const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+        const double S_5_13 = (-0.17116304786243786) * alpha7;
+        const double S_5_22 = 0.22560185358382823 * alpha5;
+        const double S_5_23 = 0.40905294172354 * alpha4;
+        const double S_5_33 = 0.9985995048061699 * alpha5;
+        const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+        const double S_6_12 = (-0.08100155107836308) * alpha5;
+        const double S_6_13 = 0.06612677259881924 * alpha4;
+        const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+        const double S_6_23 = (-0.009791878445593954) * alpha7;
+        const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+        const double S_7_11 = 0.9836361321701889 * alpha7;
+        const double S_7_12 = (-0.07653897132838097) * alpha4;
+        const double S_7_13 = (-0.17116304786243786) * alpha5;
+        const double S_7_22 = 0.7598894642705915 * alpha7;
+        const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+        const double S_7_33 = 0.2564744035592197 * alpha7;
+        const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+        const double S_8_12 = 0.05213396507997798 * alpha3;
+        const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+        const double S_8_23 = (-0.02992582521388207) * alpha2;
+        const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+        const double t1 = 2.0 * omega1;
+        const double t2 = 0.06014933573656158 * alpha2dot;
+        const double t3 = 2.0 * omega3;
+        const double t4 = 0.10707341325868729 * alpha3dot;
+        h[13 * all + b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
+            - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t1 * t2 + t3 * t4;
+        M[36 * all + b] = 1.0;
+        const double t5 = 0.03812757101123808 * alpha6dot;
+        const double t6 = 2.0 * omega2;
+        const double t7 = (-0.3338704835108587) * alpha5dot;
+        const double t8 = 0.16411826642656863 * alpha4dot;
+        h[12 * all + b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
+            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t1 * t5
+            + t6 * t7 + t3 * t8;
+        M[35 * all + b] = 1.0;
+        const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+        const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+        const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+        const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+        const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+        const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+        const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+        const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+        const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+        const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+        const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+        const double t9 = (-0.13286677220194004) * alpha4dot;
+        const double t10 = (-0.17320212202534865) * alpha5dot;
+        h[11 * all + b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
+            - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
+            - t1 * c7dot_6_1 + t6 * t9 + t3 * t10;
+        M[34 * all + b] = 1.0;
+        const double t11 = 0.8146287617076164 * alpha4dot;
+        h[10 * all + b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
+            - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t1 * t11
+            - t6 * c7dot_5_2 - t3 * c7dot_5_3;
+        M[33 * all + b] = 1.0;
+        h[9 * all + b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
+            - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33
+            - t1 * c7dot_4_1 - t6 * c7dot_4_2 - t3 * c7dot_4_3;
+        M[32 * all + b] = 1.0;
+        const double t12 = 0.3434623359074803 * alpha2dot;
+        h[8 * all + b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
+            - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t6 * t12 - t3 * c7dot_3_3;
+        M[31 * all + b] = 1.0;
+        h[7 * all + b] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
+            - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t1 * c7dot_2_1 - t6 * c7dot_2_2;
+        M[30 * all + b] = 1.0;
+        h[6 * all + b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
+            - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t1 * c7dot_1_1 - t3 * c7dot_1_3;
+        M[29 * all + b] = 1.0;
+        const double d3_1_1 = 0.8784787837749884 * alpha2;
+        const double d3_1_3 = (-0.14213269823254854) * alpha3;
+        const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
+        const double d3_2_2 = (-0.3434623359074803) * alpha3;
+        const double d3_3_2 = 0.3434623359074803 * alpha2;
+        const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
+        const double d3_4_1 = (-0.8146287617076164) * alpha5;
+        const double d3_4_2 = 0.13286677220194004 * alpha6;
+        const double d3_4_3 = (-0.16411826642656863) * alpha7;
+        const double d3_5_1 = 0.8146287617076164 * alpha4;
+        const double d3_5_2 = 0.3338704835108587 * alpha7;
+        const double d3_5_3 = 0.17320212202534865 * alpha6;
+        const double d3_6_1 = (-0.03812757101123808) * alpha7;
+        const double d3_6_2 = (-0.13286677220194004) * alpha4;
+        const double d3_6_3 = (-0.17320212202534865) * alpha5;
+        const double d3_7_1 = 0.03812757101123808 * alpha6;
+        const double d3_7_2 = (-0.3338704835108587) * alpha5;
+        const double d3_7_3 = 0.16411826642656863 * alpha4;
+        const double d3_8_1 = 0.06014933573656158 * alpha2;
+        const double d3_8_3 = 0.10707341325868729 * alpha3;
+        const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+            + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8;
+        const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+            + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+        const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+            + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+        const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+            + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8;
+        const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+            + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+            + S_8_33 * alpha8;
+        const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+            + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+            + alpha8dot * S_8_11;
+        const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
+            + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
+        const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
+            + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
+        const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+            + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+            + alpha8dot * S_8_22;
+        const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
+            + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
+        const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+            + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+            + alpha8dot * S_8_33;
+        const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+            - alpha5 * t11 + alpha6 * c7dot_6_1 - alpha7 * t5 - alpha8 * t2;
+        const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t12 + alpha4 * c7dot_4_2
+            + alpha5 * c7dot_5_2 - alpha6 * t9 - alpha7 * t7;
+        const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+            + alpha5 * c7dot_5_3 - alpha6 * t10 - alpha7 * t8 - alpha8 * t4;
+        h[5 * all + b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23
+            + t3 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+            - omega2 * d3dot_1;
+        M[21 * all + b] = J_33;
+        M[22 * all + b] = d3_1_3;
+        M[23 * all + b] = d3_3_3;
+        M[24 * all + b] = d3_4_3;
+        M[25 * all + b] = d3_5_3;
+        M[26 * all + b] = d3_6_3;
+        M[27 * all + b] = d3_7_3;
+        M[28 * all + b] = d3_8_3;
+        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * Sdot_12 + t6 * Sdot_22
+            + t3 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+            - omega1 * d3dot_3;
+        M[13 * all + b] = J_22;
+        M[14 * all + b] = J_23;
+        M[15 * all + b] = d3_2_2;
+        M[16 * all + b] = d3_3_2;
+        M[17 * all + b] = d3_4_2;
+        M[18 * all + b] = d3_5_2;
+        M[19 * all + b] = d3_6_2;
+        M[20 * all + b] = d3_7_2;
+        h[3 * all + b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12
+            + t3 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
+            - omega3 * d3dot_2;
+        M[3 * all + b] = J_11;
+        M[4 * all + b] = J_12;
+        M[5 * all + b] = J_13;
+        M[6 * all + b] = d3_1_1;
+        M[7 * all + b] = d3_2_1;
+        M[8 * all + b] = d3_4_1;
+        M[9 * all + b] = d3_5_1;
+        M[10 * all + b] = d3_6_1;
+        M[11 * all + b] = d3_7_1;
+        M[12 * all + b] = d3_8_1;
+        h[2 * all + b] = 0.0;
+        M[2 * all + b] = 6.48;
+        h[all + b] = 0.0;
+        M[all + b] = 6.48;
+        h[b] = 0.0;
+        M[b] = 6.48;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_mass_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    double q_b[480], v_b[448], M_b[1184], h_b[448];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = block_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 37; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int block_mass_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    for (; n % 64 == 0 && left > 0; left -= 32) {
+        block_mass_force_copied(32, all, t, q, v, k, M, h);
+        q += 32; v += 32; M += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        block_mass_force_states(8, all, t, q, v, k, M, h);
+        q += 8; v += 8; M += 8; h += 8;
+    }
+    for (; left > 0; left--) {
+        block_mass_force_copied(1, all, t, q, v, k, M, h);
+        q += 1; v += 1; M += 1; h += 1;
     }
     return 0;
+}
+
+int block_mass_force_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    return n == 1 ? block_mass_force(t, q, v, k, M, h) : block_mass_force_blocks(n, t, q, v, k, M, h);
+}
+
+TISSERAND_INLINE int block_accel_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT vdot)
+{
+    (void) t;
+    (void) k;
+    double codes[8];
+    unsigned long long failures = 0;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[7 * all + b];
+        const double alpha2 = q[8 * all + b];
+        const double alpha3 = q[9 * all + b];
+        const double alpha4 = q[10 * all + b];
+        const double alpha5 = q[11 * all + b];
+        const double alpha6 = q[12 * all + b];
+        const double alpha7 = q[13 * all + b];
+        const double alpha8 = q[14 * all + b];
+        const double omega1 = v[3 * all + b];
+        const double omega2 = v[4 * all + b];
+        const double omega3 = v[5 * all + b];
+        const double alpha1dot = v[6 * all + b];
+        const double alpha2dot = v[7 * all + b];
+        const double alpha3dot = v[8 * all + b];
+        const double alpha4dot = v[9 * all + b];
+        const double alpha5dot = v[10 * all + b];
+        const double alpha6dot = v[11 * all + b];
+        const double alpha7dot = v[12 * all + b];
+        const double alpha8dot = v[13 * all + b];
+        const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+        const double S_1_12 = (-0.06983677418017273) * alpha3;
+        const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+        const double S_1_23 = (-0.4396173773693272) * alpha2;
+        const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+        const double S_2_11 = 0.8385822755284659 * alpha2;
+        const double S_2_13 = 0.17281858343053574 * alpha3;
+        const double S_2_22 = 0.1617571164547129 * alpha2;
+        const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+        const double S_2_33 = 0.9996606080168212 * alpha2;
+        const double S_3_11 = 0.9959824929644516 * alpha3;
+        const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+        const double S_3_13 = 0.17281858343053574 * alpha2;
+        const double S_3_22 = 0.7416169147200682 * alpha3;
+        const double S_3_33 = 0.26240059231547974 * alpha3;
+        const double S_4_11 = 0.8691692710140388 * alpha4;
+        const double S_4_12 = (-0.07653897132838097) * alpha7;
+        const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+        const double S_4_22 = 0.9978159483343315 * alpha4;
+        const double S_4_23 = 0.40905294172354 * alpha5;
+        const double S_4_33 = 0.13301478065162953 * alpha4;
+        const double S_5_11 = 0.7757986416100022 * alpha5;
+        const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+        const double S_5_13 = (-0.17116304786243786) * alpha7;
+        const double S_5_22 = 0.22560185358382823 * alpha5;
+        const double S_5_23 = 0.40905294172354 * alpha4;
+        const double S_5_33 = 0.9985995048061699 * alpha5;
+        const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+        const double S_6_12 = (-0.08100155107836308) * alpha5;
+        const double S_6_13 = 0.06612677259881924 * alpha4;
+        const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+        const double S_6_23 = (-0.009791878445593954) * alpha7;
+        const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+        const double S_7_11 = 0.9836361321701889 * alpha7;
+        const double S_7_12 = (-0.07653897132838097) * alpha4;
+        const double S_7_13 = (-0.17116304786243786) * alpha5;
+        const double S_7_22 = 0.7598894642705915 * alpha7;
+        const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+        const double S_7_33 = 0.2564744035592197 * alpha7;
+        const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+        const double S_8_12 = 0.05213396507997798 * alpha3;
+        const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+        const double S_8_23 = (-0.02992582521388207) * alpha2;
+        const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+        const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
+        const double d3_3_2 = 0.3434623359074803 * alpha2;
+        const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
+        const double d3_5_1 = 0.8146287617076164 * alpha4;
+        const double d3_6_2 = (-0.13286677220194004) * alpha4;
+        const double d3_6_3 = (-0.17320212202534865) * alpha5;
+        const double d3_7_1 = 0.03812757101123808 * alpha6;
+        const double d3_7_2 = (-0.3338704835108587) * alpha5;
+        const double d3_7_3 = 0.16411826642656863 * alpha4;
+        const double d3_8_1 = 0.06014933573656158 * alpha2;
+        const double d3_8_3 = 0.10707341325868729 * alpha3;
+        const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+            + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8;
+        const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+            + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+        const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+            + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+        const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+            + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8;
+        const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+            + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+            + S_8_33 * alpha8;
+        const double t1 = (-0.8784787837749884) * alpha2;
+        const double pivot_pi1 = J_11 - d3_8_1 * d3_8_1 - t1 * t1 - d3_2_1 * d3_2_1 - d3_7_1 * d3_7_1;
+        const double t2 = 0.3434623359074803 * alpha3;
+        const double t3 = J_12 + t2 * d3_2_1 - d3_7_2 * d3_7_1;
+        const double inverse_pivot_pi1 = 1.0 / pivot_pi1;
+        const double t4 = t3 * inverse_pivot_pi1;
+        const double pivot_pi2 = J_22 - t2 * t2 - d3_3_2 * d3_3_2 - d3_7_2 * d3_7_2 - t4 * t3;
+        const double t5 = 0.8146287617076164 * alpha5;
+        const double t6 = t5 * inverse_pivot_pi1;
+        const double t7 = t6 * t3 - (-0.13286677220194004) * alpha6;
+        const double inverse_pivot_pi2 = 1.0 / pivot_pi2;
+        const double t8 = t7 * inverse_pivot_pi2;
+        const double pivot_alpha4 = 1.0 - t6 * t5 - t8 * t7;
+        const double t9 = d3_5_1 * inverse_pivot_pi1;
+        const double t10 = (-0.3338704835108587) * alpha7 + t9 * t3;
+        const double t11 = t10 * inverse_pivot_pi2;
+        const double t12 = t9 * t5 + t11 * t7;
+        const double inverse_pivot_alpha4 = 1.0 / pivot_alpha4;
+        const double t13 = t12 * inverse_pivot_alpha4;
+        const double pivot_alpha5 = 1.0 - t9 * d3_5_1 - t11 * t10 - t13 * t12;
+        const double t14 = 0.03812757101123808 * alpha7;
+        const double t15 = t14 * inverse_pivot_pi1;
+        const double t16 = d3_6_2 + t15 * t3;
+        const double t17 = t16 * inverse_pivot_pi2;
+        const double t18 = t15 * t5 + t17 * t7;
+        const double t19 = t18 * inverse_pivot_alpha4;
+        const double t20 = t15 * d3_5_1 + t17 * t10 + t19 * t12;
+        const double inverse_pivot_alpha5 = 1.0 / pivot_alpha5;
+        const double t21 = t20 * inverse_pivot_alpha5;
+        const double pivot_alpha6 = 1.0 - t15 * t14 - t17 * t16 - t19 * t18 - t21 * t20;
+        const double t22 = 0.14213269823254854 * alpha3;
+        const double t23 = J_13 - d3_8_3 * d3_8_1 - t22 * t1 - d3_7_3 * d3_7_1;
+        const double t24 = t23 * inverse_pivot_pi1;
+        const double t25 = J_23 - d3_3_3 * d3_3_2 - d3_7_3 * d3_7_2 - t24 * t3;
+        const double t26 = t25 * inverse_pivot_pi2;
+        const double t27 = t24 * t5 - 0.16411826642656863 * alpha7 - t26 * t7;
+        const double t28 = t27 * inverse_pivot_alpha4;
+        const double t29 = t26 * t10 - ((-0.17320212202534865) * alpha6 + t24 * d3_5_1) - t28 * t12;
+        const double t30 = t29 * inverse_pivot_alpha5;
+        const double t31 = d3_6_3 + t24 * t14 - t26 * t16 + t28 * t18 - t30 * t20;
+        const double inverse_pivot_alpha6 = 1.0 / pivot_alpha6;
+        const double t32 = t31 * inverse_pivot_alpha6;
+        const double pivot_pi3 = J_33 - d3_8_3 * d3_8_3 - t22 * t22 - d3_3_3 * d3_3_3 - d3_7_3 * d3_7_3
+            - t24 * t23 - t26 * t25 - t28 * t27 - t30 * t29 - t32 * t31;
+        const double oo_11 = omega1 * omega1;
+        const double oo_12 = omega1 * omega2;
+        const double oo_13 = omega1 * omega3;
+        const double oo_22 = omega2 * omega2;
+        const double oo_23 = omega2 * omega3;
+        const double oo_33 = omega3 * omega3;
+        const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+            + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+            + alpha8dot * S_8_11;
+        const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
+            + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
+        const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
+            + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
+        const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+            + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+            + alpha8dot * S_8_22;
+        const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
+            + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
+        const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+            + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+            + alpha8dot * S_8_33;
+        const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+        const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+        const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+        const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+        const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+        const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+        const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+        const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+        const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+        const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+        const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+        const double t33 = 0.8146287617076164 * alpha4dot;
+        const double t34 = 0.03812757101123808 * alpha6dot;
+        const double t35 = 0.06014933573656158 * alpha2dot;
+        const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+            - alpha5 * t33 + alpha6 * c7dot_6_1 - alpha7 * t34 - alpha8 * t35;
+        const double t36 = 0.3434623359074803 * alpha2dot;
+        const double t37 = (-0.13286677220194004) * alpha4dot;
+        const double t38 = (-0.3338704835108587) * alpha5dot;
+        const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t36 + alpha4 * c7dot_4_2
+            + alpha5 * c7dot_5_2 - alpha6 * t37 - alpha7 * t38;
+        const double t39 = (-0.17320212202534865) * alpha5dot;
+        const double t40 = 0.16411826642656863 * alpha4dot;
+        const double t41 = 0.10707341325868729 * alpha3dot;
+        const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+            + alpha5 * c7dot_5_3 - alpha6 * t39 - alpha7 * t40 - alpha8 * t41;
+        vdot[b] = 0.0;
+        vdot[all + b] = 0.0;
+        vdot[2 * all + b] = 0.0;
+        const double t42 = 2.0 * omega1;
+        const double t43 = 2.0 * omega3;
+        const double t44 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
+            - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t42 * t35 + t43 * t41;
+        const double t45 = 2.0 * omega2;
+        const double t46 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
+            - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t42 * c7dot_1_1
+            - t43 * c7dot_1_3;
+        const double t47 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
+            - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t42 * c7dot_2_1
+            - t45 * c7dot_2_2;
+        const double t48 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
+            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t42 * t34
+            + t45 * t38 + t43 * t40;
+        const double t49 = d3_8_1 * t44 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t42 * Sdot_11
+            + t45 * Sdot_12 + t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
+            - J_23 * oo_33 - omega3 * d3dot_2) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48;
+        const double t50 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
+            - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t45 * t36 - t43 * c7dot_3_3;
+        const double t51 = d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t42 * Sdot_12
+            + t45 * Sdot_22 + t43 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12
+            - J_33 * oo_13 - omega1 * d3dot_3 + t2 * t47) + d3_7_2 * t48 - t4 * t49;
+        const double t52 = t6 * t49 - (828661201.2040272 * alpha4 - S_4_11 * oo_11
+            - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23
+            - S_4_33 * oo_33 - t42 * c7dot_4_1 - t45 * c7dot_4_2 - t43 * c7dot_4_3) - t8 * t51;
+        const double t53 = t11 * t51 - (1482944676.1858206 * alpha5 - S_5_11 * oo_11
+            - 2.0 * S_5_12 * oo_12 - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23
+            - S_5_33 * oo_33 + t42 * t33 - t45 * c7dot_5_2 - t43 * c7dot_5_3 + t9 * t49) - t13 * t52;
+        const double t54 = t15 * t49 - (1586764292.5824752 * alpha6 - S_6_11 * oo_11
+            - 2.0 * S_6_12 * oo_12 - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23
+            - S_6_33 * oo_33 - t42 * c7dot_6_1 + t45 * t37 + t43 * t39) - t17 * t51 + t19 * t52
+            - t21 * t53;
+        const double t55 = (d3_8_3 * t44 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t42 * Sdot_13
+            + t45 * Sdot_23 + t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22
+            - J_13 * oo_23 - omega2 * d3dot_1) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49
+            - t26 * t51 - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3;
+        const double t56 = t54 * inverse_pivot_alpha6 - t32 * t55;
+        const double t57 = t53 * inverse_pivot_alpha5 - t21 * t56 - t30 * t55;
+        const double t58 = t52 * inverse_pivot_alpha4 - t13 * t57 + t19 * t56 - t28 * t55;
+        const double t59 = t51 * inverse_pivot_pi2 - t8 * t58 + t11 * t57 - t17 * t56 - t26 * t55;
+        const double t60 = t49 * inverse_pivot_pi1 - t4 * t59 + t6 * t58 - t9 * t57 + t15 * t56
+            - t24 * t55;
+        vdot[3 * all + b] = t60;
+        vdot[4 * all + b] = t59;
+        vdot[5 * all + b] = t55;
+        const double t61 = t1 * t60 - t46 + t22 * t55;
+        vdot[6 * all + b] = t61;
+        const double t62 = t2 * t59 - (t47 + d3_2_1 * t60);
+        vdot[7 * all + b] = t62;
+        const double t63 = t50 + d3_3_2 * t59 + d3_3_3 * t55;
+        vdot[8 * all + b] = -t63;
+        vdot[9 * all + b] = t58;
+        vdot[10 * all + b] = t57;
+        vdot[11 * all + b] = t56;
+        const double t64 = t48 + d3_7_1 * t60 + d3_7_2 * t59 + d3_7_3 * t55;
+        vdot[12 * all + b] = -t64;
+        const double t65 = t44 + d3_8_1 * t60 + d3_8_3 * t55;
+        vdot[13 * all + b] = -t65;
+        double code = 0.0;
+        const double finite = t60 + t59 + (t55 + (t61 + t62)) + (t58 + t57 - t63 + (t56 - (t64 + t65)));
+        code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
+        code = pivot_pi3
+            - 5.684341886080802e-14 * J_33 > 0.0 ? code : 1.0; /* the pivot of pi3 vanished */
+        code = pivot_alpha6
+            - 5.684341886080802e-14 > 0.0 ? code : 1.0; /* the pivot of alpha6 vanished */
+        code = pivot_alpha5
+            - 5.684341886080802e-14 > 0.0 ? code : 1.0; /* the pivot of alpha5 vanished */
+        code = pivot_alpha4
+            - 5.684341886080802e-14 > 0.0 ? code : 1.0; /* the pivot of alpha4 vanished */
+        code = pivot_pi2
+            - 5.684341886080802e-14 * J_22 > 0.0 ? code : 1.0; /* the pivot of pi2 vanished */
+        code = pivot_pi1
+            - 5.684341886080802e-14 * J_11 > 0.0 ? code : 1.0; /* the pivot of pi1 vanished */
+        codes[b] = code;
+        failures |= block_block_bits(code);
+    }
+    if (!failures) return 0;
+    block_block_nan(count, all, 14, codes, vdot);
+    return block_block_code(codes);
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_accel_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[480], v_b[448], vdot_b[448];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = block_accel_batch(count, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int block_accel_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    const ptrdiff_t all = n;
+    int left = n, code = 0;
+
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        const int failed = block_accel_copied(32, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 32; v += 32; vdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        const int failed = block_accel_states(8, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 8; v += 8; vdot += 8;
+    }
+    for (; left > 0; left--) {
+        const int failed = block_accel_copied(1, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 1; v += 1; vdot += 1;
+    }
+    return code;
 }
 
 int block_accel_batch(
@@ -3226,286 +3942,548 @@ int block_accel_batch(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-    (void) t;
-    (void) k;
-    double q_tail[480], v_tail[448];
-    double codes[32];
-    double vdot_block[14][32];
-    const ptrdiff_t all = n;
-    int code = 0;
+    if (n == 1) {
+        const int code = block_accel(t, q, v, k, vdot);
+for (int e = 0; code && e < 14; e++) vdot[e] = (double) NAN;
+        return code;
+    }
+    return block_accel_blocks(n, t, q, v, k, vdot);
+}
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? block_block32_pad(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? block_block32_pad(all, count, 14, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double alpha1 = q_block[7 * stride + b];
-            const double alpha2 = q_block[8 * stride + b];
-            const double alpha3 = q_block[9 * stride + b];
-            const double alpha4 = q_block[10 * stride + b];
-            const double alpha5 = q_block[11 * stride + b];
-            const double alpha6 = q_block[12 * stride + b];
-            const double alpha7 = q_block[13 * stride + b];
-            const double alpha8 = q_block[14 * stride + b];
-            const double omega1 = v_block[3 * stride + b];
-            const double omega2 = v_block[4 * stride + b];
-            const double omega3 = v_block[5 * stride + b];
-            const double alpha1dot = v_block[6 * stride + b];
-            const double alpha2dot = v_block[7 * stride + b];
-            const double alpha3dot = v_block[8 * stride + b];
-            const double alpha4dot = v_block[9 * stride + b];
-            const double alpha5dot = v_block[10 * stride + b];
-            const double alpha6dot = v_block[11 * stride + b];
-            const double alpha7dot = v_block[12 * stride + b];
-            const double alpha8dot = v_block[13 * stride + b];
-            const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
-            const double S_1_12 = (-0.06983677418017273) * alpha3;
-            const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
-            const double S_1_23 = (-0.4396173773693272) * alpha2;
-            const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
-            const double S_2_11 = 0.8385822755284659 * alpha2;
-            const double S_2_13 = 0.17281858343053574 * alpha3;
-            const double S_2_22 = 0.1617571164547129 * alpha2;
-            const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
-            const double S_2_33 = 0.9996606080168212 * alpha2;
-            const double S_3_11 = 0.9959824929644516 * alpha3;
-            const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
-            const double S_3_13 = 0.17281858343053574 * alpha2;
-            const double S_3_22 = 0.7416169147200682 * alpha3;
-            const double S_3_33 = 0.26240059231547974 * alpha3;
-            const double S_4_11 = 0.8691692710140388 * alpha4;
-            const double S_4_12 = (-0.07653897132838097) * alpha7;
-            const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
-            const double S_4_22 = 0.9978159483343315 * alpha4;
-            const double S_4_23 = 0.40905294172354 * alpha5;
-            const double S_4_33 = 0.13301478065162953 * alpha4;
-            const double S_5_11 = 0.7757986416100022 * alpha5;
-            const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
-            const double S_5_13 = (-0.17116304786243786) * alpha7;
-            const double S_5_22 = 0.22560185358382823 * alpha5;
-            const double S_5_23 = 0.40905294172354 * alpha4;
-            const double S_5_33 = 0.9985995048061699 * alpha5;
-            const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
-            const double S_6_12 = (-0.08100155107836308) * alpha5;
-            const double S_6_13 = 0.06612677259881924 * alpha4;
-            const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
-            const double S_6_23 = (-0.009791878445593954) * alpha7;
-            const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
-            const double S_7_11 = 0.9836361321701889 * alpha7;
-            const double S_7_12 = (-0.07653897132838097) * alpha4;
-            const double S_7_13 = (-0.17116304786243786) * alpha5;
-            const double S_7_22 = 0.7598894642705915 * alpha7;
-            const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
-            const double S_7_33 = 0.2564744035592197 * alpha7;
-            const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
-            const double S_8_12 = 0.05213396507997798 * alpha3;
-            const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
-            const double S_8_23 = (-0.02992582521388207) * alpha2;
-            const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
-            const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
-            const double d3_3_2 = 0.3434623359074803 * alpha2;
-            const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
-            const double d3_5_1 = 0.8146287617076164 * alpha4;
-            const double d3_6_2 = (-0.13286677220194004) * alpha4;
-            const double d3_6_3 = (-0.17320212202534865) * alpha5;
-            const double d3_7_1 = 0.03812757101123808 * alpha6;
-            const double d3_7_2 = (-0.3338704835108587) * alpha5;
-            const double d3_7_3 = 0.16411826642656863 * alpha4;
-            const double d3_8_1 = 0.06014933573656158 * alpha2;
-            const double d3_8_3 = 0.10707341325868729 * alpha3;
-            const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-                + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-                + S_7_11 * alpha7 + S_8_11 * alpha8;
-            const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
-                + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
-            const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
-                + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
-            const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-                + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-                + S_7_22 * alpha7 + S_8_22 * alpha8;
-            const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
-                + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
-            const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-                + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-                + S_8_33 * alpha8;
-            const double t1 = (-0.8784787837749884) * alpha2;
-            const double pivot_pi1 = J_11 - d3_8_1 * d3_8_1 - t1 * t1 - d3_2_1 * d3_2_1 - d3_7_1 * d3_7_1;
-            const double t2 = 0.3434623359074803 * alpha3;
-            const double t3 = J_12 + t2 * d3_2_1 - d3_7_2 * d3_7_1;
-            const double inverse_pivot_pi1 = 1.0 / pivot_pi1;
-            const double t4 = t3 * inverse_pivot_pi1;
-            const double pivot_pi2 = J_22 - t2 * t2 - d3_3_2 * d3_3_2 - d3_7_2 * d3_7_2 - t4 * t3;
-            const double t5 = 0.8146287617076164 * alpha5;
-            const double t6 = t5 * inverse_pivot_pi1;
-            const double t7 = t6 * t3 - (-0.13286677220194004) * alpha6;
-            const double inverse_pivot_pi2 = 1.0 / pivot_pi2;
-            const double t8 = t7 * inverse_pivot_pi2;
-            const double pivot_alpha4 = 1.0 - t6 * t5 - t8 * t7;
-            const double t9 = d3_5_1 * inverse_pivot_pi1;
-            const double t10 = (-0.3338704835108587) * alpha7 + t9 * t3;
-            const double t11 = t10 * inverse_pivot_pi2;
-            const double t12 = t9 * t5 + t11 * t7;
-            const double inverse_pivot_alpha4 = 1.0 / pivot_alpha4;
-            const double t13 = t12 * inverse_pivot_alpha4;
-            const double pivot_alpha5 = 1.0 - t9 * d3_5_1 - t11 * t10 - t13 * t12;
-            const double t14 = 0.03812757101123808 * alpha7;
-            const double t15 = t14 * inverse_pivot_pi1;
-            const double t16 = d3_6_2 + t15 * t3;
-            const double t17 = t16 * inverse_pivot_pi2;
-            const double t18 = t15 * t5 + t17 * t7;
-            const double t19 = t18 * inverse_pivot_alpha4;
-            const double t20 = t15 * d3_5_1 + t17 * t10 + t19 * t12;
-            const double inverse_pivot_alpha5 = 1.0 / pivot_alpha5;
-            const double t21 = t20 * inverse_pivot_alpha5;
-            const double pivot_alpha6 = 1.0 - t15 * t14 - t17 * t16 - t19 * t18 - t21 * t20;
-            const double t22 = 0.14213269823254854 * alpha3;
-            const double t23 = J_13 - d3_8_3 * d3_8_1 - t22 * t1 - d3_7_3 * d3_7_1;
-            const double t24 = t23 * inverse_pivot_pi1;
-            const double t25 = J_23 - d3_3_3 * d3_3_2 - d3_7_3 * d3_7_2 - t24 * t3;
-            const double t26 = t25 * inverse_pivot_pi2;
-            const double t27 = t24 * t5 - 0.16411826642656863 * alpha7 - t26 * t7;
-            const double t28 = t27 * inverse_pivot_alpha4;
-            const double t29 = t26 * t10 - ((-0.17320212202534865) * alpha6 + t24 * d3_5_1) - t28 * t12;
-            const double t30 = t29 * inverse_pivot_alpha5;
-            const double t31 = d3_6_3 + t24 * t14 - t26 * t16 + t28 * t18 - t30 * t20;
-            const double inverse_pivot_alpha6 = 1.0 / pivot_alpha6;
-            const double t32 = t31 * inverse_pivot_alpha6;
-            const double pivot_pi3 = J_33 - d3_8_3 * d3_8_3 - t22 * t22 - d3_3_3 * d3_3_3 - d3_7_3 * d3_7_3
-                - t24 * t23 - t26 * t25 - t28 * t27 - t30 * t29 - t32 * t31;
-            const double oo_11 = omega1 * omega1;
-            const double oo_12 = omega1 * omega2;
-            const double oo_13 = omega1 * omega3;
-            const double oo_22 = omega2 * omega2;
-            const double oo_23 = omega2 * omega3;
-            const double oo_33 = omega3 * omega3;
-            const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
-                + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
-                + alpha8dot * S_8_11;
-            const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
-                + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
-            const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
-                + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
-            const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
-                + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
-                + alpha8dot * S_8_22;
-            const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
-                + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
-            const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
-                + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
-                + alpha8dot * S_8_33;
-            const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
-            const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
-            const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
-            const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
-            const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
-            const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
-            const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
-            const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
-            const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
-            const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
-            const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
-            const double t33 = 0.8146287617076164 * alpha4dot;
-            const double t34 = 0.03812757101123808 * alpha6dot;
-            const double t35 = 0.06014933573656158 * alpha2dot;
-            const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
-                - alpha5 * t33 + alpha6 * c7dot_6_1 - alpha7 * t34 - alpha8 * t35;
-            const double t36 = 0.3434623359074803 * alpha2dot;
-            const double t37 = (-0.13286677220194004) * alpha4dot;
-            const double t38 = (-0.3338704835108587) * alpha5dot;
-            const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t36 + alpha4 * c7dot_4_2
-                + alpha5 * c7dot_5_2 - alpha6 * t37 - alpha7 * t38;
-            const double t39 = (-0.17320212202534865) * alpha5dot;
-            const double t40 = 0.16411826642656863 * alpha4dot;
-            const double t41 = 0.10707341325868729 * alpha3dot;
-            const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
-                + alpha5 * c7dot_5_3 - alpha6 * t39 - alpha7 * t40 - alpha8 * t41;
-            vdot_block[0][b] = 0.0;
-            vdot_block[1][b] = 0.0;
-            vdot_block[2][b] = 0.0;
-            const double t42 = 2.0 * omega1;
-            const double t43 = 2.0 * omega3;
-            const double t44 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
-                - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t42 * t35 + t43 * t41;
-            const double t45 = 2.0 * omega2;
-            const double t46 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
-                - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t42 * c7dot_1_1
-                - t43 * c7dot_1_3;
-            const double t47 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
-                - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t42 * c7dot_2_1
-                - t45 * c7dot_2_2;
-            const double t48 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-                - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t42 * t34
-                + t45 * t38 + t43 * t40;
-            const double t49 = d3_8_1 * t44 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t42 * Sdot_11
-                + t45 * Sdot_12 + t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
-                - J_23 * oo_33 - omega3 * d3dot_2) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48;
-            const double t50 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
-                - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t45 * t36 - t43 * c7dot_3_3;
-            const double t51 = d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t42 * Sdot_12
-                + t45 * Sdot_22 + t43 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12
-                - J_33 * oo_13 - omega1 * d3dot_3 + t2 * t47) + d3_7_2 * t48 - t4 * t49;
-            const double t52 = t6 * t49 - (828661201.2040272 * alpha4 - S_4_11 * oo_11
-                - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23
-                - S_4_33 * oo_33 - t42 * c7dot_4_1 - t45 * c7dot_4_2 - t43 * c7dot_4_3) - t8 * t51;
-            const double t53 = t11 * t51 - (1482944676.1858206 * alpha5 - S_5_11 * oo_11
-                - 2.0 * S_5_12 * oo_12 - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23
-                - S_5_33 * oo_33 + t42 * t33 - t45 * c7dot_5_2 - t43 * c7dot_5_3 + t9 * t49) - t13 * t52;
-            const double t54 = t15 * t49 - (1586764292.5824752 * alpha6 - S_6_11 * oo_11
-                - 2.0 * S_6_12 * oo_12 - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23
-                - S_6_33 * oo_33 - t42 * c7dot_6_1 + t45 * t37 + t43 * t39) - t17 * t51 + t19 * t52
-                - t21 * t53;
-            const double t55 = (d3_8_3 * t44 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t42 * Sdot_13
-                + t45 * Sdot_23 + t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22
-                - J_13 * oo_23 - omega2 * d3dot_1) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49
-                - t26 * t51 - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3;
-            const double t56 = t54 * inverse_pivot_alpha6 - t32 * t55;
-            const double t57 = t53 * inverse_pivot_alpha5 - t21 * t56 - t30 * t55;
-            const double t58 = t52 * inverse_pivot_alpha4 - t13 * t57 + t19 * t56 - t28 * t55;
-            const double t59 = t51 * inverse_pivot_pi2 - t8 * t58 + t11 * t57 - t17 * t56 - t26 * t55;
-            const double t60 = t49 * inverse_pivot_pi1 - t4 * t59 + t6 * t58 - t9 * t57 + t15 * t56
-                - t24 * t55;
-            vdot_block[3][b] = t60;
-            vdot_block[4][b] = t59;
-            vdot_block[5][b] = t55;
-            const double t61 = t1 * t60 - t46 + t22 * t55;
-            vdot_block[6][b] = t61;
-            const double t62 = t2 * t59 - (t47 + d3_2_1 * t60);
-            vdot_block[7][b] = t62;
-            const double t63 = t50 + d3_3_2 * t59 + d3_3_3 * t55;
-            vdot_block[8][b] = -t63;
-            vdot_block[9][b] = t58;
-            vdot_block[10][b] = t57;
-            vdot_block[11][b] = t56;
-            const double t64 = t48 + d3_7_1 * t60 + d3_7_2 * t59 + d3_7_3 * t55;
-            vdot_block[12][b] = -t64;
-            const double t65 = t44 + d3_8_1 * t60 + d3_8_3 * t55;
-            vdot_block[13][b] = -t65;
-            double code_b = 0.0;
-            const double finite = t60 + t59 + (t55 + (t61 + t62)) + (t58 + t57 - t63 + (t56 - (t64 + t65)));
-            code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
-            code_b = pivot_pi3
-                - 5.684341886080802e-14 * J_33 > 0.0 ? code_b : 1.0; /* the pivot of pi3 vanished */
-            code_b = pivot_alpha6
-                - 5.684341886080802e-14 > 0.0 ? code_b : 1.0; /* the pivot of alpha6 vanished */
-            code_b = pivot_alpha5
-                - 5.684341886080802e-14 > 0.0 ? code_b : 1.0; /* the pivot of alpha5 vanished */
-            code_b = pivot_alpha4
-                - 5.684341886080802e-14 > 0.0 ? code_b : 1.0; /* the pivot of alpha4 vanished */
-            code_b = pivot_pi2
-                - 5.684341886080802e-14 * J_22 > 0.0 ? code_b : 1.0; /* the pivot of pi2 vanished */
-            code_b = pivot_pi1
-                - 5.684341886080802e-14 * J_11 > 0.0 ? code_b : 1.0; /* the pivot of pi1 vanished */
-            codes[b] = code_b;
-        }
-        block_block32_scatter(all, count, 14, vdot_block, vdot);
-        const int failed = block_block_fail(all, count, 14, codes, vdot);
+TISSERAND_INLINE void block_energy_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT energy)
+{
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[7 * all + b];
+        const double alpha2 = q[8 * all + b];
+        const double alpha3 = q[9 * all + b];
+        const double alpha4 = q[10 * all + b];
+        const double alpha5 = q[11 * all + b];
+        const double alpha6 = q[12 * all + b];
+        const double alpha7 = q[13 * all + b];
+        const double alpha8 = q[14 * all + b];
+        const double c1dot = v[b];
+        const double c2dot = v[all + b];
+        const double c3dot = v[2 * all + b];
+        const double omega1 = v[3 * all + b];
+        const double omega2 = v[4 * all + b];
+        const double omega3 = v[5 * all + b];
+        const double alpha1dot = v[6 * all + b];
+        const double alpha2dot = v[7 * all + b];
+        const double alpha3dot = v[8 * all + b];
+        const double alpha4dot = v[9 * all + b];
+        const double alpha5dot = v[10 * all + b];
+        const double alpha6dot = v[11 * all + b];
+        const double alpha7dot = v[12 * all + b];
+        const double alpha8dot = v[13 * all + b];
+        const double oo_11 = omega1 * omega1;
+        const double oo_12 = omega1 * omega2;
+        const double oo_13 = omega1 * omega3;
+        const double oo_22 = omega2 * omega2;
+        const double oo_23 = omega2 * omega3;
+        const double oo_33 = omega3 * omega3;
+        const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+        const double S_1_12 = (-0.06983677418017273) * alpha3;
+        const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+        const double S_1_23 = (-0.4396173773693272) * alpha2;
+        const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+        const double S_2_11 = 0.8385822755284659 * alpha2;
+        const double S_2_13 = 0.17281858343053574 * alpha3;
+        const double S_2_22 = 0.1617571164547129 * alpha2;
+        const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+        const double S_2_33 = 0.9996606080168212 * alpha2;
+        const double S_3_11 = 0.9959824929644516 * alpha3;
+        const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+        const double S_3_13 = 0.17281858343053574 * alpha2;
+        const double S_3_22 = 0.7416169147200682 * alpha3;
+        const double S_3_33 = 0.26240059231547974 * alpha3;
+        const double S_4_11 = 0.8691692710140388 * alpha4;
+        const double S_4_12 = (-0.07653897132838097) * alpha7;
+        const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+        const double S_4_22 = 0.9978159483343315 * alpha4;
+        const double S_4_23 = 0.40905294172354 * alpha5;
+        const double S_4_33 = 0.13301478065162953 * alpha4;
+        const double S_5_11 = 0.7757986416100022 * alpha5;
+        const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+        const double S_5_13 = (-0.17116304786243786) * alpha7;
+        const double S_5_22 = 0.22560185358382823 * alpha5;
+        const double S_5_23 = 0.40905294172354 * alpha4;
+        const double S_5_33 = 0.9985995048061699 * alpha5;
+        const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+        const double S_6_12 = (-0.08100155107836308) * alpha5;
+        const double S_6_13 = 0.06612677259881924 * alpha4;
+        const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+        const double S_6_23 = (-0.009791878445593954) * alpha7;
+        const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+        const double S_7_11 = 0.9836361321701889 * alpha7;
+        const double S_7_12 = (-0.07653897132838097) * alpha4;
+        const double S_7_13 = (-0.17116304786243786) * alpha5;
+        const double S_7_22 = 0.7598894642705915 * alpha7;
+        const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+        const double S_7_33 = 0.2564744035592197 * alpha7;
+        const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+        const double S_8_12 = 0.05213396507997798 * alpha3;
+        const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+        const double S_8_23 = (-0.02992582521388207) * alpha2;
+        const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+        const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+            + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8;
+        const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+            + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+        const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+            + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+        const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+            + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8;
+        const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+            + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+            + S_8_33 * alpha8;
+        const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+        const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+        const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+        const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+        const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+        const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+        const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+        const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+        const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+        const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+        const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+        const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+            - alpha5 * (0.8146287617076164 * alpha4dot) + alpha6 * c7dot_6_1
+            - alpha7 * (0.03812757101123808 * alpha6dot) - alpha8 * (0.06014933573656158 * alpha2dot);
+        const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * (0.3434623359074803 * alpha2dot)
+            + alpha4 * c7dot_4_2 + alpha5 * c7dot_5_2 - alpha6 * ((-0.13286677220194004) * alpha4dot)
+            - alpha7 * ((-0.3338704835108587) * alpha5dot);
+        const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+            + alpha5 * c7dot_5_3 - alpha6 * ((-0.17320212202534865) * alpha5dot)
+            - alpha7 * (0.16411826642656863 * alpha4dot) - alpha8 * (0.10707341325868729 * alpha3dot);
+        energy[b] = 0.5 * (oo_11 * J_11 + oo_22 * J_22 + oo_33 * J_33 + alpha1dot * alpha1dot
+            + alpha2dot * alpha2dot + alpha3dot * alpha3dot + alpha4dot * alpha4dot
+            + alpha5dot * alpha5dot + alpha6dot * alpha6dot + alpha7dot * alpha7dot
+            + alpha8dot * alpha8dot + 6.48 * (c1dot * c1dot) + 6.48 * (c2dot * c2dot)
+            + 6.48 * (c3dot * c3dot) + 2.0 * omega1 * d3dot_1 + 2.0 * omega2 * d3dot_2
+            + 2.0 * omega3 * d3dot_3 + 2.0 * oo_12 * J_12 + 2.0 * oo_13 * J_13 + 2.0 * oo_23 * J_23);
+        energy[all + b] = 0.5 * (132785871.23214255 * alpha1 * alpha1
+            + 298337711.7011645 * alpha2 * alpha2 + 424127787.13520163 * alpha3 * alpha3
+            + 828661201.2040272 * alpha4 * alpha4 + 1482944676.1858206 * alpha5 * alpha5
+            + 1586764292.5824752 * alpha6 * alpha6 + 1703959547.9391162 * alpha7 * alpha7
+            + 2561832557.220976 * alpha8 * alpha8);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_energy_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    double q_b[480], v_b[448], energy_b[64];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = block_energy_batch(count, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int block_energy_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        block_energy_copied(32, all, q, v, k, energy);
+        q += 32; v += 32; energy += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        block_energy_states(8, all, q, v, k, energy);
+        q += 8; v += 8; energy += 8;
+    }
+    for (; left > 0; left--) {
+        block_energy_copied(1, all, q, v, k, energy);
+        q += 1; v += 1; energy += 1;
+    }
+    return 0;
+}
+
+int block_energy_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    return n == 1 ? block_energy(q, v, k, energy) : block_energy_blocks(n, q, v, k, energy);
+}
+
+TISSERAND_INLINE int block_momentum_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT momentum)
+{
+    (void) k;
+    double codes[8];
+    unsigned long long failures = 0;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double c1 = q[b];
+        const double c2 = q[all + b];
+        const double c3 = q[2 * all + b];
+        const double e0 = q[3 * all + b];
+        const double e1 = q[4 * all + b];
+        const double e2 = q[5 * all + b];
+        const double e3 = q[6 * all + b];
+        const double alpha1 = q[7 * all + b];
+        const double alpha2 = q[8 * all + b];
+        const double alpha3 = q[9 * all + b];
+        const double alpha4 = q[10 * all + b];
+        const double alpha5 = q[11 * all + b];
+        const double alpha6 = q[12 * all + b];
+        const double alpha7 = q[13 * all + b];
+        const double alpha8 = q[14 * all + b];
+        const double c1dot = v[b];
+        const double c2dot = v[all + b];
+        const double c3dot = v[2 * all + b];
+        const double omega1 = v[3 * all + b];
+        const double omega2 = v[4 * all + b];
+        const double omega3 = v[5 * all + b];
+        const double alpha1dot = v[6 * all + b];
+        const double alpha2dot = v[7 * all + b];
+        const double alpha3dot = v[8 * all + b];
+        const double alpha4dot = v[9 * all + b];
+        const double alpha5dot = v[10 * all + b];
+        const double alpha6dot = v[11 * all + b];
+        const double alpha7dot = v[12 * all + b];
+        const double alpha8dot = v[13 * all + b];
+        const double t1 = e0 * e0;
+        const double t2 = e1 * e1;
+        const double t3 = e2 * e2;
+        const double t4 = e3 * e3;
+        const double Q_11 = t1 + t2 - t3 - t4;
+        const double t5 = 2.0 * e1;
+        const double t6 = t5 * e2;
+        const double t7 = 2.0 * e0;
+        const double t8 = t7 * e3;
+        const double Q_12 = t6 - t8;
+        const double t9 = t7 * e2;
+        const double t10 = t5 * e3;
+        const double Q_13 = t9 + t10;
+        const double Q_21 = t8 + t6;
+        const double Q_22 = t1 + t3 - t2 - t4;
+        const double t11 = 2.0 * e2 * e3;
+        const double t12 = t7 * e1;
+        const double Q_23 = t11 - t12;
+        const double Q_31 = t10 - t9;
+        const double Q_32 = t12 + t11;
+        const double Q_33 = t1 + t4 - t2 - t3;
+        const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+        const double S_1_12 = (-0.06983677418017273) * alpha3;
+        const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+        const double S_1_23 = (-0.4396173773693272) * alpha2;
+        const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+        const double S_2_11 = 0.8385822755284659 * alpha2;
+        const double S_2_13 = 0.17281858343053574 * alpha3;
+        const double S_2_22 = 0.1617571164547129 * alpha2;
+        const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+        const double S_2_33 = 0.9996606080168212 * alpha2;
+        const double S_3_11 = 0.9959824929644516 * alpha3;
+        const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+        const double S_3_13 = 0.17281858343053574 * alpha2;
+        const double S_3_22 = 0.7416169147200682 * alpha3;
+        const double S_3_33 = 0.26240059231547974 * alpha3;
+        const double S_4_11 = 0.8691692710140388 * alpha4;
+        const double S_4_12 = (-0.07653897132838097) * alpha7;
+        const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+        const double S_4_22 = 0.9978159483343315 * alpha4;
+        const double S_4_23 = 0.40905294172354 * alpha5;
+        const double S_4_33 = 0.13301478065162953 * alpha4;
+        const double S_5_11 = 0.7757986416100022 * alpha5;
+        const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+        const double S_5_13 = (-0.17116304786243786) * alpha7;
+        const double S_5_22 = 0.22560185358382823 * alpha5;
+        const double S_5_23 = 0.40905294172354 * alpha4;
+        const double S_5_33 = 0.9985995048061699 * alpha5;
+        const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+        const double S_6_12 = (-0.08100155107836308) * alpha5;
+        const double S_6_13 = 0.06612677259881924 * alpha4;
+        const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+        const double S_6_23 = (-0.009791878445593954) * alpha7;
+        const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+        const double S_7_11 = 0.9836361321701889 * alpha7;
+        const double S_7_12 = (-0.07653897132838097) * alpha4;
+        const double S_7_13 = (-0.17116304786243786) * alpha5;
+        const double S_7_22 = 0.7598894642705915 * alpha7;
+        const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+        const double S_7_33 = 0.2564744035592197 * alpha7;
+        const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+        const double S_8_12 = 0.05213396507997798 * alpha3;
+        const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+        const double S_8_23 = (-0.02992582521388207) * alpha2;
+        const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+        const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+            + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8;
+        const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+            + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+        const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+            + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+        const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+            + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8;
+        const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+            + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+            + S_8_33 * alpha8;
+        const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+        const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+        const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+        const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+        const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+        const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+        const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+        const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+        const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+        const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+        const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+        const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+            - alpha5 * (0.8146287617076164 * alpha4dot) + alpha6 * c7dot_6_1
+            - alpha7 * (0.03812757101123808 * alpha6dot) - alpha8 * (0.06014933573656158 * alpha2dot);
+        const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * (0.3434623359074803 * alpha2dot)
+            + alpha4 * c7dot_4_2 + alpha5 * c7dot_5_2 - alpha6 * ((-0.13286677220194004) * alpha4dot)
+            - alpha7 * ((-0.3338704835108587) * alpha5dot);
+        const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+            + alpha5 * c7dot_5_3 - alpha6 * ((-0.17320212202534865) * alpha5dot)
+            - alpha7 * (0.16411826642656863 * alpha4dot) - alpha8 * (0.10707341325868729 * alpha3dot);
+        momentum[b] = 6.48 * c1dot;
+        momentum[all + b] = 6.48 * c2dot;
+        momentum[2 * all + b] = 6.48 * c3dot;
+        const double t13 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+        const double t14 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+        const double t15 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+        momentum[3 * all + b] = t13 * Q_11 + t14 * Q_12 + t15 * Q_13 + 6.48 * (c3dot * c2)
+            - 6.48 * (c2dot * c3);
+        momentum[4 * all + b] = t13 * Q_21 + t14 * Q_22 + t15 * Q_23 + 6.48 * (c1dot * c3)
+            - 6.48 * (c3dot * c1);
+        momentum[5 * all + b] = t13 * Q_31 + t14 * Q_32 + t15 * Q_33 + 6.48 * (c2dot * c1)
+            - 6.48 * (c1dot * c2);
+        double code = 0.0;
+        code = e0 * e0 + e1 * e1 + e2 * e2
+            + e3 * e3 > 0.0 ? code : 2.0; /* the quaternion is zero or NaN */
+        codes[b] = code;
+        failures |= block_block_bits(code);
+    }
+    if (!failures) return 0;
+    block_block_nan(count, all, 6, codes, momentum);
+    return block_block_code(codes);
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_momentum_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    double q_b[480], v_b[448], momentum_b[192];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = block_momentum_batch(count, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int block_momentum_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    const ptrdiff_t all = n;
+    int left = n, code = 0;
+
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        const int failed = block_momentum_copied(32, all, q, v, k, momentum);
         if (code == 0) code = failed;
-        q += count;
-        v += count;
-        vdot += count;
+        q += 32; v += 32; momentum += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        const int failed = block_momentum_states(8, all, q, v, k, momentum);
+        if (code == 0) code = failed;
+        q += 8; v += 8; momentum += 8;
+    }
+    for (; left > 0; left--) {
+        const int failed = block_momentum_copied(1, all, q, v, k, momentum);
+        if (code == 0) code = failed;
+        q += 1; v += 1; momentum += 1;
     }
     return code;
+}
+
+int block_momentum_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    if (n == 1) {
+        const int code = block_momentum(q, v, k, momentum);
+for (int e = 0; code && e < 6; e++) momentum[e] = (double) NAN;
+        return code;
+    }
+    return block_momentum_blocks(n, q, v, k, momentum);
+}
+
+TISSERAND_INLINE int block_rates_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT qdot)
+{
+    (void) k;
+    double codes[8];
+    unsigned long long failures = 0;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double e0 = q[3 * all + b];
+        const double e1 = q[4 * all + b];
+        const double e2 = q[5 * all + b];
+        const double e3 = q[6 * all + b];
+        const double c1dot = v[b];
+        const double c2dot = v[all + b];
+        const double c3dot = v[2 * all + b];
+        const double omega1 = v[3 * all + b];
+        const double omega2 = v[4 * all + b];
+        const double omega3 = v[5 * all + b];
+        const double alpha1dot = v[6 * all + b];
+        const double alpha2dot = v[7 * all + b];
+        const double alpha3dot = v[8 * all + b];
+        const double alpha4dot = v[9 * all + b];
+        const double alpha5dot = v[10 * all + b];
+        const double alpha6dot = v[11 * all + b];
+        const double alpha7dot = v[12 * all + b];
+        const double alpha8dot = v[13 * all + b];
+        qdot[b] = c1dot;
+        qdot[all + b] = c2dot;
+        qdot[2 * all + b] = c3dot;
+        const double t1 = 0.5 * omega1;
+        const double t2 = 0.5 * omega2;
+        const double t3 = 0.5 * omega3;
+        qdot[3 * all + b] = -(t1 * e1) - t2 * e2 - t3 * e3;
+        qdot[4 * all + b] = t1 * e0 + t3 * e2 - t2 * e3;
+        qdot[5 * all + b] = t2 * e0 + t1 * e3 - t3 * e1;
+        qdot[6 * all + b] = t3 * e0 + t2 * e1 - t1 * e2;
+        qdot[7 * all + b] = alpha1dot;
+        qdot[8 * all + b] = alpha2dot;
+        qdot[9 * all + b] = alpha3dot;
+        qdot[10 * all + b] = alpha4dot;
+        qdot[11 * all + b] = alpha5dot;
+        qdot[12 * all + b] = alpha6dot;
+        qdot[13 * all + b] = alpha7dot;
+        qdot[14 * all + b] = alpha8dot;
+        double code = 0.0;
+        code = e0 * e0 + e1 * e1 + e2 * e2
+            + e3 * e3 > 0.0 ? code : 2.0; /* the quaternion is zero or NaN */
+        codes[b] = code;
+        failures |= block_block_bits(code);
+    }
+    if (!failures) return 0;
+    block_block_nan(count, all, 15, codes, qdot);
+    return block_block_code(codes);
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_rates_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    double q_b[480], v_b[448], qdot_b[480];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = block_rates_batch(count, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int block_rates_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    const ptrdiff_t all = n;
+    int left = n, code = 0;
+
+    if (n == 8) {
+        const int failed = block_rates_states(8, 8, q, v, k, qdot);
+        if (code == 0) code = failed;
+        return code;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        const int failed = block_rates_copied(32, all, q, v, k, qdot);
+        if (code == 0) code = failed;
+        q += 32; v += 32; qdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        const int failed = block_rates_states(8, all, q, v, k, qdot);
+        if (code == 0) code = failed;
+        q += 8; v += 8; qdot += 8;
+    }
+    if (left > 0) {
+        const int failed = block_rates_states(left, all, q, v, k, qdot);
+        if (code == 0) code = failed;
+    }
+    return code;
+}
+
+int block_rates_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    if (n == 1) {
+        const int code = block_rates(q, v, k, qdot);
+for (int e = 0; code && e < 15; e++) qdot[e] = (double) NAN;
+        return code;
+    }
+    return block_rates_blocks(n, q, v, k, qdot);
 }
 
 #endif
@@ -3656,7 +4634,7 @@ static const tisserand_marker block_table_markers[] = {
 };
 
 static const tisserand_model block_descriptor = {
-    7,
+    8,
     "block",
     BLOCK_HASH,
     BLOCK_NQ,
@@ -3693,8 +4671,16 @@ static const tisserand_model block_descriptor = {
 #ifndef TISSERAND_WITHOUT_BATCHES
     block_mass_batch,
     block_force_batch,
+    block_mass_force_batch,
     block_accel_batch,
+    block_energy_batch,
+    block_momentum_batch,
+    block_rates_batch,
 #else
+    0,
+    0,
+    0,
+    0,
     0,
     0,
     0,

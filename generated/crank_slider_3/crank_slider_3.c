@@ -13,13 +13,107 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef CRANK_SLIDER_3_HASH_fb7a5cc2f64d2625
+#ifndef CRANK_SLIDER_3_HASH_eb37c19afc664ddd
 #  error "crank_slider_3.h and crank_slider_3.c are of different builds; run tisserand build again"
 #endif
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
+/* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
+   and then make no vectors of it. */
+#if defined(__clang__)
+#  pragma clang diagnostic ignored "-Wpass-failed"
+#  define TISSERAND_STATES _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__) && __GNUC__ >= 8
+#  define TISSERAND_STATES _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
+#else
+#  define TISSERAND_STATES
+#endif
+
+/* INLINE: functions that are compiled anew wherever they are called, for the number of states that is given there.
+   APART: functions that are not, so that what calls them last needs no stack. */
+#if defined(__GNUC__)
+#  define TISSERAND_INLINE static inline __attribute__((always_inline, unused))
+#  define TISSERAND_APART static __attribute__((noinline))
+#else
+#  define TISSERAND_INLINE static inline
+#  define TISSERAND_APART static
+#endif
+
+/* ---- sine and cosine: the same operations for one state and for the states of a batch, so that their bits are equal ----
+
+   |x| <= 1e5: x - n pi/2, where pi/2 is the sum of three numbers (Cody and Waite); the first two have so few digits that
+   their products with n are exact. Then polynomials of minimax error on [-pi/4, pi/4]. The error is below 0.9 units in the
+   last place (0.5 is the least that rounding leaves). Other numbers, and NaN, are left to the C library, and so is everything
+   where compilers may reorder sums or compute with more digits than doubles have. */
+#ifndef TISSERAND_SINE
+#define TISSERAND_SINE
+/* The sine s and cosine c of x. The first bit of the result is set where they are those of another number: |x| > 1e5, NaN. */
+TISSERAND_INLINE unsigned long long tisserand_sine_core(double x, double *s, double *c)
+{
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || (defined(__ASSOCIATIVE_MATH__) && __ASSOCIATIVE_MATH__) \
+    || (defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD > 1))
+    *s = *c = x;
+    return ~0ull;
+#else
+    const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to an integer, which the last bits then hold */
+    const double shifted = x * 0.6366197723675814 + shift, n = shifted - shift;
+    const double left = x - n * 1.5707963267923333, middle = n * 2.5633441515839558e-12;
+    const double first = left - middle, rest = n * 1.0562999066987428e-23 - ((left - first) - middle);
+    const double r = first - rest, d = rest - (first - r); /* the reduced angle is r - d */
+    const double z = r * r, zz = z * z;
+    const double f = (-0.1666666666666663 + z * 0.00833333333332184)
+        + zz * ((-0.0001984126982935851 + z * 2.7557313538498483e-06)
+        + zz * (-2.5050734385276395e-08 + z * 1.5895432973634774e-10));
+    const double g = (0.041666666666666595 - z * 0.0013888888888873342)
+        + zz * ((2.4801587289002076e-05 - z * 2.755731421703596e-07)
+        + zz * (2.0875705395290323e-09 - z * 1.1358749181413732e-11));
+    const double half = 0.5 * z, most = 1.0 - half;
+    const double sine = r - (d - z * r * f);
+    const double cosine = most + (((1.0 - most) - half) + (zz * g + r * d));
+    unsigned long long of_x, of_s, of_c, quadrant, exchanged;
+    memcpy(&of_x, &x, sizeof of_x);
+    memcpy(&quadrant, &shifted, sizeof quadrant);
+    memcpy(&of_s, &sine, sizeof of_s);
+    memcpy(&of_c, &cosine, sizeof of_c);
+    exchanged = (of_s ^ of_c) & (0ull - (quadrant & 1));
+    of_s ^= exchanged ^ ((quadrant & 2) << 62);
+    of_c ^= exchanged ^ (((quadrant + 1) & 2) << 62);
+    memcpy(s, &of_s, sizeof of_s);
+    memcpy(c, &of_c, sizeof of_c);
+    return 0x40f86a0000000000ull - (of_x & 0x7fffffffffffffffull); /* bits of positive numbers have the order of the numbers */
+#endif
+}
+
+TISSERAND_INLINE double tisserand_sin(double x)
+{
+    double s, c;
+    return tisserand_sine_core(x, &s, &c) >> 63 ? sin(x) : s;
+}
+
+TISSERAND_INLINE double tisserand_cos(double x)
+{
+    double s, c;
+    return tisserand_sine_core(x, &s, &c) >> 63 ? cos(x) : c;
+}
+
+/* Sines s and cosines c of the angles x of some states. The first loop has no branch, so that compilers make vectors of it. */
+TISSERAND_INLINE void tisserand_sines(
+    int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
+{
+    unsigned long long outside = 0;
+    TISSERAND_STATES for (int b = 0; b < count; b++) outside |= tisserand_sine_core(x[b], s + b, c + b);
+    if (outside >> 63) {
+        for (int b = 0; b < count; b++) {
+            s[b] = tisserand_sin(x[b]);
+            c[b] = tisserand_cos(x[b]);
+        }
+    }
+}
+#endif
 int crank_slider_3_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -314,8 +408,8 @@ int crank_slider_3_accel(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
@@ -351,8 +445,8 @@ int crank_slider_3_accel(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
@@ -390,8 +484,8 @@ int crank_slider_3_accel(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
@@ -624,8 +718,8 @@ int crank_slider_3_accel(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank pin (1): crank_pin_s_1 = Q r at pin, along e1; crank_pin_s_2 = Q r at pin, along e2 */
     const double crank_pin_s_1 = (3.0 / 20.0) * crank_cos_phi;
@@ -987,9 +1081,9 @@ int crank_slider_3_marker_rod_left(
      */
     const double rod_1_left_r_2 = rod_1_alpha1 - rod_1_alpha2;
     const double rod_1_left_rdot_2 = rod_1_alpha1dot - rod_1_alpha2dot;
-    const double rod_1_cos_phi = cos(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double t1 = (-1.0 / 20.0) * rod_1_cos_phi;
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
     const double t2 = rod_1_left_r_2 * rod_1_sin_phi;
     const double rod_1_left_s_1 = t1 - t2;
     const double t3 = rod_1_left_r_2 * rod_1_cos_phi;
@@ -1037,7 +1131,7 @@ int crank_slider_3_marker_rod_middle(
      *     = Q rdot at middle, along e2
      */
     const double t1 = 0.5 * rod_2_alpha1;
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
     const double rod_2_middle_s_1 = t1 * rod_2_sin_phi;
     const double t2 = 0.5 * rod_2_alpha1dot;
     const double rod_2_middle_sdot_1 = t2 * rod_2_sin_phi;
@@ -1046,7 +1140,7 @@ int crank_slider_3_marker_rod_middle(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = rod_2_c1 + rod_2_middle_s_1;
@@ -1090,9 +1184,9 @@ int crank_slider_3_marker_rod_right(
      */
     const double rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2;
     const double rod_3_right_rdot_2 = rod_3_alpha1dot + rod_3_alpha2dot;
-    const double rod_3_cos_phi = cos(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double t1 = (1.0 / 20.0) * rod_3_cos_phi;
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
     const double t2 = rod_3_right_r_2 * rod_3_sin_phi;
     const double rod_3_right_s_1 = t1 - t2;
     const double t3 = rod_3_right_r_2 * rod_3_cos_phi;
@@ -1156,8 +1250,8 @@ int crank_slider_3_load_rod_left(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* F (10): the force in the body frame */
     const double rod_1_left_Fb_1 = F_1 * rod_1_cos_phi + F_2 * rod_1_sin_phi;
@@ -1205,8 +1299,8 @@ int crank_slider_3_load_rod_middle(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* F (10): the force in the body frame */
     const double rod_2_middle_Fb_1 = F_1 * rod_2_cos_phi + F_2 * rod_2_sin_phi;
@@ -1249,8 +1343,8 @@ int crank_slider_3_load_rod_right(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* F (10): the force in the body frame */
     const double rod_3_right_Fb_1 = F_1 * rod_3_cos_phi + F_2 * rod_3_sin_phi;
@@ -1343,8 +1437,8 @@ int crank_slider_3_constraints(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank pin (1): crank_pin_s_1 = Q r at pin, along e1; crank_pin_s_2 = Q r at pin, along e2 */
     const double crank_pin_s_1 = (3.0 / 20.0) * crank_cos_phi;
@@ -1354,8 +1448,8 @@ int crank_slider_3_constraints(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /*
      * rod_1 left (1): rod_1_left_r_2 = r = X + u at left, along e2; ...; rod_1_left_s_2 = Q r at
@@ -1379,8 +1473,8 @@ int crank_slider_3_constraints(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /*
      * rod_2 cut_left (1): rod_2_cut_left_r_2 = r = X + u at cut_left, along e2; ...;
@@ -1406,8 +1500,8 @@ int crank_slider_3_constraints(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /*
      * rod_3 right (1): rod_3_right_r_2 = r = X + u at right, along e2; ...; rod_3_right_s_2 = Q r
@@ -1485,8 +1579,8 @@ int crank_slider_3_constraint_rates(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank pin (1): crank_pin_s_1 = Q r at pin, along e1; crank_pin_s_2 = Q r at pin, along e2 */
     const double crank_pin_s_1 = (3.0 / 20.0) * crank_cos_phi;
@@ -1496,8 +1590,8 @@ int crank_slider_3_constraint_rates(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /*
      * rod_1 left (1): rod_1_left_r_2 = r = X + u at left, along e2; ...; rod_1_left_sdot_2 = Q rdot
@@ -1525,8 +1619,8 @@ int crank_slider_3_constraint_rates(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /*
      * rod_2 cut_left (1): rod_2_cut_left_r_2 = r = X + u at cut_left, along e2; ...;
@@ -1556,8 +1650,8 @@ int crank_slider_3_constraint_rates(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /*
      * rod_3 right (1): rod_3_right_r_2 = r = X + u at right, along e2; ...; rod_3_right_sdot_2 = Q
@@ -1629,8 +1723,8 @@ int crank_slider_3_constraint_jacobian(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /*
      * rod_1 left (1): rod_1_left_r_2 = r = X + u at left, along e2; ...; rod_1_left_s_2 = Q r at
@@ -1654,8 +1748,8 @@ int crank_slider_3_constraint_jacobian(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /*
      * rod_2 cut_left (1): rod_2_cut_left_r_2 = r = X + u at cut_left, along e2; ...;
@@ -1681,8 +1775,8 @@ int crank_slider_3_constraint_jacobian(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /*
      * rod_3 right (1): rod_3_right_r_2 = r = X + u at right, along e2; ...; rod_3_right_s_2 = Q r
@@ -1804,8 +1898,8 @@ int crank_slider_3_constraint_bias(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank pin (1): crank_pin_s_1 = Q r at pin, along e1; crank_pin_s_2 = Q r at pin, along e2 */
     const double crank_pin_s_1 = (3.0 / 20.0) * crank_cos_phi;
@@ -1815,8 +1909,8 @@ int crank_slider_3_constraint_bias(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /*
      * rod_1 left (1): rod_1_left_r_2 = r = X + u at left, along e2; ...; rod_1_left_sdot_2 = Q rdot
@@ -1844,8 +1938,8 @@ int crank_slider_3_constraint_bias(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /*
      * rod_2 cut_left (1): rod_2_cut_left_r_2 = r = X + u at cut_left, along e2; ...;
@@ -1875,8 +1969,8 @@ int crank_slider_3_constraint_bias(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /*
      * rod_3 right (1): rod_3_right_r_2 = r = X + u at right, along e2; ...; rod_3_right_sdot_2 = Q
@@ -1957,8 +2051,8 @@ int crank_slider_3_solve(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
@@ -1994,8 +2088,8 @@ int crank_slider_3_solve(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
@@ -2033,8 +2127,8 @@ int crank_slider_3_solve(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
@@ -2267,8 +2361,8 @@ int crank_slider_3_solve(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank pin (1): crank_pin_s_1 = Q r at pin, along e1; crank_pin_s_2 = Q r at pin, along e2 */
     const double crank_pin_s_1 = (3.0 / 20.0) * crank_cos_phi;
@@ -2453,8 +2547,8 @@ int crank_slider_3_project_velocity(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
@@ -2486,8 +2580,8 @@ int crank_slider_3_project_velocity(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
@@ -2521,8 +2615,8 @@ int crank_slider_3_project_velocity(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
@@ -2949,8 +3043,8 @@ int crank_slider_3_residual(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank pin (1): crank_pin_s_1 = Q r at pin, along e1; crank_pin_s_2 = Q r at pin, along e2 */
     const double crank_pin_s_1 = (3.0 / 20.0) * crank_cos_phi;
@@ -2960,8 +3054,8 @@ int crank_slider_3_residual(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
@@ -2996,8 +3090,8 @@ int crank_slider_3_residual(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
@@ -3034,8 +3128,8 @@ int crank_slider_3_residual(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
@@ -3191,8 +3285,8 @@ int crank_slider_3_jacobian(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
@@ -3230,8 +3324,8 @@ int crank_slider_3_jacobian(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
@@ -3270,8 +3364,8 @@ int crank_slider_3_jacobian(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
@@ -3671,8 +3765,8 @@ int crank_slider_3_residual_ggl(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank pin (1): crank_pin_s_1 = Q r at pin, along e1; crank_pin_s_2 = Q r at pin, along e2 */
     const double crank_pin_s_1 = (3.0 / 20.0) * crank_cos_phi;
@@ -3682,8 +3776,8 @@ int crank_slider_3_residual_ggl(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
@@ -3722,8 +3816,8 @@ int crank_slider_3_residual_ggl(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
@@ -3764,8 +3858,8 @@ int crank_slider_3_residual_ggl(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
@@ -3973,8 +4067,8 @@ int crank_slider_3_jacobian_ggl(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
@@ -4016,8 +4110,8 @@ int crank_slider_3_jacobian_ggl(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
@@ -4060,8 +4154,8 @@ int crank_slider_3_jacobian_ggl(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
@@ -4658,8 +4752,8 @@ int crank_slider_3_residual_index1(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank pin (1): crank_pin_s_1 = Q r at pin, along e1; crank_pin_s_2 = Q r at pin, along e2 */
     const double crank_pin_s_1 = (3.0 / 20.0) * crank_cos_phi;
@@ -4669,8 +4763,8 @@ int crank_slider_3_residual_index1(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
@@ -4709,8 +4803,8 @@ int crank_slider_3_residual_index1(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
@@ -4751,8 +4845,8 @@ int crank_slider_3_residual_index1(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
@@ -4945,8 +5039,8 @@ int crank_slider_3_jacobian_index1(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_1_cos_phi = cos(rod_1_phi);
-    const double rod_1_sin_phi = sin(rod_1_phi);
+    const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
+    const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
@@ -4988,8 +5082,8 @@ int crank_slider_3_jacobian_index1(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_2_cos_phi = cos(rod_2_phi);
-    const double rod_2_sin_phi = sin(rod_2_phi);
+    const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
+    const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
@@ -5032,8 +5126,8 @@ int crank_slider_3_jacobian_index1(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
-    const double rod_3_cos_phi = cos(rod_3_phi);
-    const double rod_3_sin_phi = sin(rod_3_phi);
+    const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
+    const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
@@ -5425,40 +5519,118 @@ int crank_slider_3_jacobian_index1(
 
 #ifndef TISSERAND_WITHOUT_BATCHES
 
-/* The rows of a block that is not full: its last state is repeated. */
-static const double *crank_slider_3_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
+/* The bits of a code, which are 0 for success. */
+TISSERAND_INLINE unsigned long long crank_slider_3_block_bits(double code)
 {
-    for (int e = 0; e < rows; e++)
-        for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
-    return to;
+    unsigned long long bits;
+    memcpy(&bits, &code, sizeof bits);
+    return bits;
 }
 
-/* The rows of a block to their places among those of all states. */
-static inline void crank_slider_3_block32_scatter(
-    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
+/* NaN for the states of a block that fail. */
+static void crank_slider_3_block_nan(int count, ptrdiff_t all, int rows, const double *codes, double *to)
 {
-    for (int e = 0; e < rows; e++) {
-        double *row = to + e * all;
-        if (count == 32) {
-            for (int b = 0; b < 32; b++) row[b] = from[e][b];
-        } else {
-            for (int b = 0; b < 32; b++) {
-                if (b < count) row[b] = from[e][b];
-            }
-        }
-    }
-}
-
-/* NaN for the states that fail, and the code of the first of them. */
-static int crank_slider_3_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
-{
-    int code = 0;
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
-        if (code == 0) code = (int) codes[b];
         for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
+}
+
+/* The code of the first state of a block that fails; there is one. */
+static int crank_slider_3_block_code(const double *codes)
+{
+    while (*codes == 0.0) codes++;
+    return (int) *codes;
+}
+
+TISSERAND_INLINE void crank_slider_3_mass_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M)
+{
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double rod_1_alpha1 = q[3 * all + b];
+        const double rod_1_alpha2 = q[4 * all + b];
+        const double rod_2_alpha1 = q[8 * all + b];
+        const double rod_2_alpha2 = q[9 * all + b];
+        const double rod_3_alpha1 = q[13 * all + b];
+        const double rod_3_alpha2 = q[14 * all + b];
+        const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+        const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
+        const double rod_1_J = (33377851.0 / 1800000000000.0) + rod_1_D2_1 * rod_1_alpha1
+            + rod_1_D2_2 * rod_1_alpha2;
+        const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+        const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
+        const double rod_2_J = (33377851.0 / 1800000000000.0) + rod_2_D2_1 * rod_2_alpha1
+            + rod_2_D2_2 * rod_2_alpha2;
+        const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+        const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
+        const double rod_3_J = (33377851.0 / 1800000000000.0) + rod_3_D2_1 * rod_3_alpha1
+            + rod_3_D2_2 * rod_3_alpha2;
+        M[b] = (33377851.0 / 1500000000.0);
+        M[all + b] = (33377851.0 / 1500000000.0);
+        M[2 * all + b] = rod_1_J;
+        M[3 * all + b] = (33377851.0 / 7500000000.0);
+        M[4 * all + b] = (33377851.0 / 10500000000.0);
+        M[5 * all + b] = (33377851.0 / 1500000000.0);
+        M[6 * all + b] = (33377851.0 / 1500000000.0);
+        M[7 * all + b] = rod_2_J;
+        M[8 * all + b] = (33377851.0 / 7500000000.0);
+        M[9 * all + b] = (33377851.0 / 10500000000.0);
+        M[10 * all + b] = (33377851.0 / 1500000000.0);
+        M[11 * all + b] = (33377851.0 / 1500000000.0);
+        M[12 * all + b] = rod_3_J;
+        M[13 * all + b] = (33377851.0 / 7500000000.0);
+        M[14 * all + b] = (33377851.0 / 10500000000.0);
+        M[15 * all + b] = (33377851.0 / 1000000000.0);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int crank_slider_3_mass_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    double q_b[512], M_b[512];
+    int code;
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    code = crank_slider_3_mass_batch(count, q_b, k, M_b);
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
     return code;
+}
+
+TISSERAND_APART int crank_slider_3_mass_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        crank_slider_3_mass_states(8, 8, q, k, M);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        crank_slider_3_mass_copied(32, all, q, k, M);
+        q += 32; M += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        crank_slider_3_mass_states(8, all, q, k, M);
+        q += 8; M += 8;
+    }
+    if (left > 0) {
+        crank_slider_3_mass_states(left, all, q, k, M);
+    }
+    return 0;
 }
 
 int crank_slider_3_mass_batch(
@@ -5467,54 +5639,112 @@ int crank_slider_3_mass_batch(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    (void) k;
-    double q_tail[512];
-    double M_block[16][32];
-    const ptrdiff_t all = n;
+    return n == 1 ? crank_slider_3_mass(q, k, M) : crank_slider_3_mass_blocks(n, q, k, M);
+}
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? crank_slider_3_block32_pad(all, count, 16, q, q_tail) : q;
-        for (int b = 0; b < 32; b++) {
-            const double rod_1_alpha1 = q_block[3 * stride + b];
-            const double rod_1_alpha2 = q_block[4 * stride + b];
-            const double rod_2_alpha1 = q_block[8 * stride + b];
-            const double rod_2_alpha2 = q_block[9 * stride + b];
-            const double rod_3_alpha1 = q_block[13 * stride + b];
-            const double rod_3_alpha2 = q_block[14 * stride + b];
-            const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
-            const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
-            const double rod_1_J = (33377851.0 / 1800000000000.0) + rod_1_D2_1 * rod_1_alpha1
-                + rod_1_D2_2 * rod_1_alpha2;
-            const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
-            const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
-            const double rod_2_J = (33377851.0 / 1800000000000.0) + rod_2_D2_1 * rod_2_alpha1
-                + rod_2_D2_2 * rod_2_alpha2;
-            const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
-            const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
-            const double rod_3_J = (33377851.0 / 1800000000000.0) + rod_3_D2_1 * rod_3_alpha1
-                + rod_3_D2_2 * rod_3_alpha2;
-            M_block[0][b] = (33377851.0 / 1500000000.0);
-            M_block[1][b] = (33377851.0 / 1500000000.0);
-            M_block[2][b] = rod_1_J;
-            M_block[3][b] = (33377851.0 / 7500000000.0);
-            M_block[4][b] = (33377851.0 / 10500000000.0);
-            M_block[5][b] = (33377851.0 / 1500000000.0);
-            M_block[6][b] = (33377851.0 / 1500000000.0);
-            M_block[7][b] = rod_2_J;
-            M_block[8][b] = (33377851.0 / 7500000000.0);
-            M_block[9][b] = (33377851.0 / 10500000000.0);
-            M_block[10][b] = (33377851.0 / 1500000000.0);
-            M_block[11][b] = (33377851.0 / 1500000000.0);
-            M_block[12][b] = rod_3_J;
-            M_block[13][b] = (33377851.0 / 7500000000.0);
-            M_block[14][b] = (33377851.0 / 10500000000.0);
-            M_block[15][b] = (33377851.0 / 1000000000.0);
-        }
-        crank_slider_3_block32_scatter(all, count, 16, M_block, M);
-        q += count;
-        M += count;
+TISSERAND_INLINE void crank_slider_3_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT h)
+{
+    (void) t;
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double rod_1_alpha1 = q[3 * all + b];
+        const double rod_1_alpha2 = q[4 * all + b];
+        const double rod_2_alpha1 = q[8 * all + b];
+        const double rod_2_alpha2 = q[9 * all + b];
+        const double rod_3_alpha1 = q[13 * all + b];
+        const double rod_3_alpha2 = q[14 * all + b];
+        const double rod_1_phidot = v[2 * all + b];
+        const double rod_1_alpha1dot = v[3 * all + b];
+        const double rod_1_alpha2dot = v[4 * all + b];
+        const double rod_2_phidot = v[7 * all + b];
+        const double rod_2_alpha1dot = v[8 * all + b];
+        const double rod_2_alpha2dot = v[9 * all + b];
+        const double rod_3_phidot = v[12 * all + b];
+        const double rod_3_alpha1dot = v[13 * all + b];
+        const double rod_3_alpha2dot = v[14 * all + b];
+        const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+        const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
+        const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
+        const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+        const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
+        const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
+        const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+        const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
+        const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
+        h[b] = 0.0;
+        h[all + b] = 0.0;
+        h[2 * all + b] = 2.0 * rod_1_phidot * rod_1_D2dot;
+        const double t1 = rod_1_phidot * rod_1_phidot;
+        h[3 * all + b] = (1145110518.0 / 625.0) * rod_1_alpha1 - t1 * rod_1_D2_1;
+        h[4 * all + b] = (381703506.0 / 25.0) * rod_1_alpha2 - t1 * rod_1_D2_2;
+        h[5 * all + b] = 0.0;
+        h[6 * all + b] = 0.0;
+        h[7 * all + b] = 2.0 * rod_2_phidot * rod_2_D2dot;
+        const double t2 = rod_2_phidot * rod_2_phidot;
+        h[8 * all + b] = (1145110518.0 / 625.0) * rod_2_alpha1 - t2 * rod_2_D2_1;
+        h[9 * all + b] = (381703506.0 / 25.0) * rod_2_alpha2 - t2 * rod_2_D2_2;
+        h[10 * all + b] = 0.0;
+        h[11 * all + b] = 0.0;
+        h[12 * all + b] = 2.0 * rod_3_phidot * rod_3_D2dot;
+        const double t3 = rod_3_phidot * rod_3_phidot;
+        h[13 * all + b] = (1145110518.0 / 625.0) * rod_3_alpha1 - t3 * rod_3_D2_1;
+        h[14 * all + b] = (381703506.0 / 25.0) * rod_3_alpha2 - t3 * rod_3_D2_2;
+        h[15 * all + b] = 0.0;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int crank_slider_3_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    double q_b[512], v_b[512], h_b[512];
+    int code;
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = crank_slider_3_force_batch(count, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int crank_slider_3_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        crank_slider_3_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        crank_slider_3_force_copied(32, all, t, q, v, k, h);
+        q += 32; v += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        crank_slider_3_force_states(8, all, t, q, v, k, h);
+        q += 8; v += 8; h += 8;
+    }
+    if (left > 0) {
+        crank_slider_3_force_states(left, all, t, q, v, k, h);
     }
     return 0;
 }
@@ -5527,68 +5757,618 @@ int crank_slider_3_force_batch(
     const double *TISSERAND_RESTRICT k,
     double *h)
 {
+    return n == 1 ? crank_slider_3_force(t, q, v, k, h) : crank_slider_3_force_blocks(n, t, q, v, k, h);
+}
+
+TISSERAND_INLINE void crank_slider_3_mass_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M,
+    double *TISSERAND_RESTRICT h)
+{
     (void) t;
     (void) k;
-    double q_tail[512], v_tail[512];
-    double h_block[16][32];
-    const ptrdiff_t all = n;
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? crank_slider_3_block32_pad(all, count, 16, q, q_tail) : q;
-        const double *v_block = count < 32 ? crank_slider_3_block32_pad(all, count, 16, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double rod_1_alpha1 = q_block[3 * stride + b];
-            const double rod_1_alpha2 = q_block[4 * stride + b];
-            const double rod_2_alpha1 = q_block[8 * stride + b];
-            const double rod_2_alpha2 = q_block[9 * stride + b];
-            const double rod_3_alpha1 = q_block[13 * stride + b];
-            const double rod_3_alpha2 = q_block[14 * stride + b];
-            const double rod_1_phidot = v_block[2 * stride + b];
-            const double rod_1_alpha1dot = v_block[3 * stride + b];
-            const double rod_1_alpha2dot = v_block[4 * stride + b];
-            const double rod_2_phidot = v_block[7 * stride + b];
-            const double rod_2_alpha1dot = v_block[8 * stride + b];
-            const double rod_2_alpha2dot = v_block[9 * stride + b];
-            const double rod_3_phidot = v_block[12 * stride + b];
-            const double rod_3_alpha1dot = v_block[13 * stride + b];
-            const double rod_3_alpha2dot = v_block[14 * stride + b];
-            const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
-            const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
-            const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
-            const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
-            const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
-            const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
-            const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
-            const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
-            const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
-            h_block[0][b] = 0.0;
-            h_block[1][b] = 0.0;
-            h_block[2][b] = 2.0 * rod_1_phidot * rod_1_D2dot;
-            const double t1 = rod_1_phidot * rod_1_phidot;
-            h_block[3][b] = (1145110518.0 / 625.0) * rod_1_alpha1 - t1 * rod_1_D2_1;
-            h_block[4][b] = (381703506.0 / 25.0) * rod_1_alpha2 - t1 * rod_1_D2_2;
-            h_block[5][b] = 0.0;
-            h_block[6][b] = 0.0;
-            h_block[7][b] = 2.0 * rod_2_phidot * rod_2_D2dot;
-            const double t2 = rod_2_phidot * rod_2_phidot;
-            h_block[8][b] = (1145110518.0 / 625.0) * rod_2_alpha1 - t2 * rod_2_D2_1;
-            h_block[9][b] = (381703506.0 / 25.0) * rod_2_alpha2 - t2 * rod_2_D2_2;
-            h_block[10][b] = 0.0;
-            h_block[11][b] = 0.0;
-            h_block[12][b] = 2.0 * rod_3_phidot * rod_3_D2dot;
-            const double t3 = rod_3_phidot * rod_3_phidot;
-            h_block[13][b] = (1145110518.0 / 625.0) * rod_3_alpha1 - t3 * rod_3_D2_1;
-            h_block[14][b] = (381703506.0 / 25.0) * rod_3_alpha2 - t3 * rod_3_D2_2;
-            h_block[15][b] = 0.0;
-        }
-        crank_slider_3_block32_scatter(all, count, 16, h_block, h);
-        q += count;
-        v += count;
-        h += count;
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double rod_1_alpha1 = q[3 * all + b];
+        const double rod_1_alpha2 = q[4 * all + b];
+        const double rod_2_alpha1 = q[8 * all + b];
+        const double rod_2_alpha2 = q[9 * all + b];
+        const double rod_3_alpha1 = q[13 * all + b];
+        const double rod_3_alpha2 = q[14 * all + b];
+        const double rod_1_phidot = v[2 * all + b];
+        const double rod_1_alpha1dot = v[3 * all + b];
+        const double rod_1_alpha2dot = v[4 * all + b];
+        const double rod_2_phidot = v[7 * all + b];
+        const double rod_2_alpha1dot = v[8 * all + b];
+        const double rod_2_alpha2dot = v[9 * all + b];
+        const double rod_3_phidot = v[12 * all + b];
+        const double rod_3_alpha1dot = v[13 * all + b];
+        const double rod_3_alpha2dot = v[14 * all + b];
+        h[15 * all + b] = 0.0;
+        M[15 * all + b] = (33377851.0 / 1000000000.0);
+        const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+        const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
+        const double t1 = rod_3_phidot * rod_3_phidot;
+        h[14 * all + b] = (381703506.0 / 25.0) * rod_3_alpha2 - t1 * rod_3_D2_2;
+        M[14 * all + b] = (33377851.0 / 10500000000.0);
+        h[13 * all + b] = (1145110518.0 / 625.0) * rod_3_alpha1 - t1 * rod_3_D2_1;
+        M[13 * all + b] = (33377851.0 / 7500000000.0);
+        const double rod_3_J = (33377851.0 / 1800000000000.0) + rod_3_D2_1 * rod_3_alpha1
+            + rod_3_D2_2 * rod_3_alpha2;
+        const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
+        h[12 * all + b] = 2.0 * rod_3_phidot * rod_3_D2dot;
+        M[12 * all + b] = rod_3_J;
+        h[11 * all + b] = 0.0;
+        M[11 * all + b] = (33377851.0 / 1500000000.0);
+        h[10 * all + b] = 0.0;
+        M[10 * all + b] = (33377851.0 / 1500000000.0);
+        const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+        const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
+        const double t2 = rod_2_phidot * rod_2_phidot;
+        h[9 * all + b] = (381703506.0 / 25.0) * rod_2_alpha2 - t2 * rod_2_D2_2;
+        M[9 * all + b] = (33377851.0 / 10500000000.0);
+        h[8 * all + b] = (1145110518.0 / 625.0) * rod_2_alpha1 - t2 * rod_2_D2_1;
+        M[8 * all + b] = (33377851.0 / 7500000000.0);
+        const double rod_2_J = (33377851.0 / 1800000000000.0) + rod_2_D2_1 * rod_2_alpha1
+            + rod_2_D2_2 * rod_2_alpha2;
+        const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
+        h[7 * all + b] = 2.0 * rod_2_phidot * rod_2_D2dot;
+        M[7 * all + b] = rod_2_J;
+        h[6 * all + b] = 0.0;
+        M[6 * all + b] = (33377851.0 / 1500000000.0);
+        h[5 * all + b] = 0.0;
+        M[5 * all + b] = (33377851.0 / 1500000000.0);
+        const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+        const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
+        const double t3 = rod_1_phidot * rod_1_phidot;
+        h[4 * all + b] = (381703506.0 / 25.0) * rod_1_alpha2 - t3 * rod_1_D2_2;
+        M[4 * all + b] = (33377851.0 / 10500000000.0);
+        h[3 * all + b] = (1145110518.0 / 625.0) * rod_1_alpha1 - t3 * rod_1_D2_1;
+        M[3 * all + b] = (33377851.0 / 7500000000.0);
+        const double rod_1_J = (33377851.0 / 1800000000000.0) + rod_1_D2_1 * rod_1_alpha1
+            + rod_1_D2_2 * rod_1_alpha2;
+        const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
+        h[2 * all + b] = 2.0 * rod_1_phidot * rod_1_D2dot;
+        M[2 * all + b] = rod_1_J;
+        h[all + b] = 0.0;
+        M[all + b] = (33377851.0 / 1500000000.0);
+        h[b] = 0.0;
+        M[b] = (33377851.0 / 1500000000.0);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int crank_slider_3_mass_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    double q_b[512], v_b[512], M_b[512], h_b[512];
+    int code;
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = crank_slider_3_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int crank_slider_3_mass_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        crank_slider_3_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        crank_slider_3_mass_force_copied(32, all, t, q, v, k, M, h);
+        q += 32; v += 32; M += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        crank_slider_3_mass_force_states(8, all, t, q, v, k, M, h);
+        q += 8; v += 8; M += 8; h += 8;
+    }
+    if (left > 0) {
+        crank_slider_3_mass_force_states(left, all, t, q, v, k, M, h);
     }
     return 0;
+}
+
+int crank_slider_3_mass_force_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    return n == 1 ? crank_slider_3_mass_force(t, q, v, k, M, h) : crank_slider_3_mass_force_blocks(n, t, q, v, k, M, h);
+}
+
+TISSERAND_INLINE int crank_slider_3_accel_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT vdot)
+{
+    (void) t;
+    (void) k;
+    double crank_phi[8], crank_cos_phi[8], crank_sin_phi[8], rod_1_cos_phi[8], rod_1_sin_phi[8];
+    double rod_2_cos_phi[8], rod_2_sin_phi[8], rod_3_cos_phi[8], rod_3_sin_phi[8];
+    double codes[8];
+    unsigned long long failures = 0;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        crank_phi[b] = 150.0 * t;
+    }
+    tisserand_sines(count, q + 2 * all, rod_1_sin_phi, rod_1_cos_phi);
+    tisserand_sines(count, q + 7 * all, rod_2_sin_phi, rod_2_cos_phi);
+    tisserand_sines(count, q + 12 * all, rod_3_sin_phi, rod_3_cos_phi);
+    tisserand_sines(count, crank_phi, crank_sin_phi, crank_cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double rod_1_alpha1 = q[3 * all + b];
+        const double rod_1_alpha2 = q[4 * all + b];
+        const double rod_2_alpha1 = q[8 * all + b];
+        const double rod_2_alpha2 = q[9 * all + b];
+        const double rod_3_alpha1 = q[13 * all + b];
+        const double rod_3_alpha2 = q[14 * all + b];
+        const double rod_1_phidot = v[2 * all + b];
+        const double rod_1_alpha1dot = v[3 * all + b];
+        const double rod_1_alpha2dot = v[4 * all + b];
+        const double rod_2_phidot = v[7 * all + b];
+        const double rod_2_alpha1dot = v[8 * all + b];
+        const double rod_2_alpha2dot = v[9 * all + b];
+        const double rod_3_phidot = v[12 * all + b];
+        const double rod_3_alpha1dot = v[13 * all + b];
+        const double rod_3_alpha2dot = v[14 * all + b];
+        const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+        const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
+        const double rod_1_J = (33377851.0 / 1800000000000.0) + rod_1_D2_1 * rod_1_alpha1
+            + rod_1_D2_2 * rod_1_alpha2;
+        const double rod_1_left_r_2 = rod_1_alpha1 - rod_1_alpha2;
+        const double rod_1_left_rdot_2 = rod_1_alpha1dot - rod_1_alpha2dot;
+        const double rod_1_left_s_1 = (-1.0 / 20.0) * rod_1_cos_phi[b]
+            - rod_1_left_r_2 * rod_1_sin_phi[b];
+        const double rod_1_left_s_2 = rod_1_left_r_2 * rod_1_cos_phi[b]
+            + (-1.0 / 20.0) * rod_1_sin_phi[b];
+        const double rod_1_left_sdot_2 = rod_1_left_rdot_2 * rod_1_cos_phi[b];
+        const double rod_1_cut_right_r_2 = rod_1_alpha1 + rod_1_alpha2;
+        const double rod_1_cut_right_rdot_2 = rod_1_alpha1dot + rod_1_alpha2dot;
+        const double rod_1_cut_right_s_1 = (1.0 / 20.0) * rod_1_cos_phi[b]
+            - rod_1_cut_right_r_2 * rod_1_sin_phi[b];
+        const double rod_1_cut_right_s_2 = rod_1_cut_right_r_2 * rod_1_cos_phi[b]
+            + (1.0 / 20.0) * rod_1_sin_phi[b];
+        const double rod_1_cut_right_sdot_2 = rod_1_cut_right_rdot_2 * rod_1_cos_phi[b];
+        const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+        const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
+        const double rod_2_J = (33377851.0 / 1800000000000.0) + rod_2_D2_1 * rod_2_alpha1
+            + rod_2_D2_2 * rod_2_alpha2;
+        const double rod_2_cut_left_r_2 = rod_2_alpha1 - rod_2_alpha2;
+        const double rod_2_cut_left_rdot_2 = rod_2_alpha1dot - rod_2_alpha2dot;
+        const double rod_2_cut_left_s_1 = (-1.0 / 20.0) * rod_2_cos_phi[b]
+            - rod_2_cut_left_r_2 * rod_2_sin_phi[b];
+        const double rod_2_cut_left_s_2 = rod_2_cut_left_r_2 * rod_2_cos_phi[b]
+            + (-1.0 / 20.0) * rod_2_sin_phi[b];
+        const double rod_2_cut_left_sdot_2 = rod_2_cut_left_rdot_2 * rod_2_cos_phi[b];
+        const double rod_2_cut_right_r_2 = rod_2_alpha1 + rod_2_alpha2;
+        const double rod_2_cut_right_rdot_2 = rod_2_alpha1dot + rod_2_alpha2dot;
+        const double rod_2_cut_right_s_1 = (1.0 / 20.0) * rod_2_cos_phi[b]
+            - rod_2_cut_right_r_2 * rod_2_sin_phi[b];
+        const double rod_2_cut_right_s_2 = rod_2_cut_right_r_2 * rod_2_cos_phi[b]
+            + (1.0 / 20.0) * rod_2_sin_phi[b];
+        const double rod_2_cut_right_sdot_2 = rod_2_cut_right_rdot_2 * rod_2_cos_phi[b];
+        const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+        const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
+        const double rod_3_J = (33377851.0 / 1800000000000.0) + rod_3_D2_1 * rod_3_alpha1
+            + rod_3_D2_2 * rod_3_alpha2;
+        const double rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2;
+        const double rod_3_right_rdot_2 = rod_3_alpha1dot + rod_3_alpha2dot;
+        const double rod_3_right_s_1 = (1.0 / 20.0) * rod_3_cos_phi[b]
+            - rod_3_right_r_2 * rod_3_sin_phi[b];
+        const double rod_3_right_s_2 = rod_3_right_r_2 * rod_3_cos_phi[b]
+            + (1.0 / 20.0) * rod_3_sin_phi[b];
+        const double rod_3_right_sdot_2 = rod_3_right_rdot_2 * rod_3_cos_phi[b];
+        const double rod_3_cut_left_r_2 = rod_3_alpha1 - rod_3_alpha2;
+        const double rod_3_cut_left_rdot_2 = rod_3_alpha1dot - rod_3_alpha2dot;
+        const double rod_3_cut_left_s_1 = (-1.0 / 20.0) * rod_3_cos_phi[b]
+            - rod_3_cut_left_r_2 * rod_3_sin_phi[b];
+        const double rod_3_cut_left_s_2 = rod_3_cut_left_r_2 * rod_3_cos_phi[b]
+            + (-1.0 / 20.0) * rod_3_sin_phi[b];
+        const double rod_3_cut_left_sdot_2 = rod_3_cut_left_rdot_2 * rod_3_cos_phi[b];
+        const double t1 = rod_1_cos_phi[b] / (33377851.0 / 7500000000.0);
+        const double t2 = t1 * rod_1_sin_phi[b];
+        const double t3 = rod_1_cos_phi[b] / (33377851.0 / 10500000000.0);
+        const double t4 = t3 * rod_1_sin_phi[b];
+        const double t5 = t2 + t4;
+        const double inverse_rod_1_J = 1.0 / rod_1_J;
+        const double t6 = rod_1_left_s_1 * inverse_rod_1_J;
+        const double t7 = t5 + t6 * rod_1_left_s_2;
+        const double t8 = rod_1_sin_phi[b] / (33377851.0 / 7500000000.0);
+        const double t9 = (1500000000.0 / 33377851.0) + t8 * rod_1_sin_phi[b];
+        const double t10 = rod_1_sin_phi[b] / (33377851.0 / 10500000000.0);
+        const double t11 = t10 * rod_1_sin_phi[b];
+        const double t12 = t9 + t11;
+        const double t13 = rod_1_left_s_2 * inverse_rod_1_J;
+        const double t14 = t12 + t13 * rod_1_left_s_2;
+        const double inverse_t14 = 1.0 / t14;
+        const double t15 = t7 * inverse_t14;
+        const double t16 = (1500000000.0 / 33377851.0) + t1 * rod_1_cos_phi[b];
+        const double t17 = t3 * rod_1_cos_phi[b];
+        const double t18 = t16 + t17;
+        const double t19 = t18 + t6 * rod_1_left_s_1;
+        const double pivot_crank_pin_2 = t15 * t7 - t19;
+        const double t20 = rod_3_cos_phi[b] / (33377851.0 / 7500000000.0);
+        const double t21 = t20 * rod_3_sin_phi[b];
+        const double t22 = rod_3_cos_phi[b] / (33377851.0 / 10500000000.0);
+        const double t23 = t22 * rod_3_sin_phi[b];
+        const double t24 = t21 + t23;
+        const double inverse_rod_3_J = 1.0 / rod_3_J;
+        const double t25 = rod_3_right_s_1 * inverse_rod_3_J;
+        const double t26 = t24 + t25 * rod_3_right_s_2;
+        const double t27 = rod_3_sin_phi[b] / (33377851.0 / 7500000000.0);
+        const double t28 = t27 * rod_3_sin_phi[b];
+        const double t29 = rod_3_sin_phi[b] / (33377851.0 / 10500000000.0);
+        const double t30 = t29 * rod_3_sin_phi[b];
+        const double t31 = rod_3_right_s_2 * inverse_rod_3_J;
+        const double t32 = (2500000000.0 / 33377851.0) + t28 + t30 + t31 * rod_3_right_s_2;
+        const double inverse_t32 = 1.0 / t32;
+        const double t33 = t26 * inverse_t32;
+        const double t34 = t20 * rod_3_cos_phi[b];
+        const double t35 = (1500000000.0 / 33377851.0) + t34;
+        const double t36 = t22 * rod_3_cos_phi[b];
+        const double t37 = t35 + t36 + t25 * rod_3_right_s_1;
+        const double pivot_slider_pin_2 = t33 * t26 - t37;
+        const double t38 = (-450000000000.0 / 33377851.0) * rod_3_sin_phi[b]
+            + (1260000000000.0 / 33377851.0) * rod_3_sin_phi[b] + t31;
+        const double t39 = t38 * inverse_t32;
+        const double t40 = (-450000000000.0 / 33377851.0) * rod_3_cos_phi[b]
+            + (1260000000000.0 / 33377851.0) * rod_3_cos_phi[b] + t25 - t39 * t26;
+        const double inverse_pivot_slider_pin_2 = 1.0 / pivot_slider_pin_2;
+        const double t41 = t40 * inverse_pivot_slider_pin_2;
+        const double inverse_rod_2_J = 1.0 / rod_2_J;
+        const double t42 = (178200000000000.0 / 33377851.0) + inverse_rod_3_J
+            + (27000000000000.0 / 33377851.0) + (151200000000000.0 / 33377851.0) + inverse_rod_2_J;
+        const double pivot_rod_cut_2_turn = t39 * t38 - t41 * t40 - t42;
+        const double t43 = rod_1_cut_right_s_2 * inverse_rod_1_J;
+        const double t44 = t9 - t11 + t43 * rod_1_left_s_2;
+        const double t45 = t44 * inverse_t14;
+        const double t46 = t10 * rod_1_cos_phi[b] - t8 * rod_1_cos_phi[b] - t43 * rod_1_left_s_1
+            + t45 * t7;
+        const double inverse_pivot_crank_pin_2 = 1.0 / pivot_crank_pin_2;
+        const double t47 = t46 * inverse_pivot_crank_pin_2;
+        const double t48 = rod_2_sin_phi[b] / (33377851.0 / 10500000000.0);
+        const double t49 = 120.0 * t48;
+        const double t50 = rod_2_sin_phi[b] / (33377851.0 / 7500000000.0);
+        const double t51 = 60.0 * t50;
+        const double t52 = rod_2_cut_left_s_2 * inverse_rod_2_J;
+        const double t53 = t49 - t51 - t52;
+        const double inverse_pivot_rod_cut_2_turn = 1.0 / pivot_rod_cut_2_turn;
+        const double t54 = t53 * inverse_pivot_rod_cut_2_turn;
+        const double t55 = t50 * rod_2_sin_phi[b];
+        const double t56 = t48 * rod_2_sin_phi[b];
+        const double t57 = t12 + t43 * rod_1_cut_right_s_2 + (1500000000.0 / 33377851.0) + t55 + t56
+            + t52 * rod_2_cut_left_s_2;
+        const double pivot_rod_cut_1_1 = t45 * t44 - t47 * t46 - t54 * t53 - t57;
+        const double t58 = rod_1_cut_right_s_1 * inverse_rod_1_J;
+        const double t59 = t4 - t2 - t58 * rod_1_left_s_2;
+        const double t60 = t59 * inverse_t14;
+        const double t61 = t16 - t17 + t58 * rod_1_left_s_1 + t60 * t7;
+        const double t62 = t61 * inverse_pivot_crank_pin_2;
+        const double t63 = rod_2_cos_phi[b] / (33377851.0 / 7500000000.0);
+        const double t64 = 60.0 * t63;
+        const double t65 = rod_2_cos_phi[b] / (33377851.0 / 10500000000.0);
+        const double t66 = 120.0 * t65;
+        const double t67 = rod_2_cut_left_s_1 * inverse_rod_2_J;
+        const double t68 = t64 - t66 + t67;
+        const double t69 = t68 * inverse_pivot_rod_cut_2_turn;
+        const double t70 = t63 * rod_2_sin_phi[b];
+        const double t71 = t65 * rod_2_sin_phi[b];
+        const double t72 = t5 + t58 * rod_1_cut_right_s_2 + t60 * t44 - t62 * t46 + t70 + t71
+            + t67 * rod_2_cut_left_s_2 - t69 * t53;
+        const double inverse_pivot_rod_cut_1_1 = 1.0 / pivot_rod_cut_1_1;
+        const double t73 = t72 * inverse_pivot_rod_cut_1_1;
+        const double t74 = t63 * rod_2_cos_phi[b];
+        const double t75 = t65 * rod_2_cos_phi[b];
+        const double t76 = t18 + t58 * rod_1_cut_right_s_1 + (1500000000.0 / 33377851.0) + t74 + t75
+            + t67 * rod_2_cut_left_s_1;
+        const double pivot_rod_cut_1_2 = t60 * t59 - t62 * t61 - t69 * t68 - t73 * t72 - t76;
+        const double t77 = (1260000000000.0 / 33377851.0) * rod_1_sin_phi[b];
+        const double t78 = (450000000000.0 / 33377851.0) * rod_1_sin_phi[b];
+        const double t79 = t77 - t78 - t13;
+        const double t80 = t79 * inverse_t14;
+        const double t81 = (450000000000.0 / 33377851.0) * rod_1_cos_phi[b];
+        const double t82 = (1260000000000.0 / 33377851.0) * rod_1_cos_phi[b];
+        const double t83 = t81 - t82 + t6 + t80 * t7;
+        const double t84 = t83 * inverse_pivot_crank_pin_2;
+        const double t85 = (124200000000000.0 / 33377851.0) + inverse_rod_2_J;
+        const double t86 = t85 * inverse_pivot_rod_cut_2_turn;
+        const double t87 = t78 + t77 + t43 + t80 * t44 - t84 * t46
+            + (-450000000000.0 / 33377851.0) * rod_2_sin_phi[b]
+            - (1260000000000.0 / 33377851.0) * rod_2_sin_phi[b] + t52 - t86 * t53;
+        const double t88 = t87 * inverse_pivot_rod_cut_1_1;
+        const double t89 = t80 * t59 - (t81 + t82 + t58) - t84 * t61
+            - (-450000000000.0 / 33377851.0) * rod_2_cos_phi[b]
+            + (1260000000000.0 / 33377851.0) * rod_2_cos_phi[b] - t67 - t86 * t68 - t88 * t72;
+        const double inverse_pivot_rod_cut_1_2 = 1.0 / pivot_rod_cut_1_2;
+        const double t90 = t89 * inverse_pivot_rod_cut_1_2;
+        const double t91 = (178200000000000.0 / 33377851.0) + inverse_rod_1_J
+            + (27000000000000.0 / 33377851.0) + (151200000000000.0 / 33377851.0) + inverse_rod_2_J;
+        const double pivot_rod_cut_1_turn = t80 * t79 - t84 * t83 - t86 * t85 - t88 * t87 - t90 * t89
+            - t91;
+        const double t92 = rod_3_cut_left_s_2 * inverse_rod_3_J;
+        const double t93 = (1500000000.0 / 33377851.0) + t28 - t30 + t92 * rod_3_right_s_2;
+        const double t94 = t93 * inverse_t32;
+        const double t95 = t29 * rod_3_cos_phi[b] - t27 * rod_3_cos_phi[b] - t92 * rod_3_right_s_1
+            + t94 * t26;
+        const double t96 = t95 * inverse_pivot_slider_pin_2;
+        const double t97 = rod_2_cut_right_s_2 * inverse_rod_2_J;
+        const double t98 = (-60.0) * t27 - 120.0 * t29 + t92 - t94 * t38 - t96 * t40 + t51 + t49 + t97;
+        const double t99 = t98 * inverse_pivot_rod_cut_2_turn;
+        const double t100 = (1500000000.0 / 33377851.0) + t55 - t56 + t97 * rod_2_cut_left_s_2
+            - t99 * t53;
+        const double t101 = t100 * inverse_pivot_rod_cut_1_1;
+        const double t102 = t48 * rod_2_cos_phi[b] - t50 * rod_2_cos_phi[b] - t97 * rod_2_cut_left_s_1
+            - t99 * t68 - t101 * t72;
+        const double t103 = t102 * inverse_pivot_rod_cut_1_2;
+        const double t104 = (-60.0) * t50 + t49 + t97 + t99 * t85 + t101 * t87 + t103 * t89;
+        const double inverse_pivot_rod_cut_1_turn = 1.0 / pivot_rod_cut_1_turn;
+        const double t105 = t104 * inverse_pivot_rod_cut_1_turn;
+        const double t106 = (3000000000.0 / 33377851.0) + t28 + t30 + t92 * rod_3_cut_left_s_2 + t55
+            + t56 + t97 * rod_2_cut_right_s_2;
+        const double pivot_rod_cut_2_1 = t94 * t93 - t96 * t95 - t99 * t98 - t101 * t100 - t103 * t102
+            - t105 * t104 - t106;
+        const double t107 = rod_3_cut_left_s_1 * inverse_rod_3_J;
+        const double t108 = t23 - t21 - t107 * rod_3_right_s_2;
+        const double t109 = t108 * inverse_t32;
+        const double t110 = t35 - t36 + t107 * rod_3_right_s_1 + t109 * t26;
+        const double t111 = t110 * inverse_pivot_slider_pin_2;
+        const double t112 = rod_2_cut_right_s_1 * inverse_rod_2_J;
+        const double t113 = 120.0 * t22 - (-60.0) * t20 - t107 - t109 * t38 - t111 * t40 - t64 - t66
+            - t112;
+        const double t114 = t113 * inverse_pivot_rod_cut_2_turn;
+        const double t115 = t71 - t70 - t112 * rod_2_cut_left_s_2 - t114 * t53;
+        const double t116 = t115 * inverse_pivot_rod_cut_1_1;
+        const double t117 = (1500000000.0 / 33377851.0) + t74 - t75 + t112 * rod_2_cut_left_s_1
+            - t114 * t68 - t116 * t72;
+        const double t118 = t117 * inverse_pivot_rod_cut_1_2;
+        const double t119 = (-60.0) * t63 + t66 + t112 - t114 * t85 - t116 * t87 - t118 * t89;
+        const double t120 = t119 * inverse_pivot_rod_cut_1_turn;
+        const double t121 = t24 + t107 * rod_3_cut_left_s_2 + t109 * t93 - t111 * t95 + t70 + t71
+            + t112 * rod_2_cut_right_s_2 - t114 * t98 - t116 * t100 - t118 * t102 + t120 * t104;
+        const double inverse_pivot_rod_cut_2_1 = 1.0 / pivot_rod_cut_2_1;
+        const double t122 = t121 * inverse_pivot_rod_cut_2_1;
+        const double t123 = (3000000000.0 / 33377851.0) + t34 + t36 + t107 * rod_3_cut_left_s_1 + t74
+            + t75 + t112 * rod_2_cut_right_s_1;
+        const double pivot_rod_cut_2_2 = t109 * t108 - t111 * t110 - t114 * t113 - t116 * t115
+            - t118 * t117 - t120 * t119 - t122 * t121 - t123;
+        const double crank_pin_s_1 = (3.0 / 20.0) * crank_cos_phi[b];
+        const double crank_pin_s_2 = (3.0 / 20.0) * crank_sin_phi[b];
+        const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
+        const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
+        const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
+        const double t124 = 2.0 * rod_1_phidot;
+        const double t125 = rod_1_phidot * rod_1_phidot;
+        const double t126 = (1145110518.0 / 625.0) * rod_1_alpha1 - t125 * rod_1_D2_1;
+        const double t127 = t1 * t126;
+        const double t128 = (381703506.0 / 25.0) * rod_1_alpha2 - t125 * rod_1_D2_2;
+        const double t129 = t3 * t128;
+        const double t130 = t124 * rod_1_D2dot;
+        const double t131 = t8 * t126;
+        const double t132 = t10 * t128;
+        const double t133 = 22500.0 * crank_pin_s_1 - t125 * rod_1_left_s_1 - t124 * rod_1_left_sdot_2
+            + t131 - t132 + t13 * t130;
+        const double t134 = 22500.0 * crank_pin_s_2 - t124 * (rod_1_left_rdot_2 * rod_1_sin_phi[b])
+            - t125 * rod_1_left_s_2 - t127 + t129 - t6 * t130 + t15 * t133;
+        const double t135 = rod_2_phidot * rod_2_phidot;
+        const double t136 = 2.0 * rod_2_phidot;
+        const double t137 = (1145110518.0 / 625.0) * rod_2_alpha1 - t135 * rod_2_D2_1;
+        const double t138 = t50 * t137;
+        const double t139 = (381703506.0 / 25.0) * rod_2_alpha2 - t135 * rod_2_D2_2;
+        const double t140 = t48 * t139;
+        const double t141 = t136 * rod_2_D2dot;
+        const double t142 = rod_3_phidot * rod_3_phidot;
+        const double t143 = (1145110518.0 / 625.0) * rod_3_alpha1 - t142 * rod_3_D2_1;
+        const double t144 = (381703506.0 / 25.0) * rod_3_alpha2 - t142 * rod_3_D2_2;
+        const double t145 = 2.0 * rod_3_phidot;
+        const double t146 = t145 * rod_3_D2dot;
+        const double t147 = t146 * inverse_rod_3_J;
+        const double t148 = t27 * t143;
+        const double t149 = t29 * t144;
+        const double t150 = t145 * rod_3_right_sdot_2 + t142 * rod_3_right_s_1 - t148 - t149
+            - t31 * t146;
+        const double t151 = t20 * t143;
+        const double t152 = t22 * t144;
+        const double t153 = t142 * rod_3_right_s_2 + t145 * (rod_3_right_rdot_2 * rod_3_sin_phi[b])
+            + t151 + t152 + t25 * t146 + t33 * t150;
+        const double t154 = (1260000000000.0 / 33377851.0) * t139;
+        const double t155 = t141 * inverse_rod_2_J;
+        const double t156 = (450000000000.0 / 33377851.0) * t137
+            - ((-450000000000.0 / 33377851.0) * t143 + (1260000000000.0 / 33377851.0) * t144 + t147
+            + t39 * t150 + t41 * t153) + t154 + t155;
+        const double t157 = t125 * rod_1_cut_right_s_1 + t124 * rod_1_cut_right_sdot_2
+            - t135 * rod_2_cut_left_s_1 - t136 * rod_2_cut_left_sdot_2 - t131 - t132 - t43 * t130
+            + t45 * t133 - t47 * t134 + t138 - t140 + t52 * t141 - t54 * t156;
+        const double t158 = t63 * t137;
+        const double t159 = t65 * t139;
+        const double t160 = t125 * rod_1_cut_right_s_2
+            - t136 * (rod_2_cut_left_rdot_2 * rod_2_sin_phi[b])
+            + t124 * (rod_1_cut_right_rdot_2 * rod_1_sin_phi[b]) - t135 * rod_2_cut_left_s_2 + t127
+            + t129 + t58 * t130 + t60 * t133 - t62 * t134 - t158 + t159 - t67 * t141 - t69 * t156
+            - t73 * t157;
+        const double t161 = t130 * inverse_rod_1_J;
+        const double t162 = (450000000000.0 / 33377851.0) * t126 + (1260000000000.0 / 33377851.0) * t128
+            + t161 + t80 * t133 - t84 * t134 - (-450000000000.0 / 33377851.0) * t137 - t154 - t155
+            - t86 * t156 - t88 * t157 - t90 * t160;
+        const double t163 = t135 * rod_2_cut_right_s_1 + t136 * rod_2_cut_right_sdot_2
+            - t142 * rod_3_cut_left_s_1 - t145 * rod_3_cut_left_sdot_2 + t148 - t149 + t92 * t146
+            + t94 * t150 - t96 * t153 - t138 - t140 - t97 * t141 - t99 * t156 - t101 * t157
+            - t103 * t160 + t105 * t162;
+        const double t164 = (t135 * rod_2_cut_right_s_2
+            - t145 * (rod_3_cut_left_rdot_2 * rod_3_sin_phi[b])
+            + t136 * (rod_2_cut_right_rdot_2 * rod_2_sin_phi[b]) - t142 * rod_3_cut_left_s_2 - t151
+            + t152 - t107 * t146 + t109 * t150 - t111 * t153 + t158 + t159 + t112 * t141 - t114 * t156
+            - t116 * t157 - t118 * t160 - t120 * t162 - t122 * t163) / pivot_rod_cut_2_2;
+        const double t165 = t163 * inverse_pivot_rod_cut_2_1 - t122 * t164;
+        const double t166 = t162 * inverse_pivot_rod_cut_1_turn + t105 * t165 - t120 * t164;
+        const double t167 = t160 * inverse_pivot_rod_cut_1_2 - t90 * t166 - t103 * t165 - t118 * t164;
+        const double t168 = t157 * inverse_pivot_rod_cut_1_1 - t73 * t167 - t88 * t166 - t101 * t165
+            - t116 * t164;
+        const double t169 = t134 * inverse_pivot_crank_pin_2 - t47 * t168 - t62 * t167 - t84 * t166;
+        const double t170 = t15 * t169 - t133 * inverse_t14 + t45 * t168 + t60 * t167 + t80 * t166;
+        const double t171 = t168 / (33377851.0 / 1500000000.0);
+        const double t172 = t170 / (33377851.0 / 1500000000.0) - t171;
+        vdot[b] = t172;
+        const double t173 = t167 / (33377851.0 / 1500000000.0);
+        const double t174 = t169 / (33377851.0 / 1500000000.0) - t173;
+        vdot[all + b] = t174;
+        const double t175 = t6 * t169 - (t161 + t13 * t170) + t43 * t168 - t58 * t167
+            - t166 * inverse_rod_1_J;
+        vdot[2 * all + b] = t175;
+        const double t176 = t1 * t169 - (t126 / (33377851.0 / 7500000000.0) + t8 * t170) + t8 * t168
+            - t1 * t167 - (450000000000.0 / 33377851.0) * t166;
+        vdot[3 * all + b] = t176;
+        const double t177 = (1260000000000.0 / 33377851.0) * t166;
+        const double t178 = t10 * t170 - t128 / (33377851.0 / 10500000000.0) - t3 * t169 + t10 * t168
+            - t3 * t167 - t177;
+        vdot[4 * all + b] = t178;
+        const double t179 = t165 / (33377851.0 / 1500000000.0);
+        const double t180 = t171 - t179;
+        vdot[5 * all + b] = t180;
+        const double t181 = t164 / (33377851.0 / 1500000000.0);
+        const double t182 = t173 - t181;
+        vdot[6 * all + b] = t182;
+        const double t183 = t156 * inverse_pivot_rod_cut_2_turn - t54 * t168 - t69 * t167 - t86 * t166
+            - t99 * t165 - t114 * t164;
+        const double t184 = t67 * t167 - (t155 + t183 * inverse_rod_2_J + t52 * t168)
+            + t166 * inverse_rod_2_J + t97 * t165 - t112 * t164;
+        vdot[7 * all + b] = t184;
+        const double t185 = t63 * t167 - (t137 / (33377851.0 / 7500000000.0)
+            + (450000000000.0 / 33377851.0) * t183 + t50 * t168) + (-450000000000.0 / 33377851.0) * t166
+            + t50 * t165 - t63 * t164;
+        vdot[8 * all + b] = t185;
+        const double t186 = (1260000000000.0 / 33377851.0) * t183;
+        const double t187 = t48 * t168 - (t139 / (33377851.0 / 10500000000.0) + t186) - t65 * t167
+            + t177 + t48 * t165 - t65 * t164;
+        vdot[9 * all + b] = t187;
+        const double t188 = t153 * inverse_pivot_slider_pin_2 - t41 * t183 - t96 * t165 - t111 * t164;
+        const double t189 = t33 * t188 - t150 * inverse_t32 - t39 * t183 + t94 * t165 + t109 * t164;
+        const double t190 = t179 - t189 / (33377851.0 / 1500000000.0);
+        vdot[10 * all + b] = t190;
+        const double t191 = t181 - t188 / (33377851.0 / 1500000000.0);
+        vdot[11 * all + b] = t191;
+        const double t192 = t31 * t189 - t147 - t25 * t188 + t183 * inverse_rod_3_J - t92 * t165
+            + t107 * t164;
+        vdot[12 * all + b] = t192;
+        const double t193 = t27 * t189 - t143 / (33377851.0 / 7500000000.0) - t20 * t188
+            + (-450000000000.0 / 33377851.0) * t183 - t27 * t165 + t20 * t164;
+        vdot[13 * all + b] = t193;
+        const double t194 = t29 * t189 - t144 / (33377851.0 / 10500000000.0) - t22 * t188 + t186
+            + t29 * t165 - t22 * t164;
+        vdot[14 * all + b] = t194;
+        const double t195 = t189 / (33377851.0 / 1000000000.0);
+        vdot[15 * all + b] = t195;
+        double code = 0.0;
+        const double finite = t172 + t174 + t175 + t176 + t178 + t180 + t182 + t184 + t185 + t187 + t190
+            + t191 + t192 + t193 + t194 + t195;
+        code = finite - finite == 0.0 ? code : 2.0; /* a result is not finite */
+        code = -(pivot_rod_cut_2_2
+            + 5.684341886080802e-14 * t123) > 0.0 ? code : 1.0; /* the pivot of rod_cut_2_2 vanished */
+        code = -(pivot_rod_cut_2_1
+            + 5.684341886080802e-14 * t106) > 0.0 ? code : 1.0; /* the pivot of rod_cut_2_1 vanished */
+        code = -(pivot_rod_cut_1_turn
+            + 5.684341886080802e-14 * t91) > 0.0 ? code : 1.0; /* the pivot of rod_cut_1_turn vanished */
+        code = -(pivot_rod_cut_1_2
+            + 5.684341886080802e-14 * t76) > 0.0 ? code : 1.0; /* the pivot of rod_cut_1_2 vanished */
+        code = -(pivot_rod_cut_1_1
+            + 5.684341886080802e-14 * t57) > 0.0 ? code : 1.0; /* the pivot of rod_cut_1_1 vanished */
+        code = -(pivot_rod_cut_2_turn
+            + 5.684341886080802e-14 * t42) > 0.0 ? code : 1.0; /* the pivot of rod_cut_2_turn vanished */
+        code = rod_2_J > 0.0 ? code : 1.0; /* the pivot of rod_2_phi vanished */
+        code = -(pivot_slider_pin_2
+            + 5.684341886080802e-14 * t37) > 0.0 ? code : 1.0; /* the pivot of slider_pin_2 vanished */
+        code = t32 > 0.0 ? code : 1.0; /* the pivot of slider_pin_1 vanished */
+        code = rod_3_J > 0.0 ? code : 1.0; /* the pivot of rod_3_phi vanished */
+        code = -(pivot_crank_pin_2
+            + 5.684341886080802e-14 * t19) > 0.0 ? code : 1.0; /* the pivot of crank_pin_2 vanished */
+        code = t14 > 0.0 ? code : 1.0; /* the pivot of crank_pin_1 vanished */
+        code = rod_1_J > 0.0 ? code : 1.0; /* the pivot of rod_1_phi vanished */
+        codes[b] = code;
+        failures |= crank_slider_3_block_bits(code);
+    }
+    if (!failures) return 0;
+    crank_slider_3_block_nan(count, all, 16, codes, vdot);
+    return crank_slider_3_block_code(codes);
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int crank_slider_3_accel_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[512], v_b[512], vdot_b[512];
+    int code;
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = crank_slider_3_accel_batch(count, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int crank_slider_3_accel_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    const ptrdiff_t all = n;
+    int left = n, code = 0;
+
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        const int failed = crank_slider_3_accel_copied(32, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 32; v += 32; vdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        const int failed = crank_slider_3_accel_states(8, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 8; v += 8; vdot += 8;
+    }
+    for (; left > 0; left--) {
+        const int failed = crank_slider_3_accel_copied(1, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 1; v += 1; vdot += 1;
+    }
+    return code;
 }
 
 int crank_slider_3_accel_batch(
@@ -5599,431 +6379,357 @@ int crank_slider_3_accel_batch(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-    (void) t;
-    (void) k;
-    double q_tail[512], v_tail[512];
-    double crank_cos_phi[32], crank_sin_phi[32], rod_1_cos_phi[32], rod_1_sin_phi[32];
-    double rod_2_cos_phi[32], rod_2_sin_phi[32], rod_3_cos_phi[32], rod_3_sin_phi[32], codes[32];
-    double vdot_block[16][32];
-    const ptrdiff_t all = n;
-    int code = 0;
-
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? crank_slider_3_block32_pad(all, count, 16, q, q_tail) : q;
-        const double *v_block = count < 32 ? crank_slider_3_block32_pad(all, count, 16, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double rod_1_phi = q_block[2 * stride + b];
-            const double rod_2_phi = q_block[7 * stride + b];
-            const double rod_3_phi = q_block[12 * stride + b];
-            rod_1_cos_phi[b] = cos(rod_1_phi);
-            rod_1_sin_phi[b] = sin(rod_1_phi);
-            rod_2_cos_phi[b] = cos(rod_2_phi);
-            rod_2_sin_phi[b] = sin(rod_2_phi);
-            rod_3_cos_phi[b] = cos(rod_3_phi);
-            rod_3_sin_phi[b] = sin(rod_3_phi);
-            const double crank_phi = 150.0 * t;
-            crank_cos_phi[b] = cos(crank_phi);
-            crank_sin_phi[b] = sin(crank_phi);
-        }
-        for (int b = 0; b < 32; b++) {
-            const double rod_1_alpha1 = q_block[3 * stride + b];
-            const double rod_1_alpha2 = q_block[4 * stride + b];
-            const double rod_2_alpha1 = q_block[8 * stride + b];
-            const double rod_2_alpha2 = q_block[9 * stride + b];
-            const double rod_3_alpha1 = q_block[13 * stride + b];
-            const double rod_3_alpha2 = q_block[14 * stride + b];
-            const double rod_1_phidot = v_block[2 * stride + b];
-            const double rod_1_alpha1dot = v_block[3 * stride + b];
-            const double rod_1_alpha2dot = v_block[4 * stride + b];
-            const double rod_2_phidot = v_block[7 * stride + b];
-            const double rod_2_alpha1dot = v_block[8 * stride + b];
-            const double rod_2_alpha2dot = v_block[9 * stride + b];
-            const double rod_3_phidot = v_block[12 * stride + b];
-            const double rod_3_alpha1dot = v_block[13 * stride + b];
-            const double rod_3_alpha2dot = v_block[14 * stride + b];
-            const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
-            const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
-            const double rod_1_J = (33377851.0 / 1800000000000.0) + rod_1_D2_1 * rod_1_alpha1
-                + rod_1_D2_2 * rod_1_alpha2;
-            const double rod_1_left_r_2 = rod_1_alpha1 - rod_1_alpha2;
-            const double rod_1_left_rdot_2 = rod_1_alpha1dot - rod_1_alpha2dot;
-            const double rod_1_left_s_1 = (-1.0 / 20.0) * rod_1_cos_phi[b]
-                - rod_1_left_r_2 * rod_1_sin_phi[b];
-            const double rod_1_left_s_2 = rod_1_left_r_2 * rod_1_cos_phi[b]
-                + (-1.0 / 20.0) * rod_1_sin_phi[b];
-            const double rod_1_left_sdot_2 = rod_1_left_rdot_2 * rod_1_cos_phi[b];
-            const double rod_1_cut_right_r_2 = rod_1_alpha1 + rod_1_alpha2;
-            const double rod_1_cut_right_rdot_2 = rod_1_alpha1dot + rod_1_alpha2dot;
-            const double rod_1_cut_right_s_1 = (1.0 / 20.0) * rod_1_cos_phi[b]
-                - rod_1_cut_right_r_2 * rod_1_sin_phi[b];
-            const double rod_1_cut_right_s_2 = rod_1_cut_right_r_2 * rod_1_cos_phi[b]
-                + (1.0 / 20.0) * rod_1_sin_phi[b];
-            const double rod_1_cut_right_sdot_2 = rod_1_cut_right_rdot_2 * rod_1_cos_phi[b];
-            const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
-            const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
-            const double rod_2_J = (33377851.0 / 1800000000000.0) + rod_2_D2_1 * rod_2_alpha1
-                + rod_2_D2_2 * rod_2_alpha2;
-            const double rod_2_cut_left_r_2 = rod_2_alpha1 - rod_2_alpha2;
-            const double rod_2_cut_left_rdot_2 = rod_2_alpha1dot - rod_2_alpha2dot;
-            const double rod_2_cut_left_s_1 = (-1.0 / 20.0) * rod_2_cos_phi[b]
-                - rod_2_cut_left_r_2 * rod_2_sin_phi[b];
-            const double rod_2_cut_left_s_2 = rod_2_cut_left_r_2 * rod_2_cos_phi[b]
-                + (-1.0 / 20.0) * rod_2_sin_phi[b];
-            const double rod_2_cut_left_sdot_2 = rod_2_cut_left_rdot_2 * rod_2_cos_phi[b];
-            const double rod_2_cut_right_r_2 = rod_2_alpha1 + rod_2_alpha2;
-            const double rod_2_cut_right_rdot_2 = rod_2_alpha1dot + rod_2_alpha2dot;
-            const double rod_2_cut_right_s_1 = (1.0 / 20.0) * rod_2_cos_phi[b]
-                - rod_2_cut_right_r_2 * rod_2_sin_phi[b];
-            const double rod_2_cut_right_s_2 = rod_2_cut_right_r_2 * rod_2_cos_phi[b]
-                + (1.0 / 20.0) * rod_2_sin_phi[b];
-            const double rod_2_cut_right_sdot_2 = rod_2_cut_right_rdot_2 * rod_2_cos_phi[b];
-            const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
-            const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
-            const double rod_3_J = (33377851.0 / 1800000000000.0) + rod_3_D2_1 * rod_3_alpha1
-                + rod_3_D2_2 * rod_3_alpha2;
-            const double rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2;
-            const double rod_3_right_rdot_2 = rod_3_alpha1dot + rod_3_alpha2dot;
-            const double rod_3_right_s_1 = (1.0 / 20.0) * rod_3_cos_phi[b]
-                - rod_3_right_r_2 * rod_3_sin_phi[b];
-            const double rod_3_right_s_2 = rod_3_right_r_2 * rod_3_cos_phi[b]
-                + (1.0 / 20.0) * rod_3_sin_phi[b];
-            const double rod_3_right_sdot_2 = rod_3_right_rdot_2 * rod_3_cos_phi[b];
-            const double rod_3_cut_left_r_2 = rod_3_alpha1 - rod_3_alpha2;
-            const double rod_3_cut_left_rdot_2 = rod_3_alpha1dot - rod_3_alpha2dot;
-            const double rod_3_cut_left_s_1 = (-1.0 / 20.0) * rod_3_cos_phi[b]
-                - rod_3_cut_left_r_2 * rod_3_sin_phi[b];
-            const double rod_3_cut_left_s_2 = rod_3_cut_left_r_2 * rod_3_cos_phi[b]
-                + (-1.0 / 20.0) * rod_3_sin_phi[b];
-            const double rod_3_cut_left_sdot_2 = rod_3_cut_left_rdot_2 * rod_3_cos_phi[b];
-            const double t1 = rod_1_cos_phi[b] / (33377851.0 / 7500000000.0);
-            const double t2 = t1 * rod_1_sin_phi[b];
-            const double t3 = rod_1_cos_phi[b] / (33377851.0 / 10500000000.0);
-            const double t4 = t3 * rod_1_sin_phi[b];
-            const double t5 = t2 + t4;
-            const double inverse_rod_1_J = 1.0 / rod_1_J;
-            const double t6 = rod_1_left_s_1 * inverse_rod_1_J;
-            const double t7 = t5 + t6 * rod_1_left_s_2;
-            const double t8 = rod_1_sin_phi[b] / (33377851.0 / 7500000000.0);
-            const double t9 = (1500000000.0 / 33377851.0) + t8 * rod_1_sin_phi[b];
-            const double t10 = rod_1_sin_phi[b] / (33377851.0 / 10500000000.0);
-            const double t11 = t10 * rod_1_sin_phi[b];
-            const double t12 = t9 + t11;
-            const double t13 = rod_1_left_s_2 * inverse_rod_1_J;
-            const double t14 = t12 + t13 * rod_1_left_s_2;
-            const double inverse_t14 = 1.0 / t14;
-            const double t15 = t7 * inverse_t14;
-            const double t16 = (1500000000.0 / 33377851.0) + t1 * rod_1_cos_phi[b];
-            const double t17 = t3 * rod_1_cos_phi[b];
-            const double t18 = t16 + t17;
-            const double t19 = t18 + t6 * rod_1_left_s_1;
-            const double pivot_crank_pin_2 = t15 * t7 - t19;
-            const double t20 = rod_3_cos_phi[b] / (33377851.0 / 7500000000.0);
-            const double t21 = t20 * rod_3_sin_phi[b];
-            const double t22 = rod_3_cos_phi[b] / (33377851.0 / 10500000000.0);
-            const double t23 = t22 * rod_3_sin_phi[b];
-            const double t24 = t21 + t23;
-            const double inverse_rod_3_J = 1.0 / rod_3_J;
-            const double t25 = rod_3_right_s_1 * inverse_rod_3_J;
-            const double t26 = t24 + t25 * rod_3_right_s_2;
-            const double t27 = rod_3_sin_phi[b] / (33377851.0 / 7500000000.0);
-            const double t28 = t27 * rod_3_sin_phi[b];
-            const double t29 = rod_3_sin_phi[b] / (33377851.0 / 10500000000.0);
-            const double t30 = t29 * rod_3_sin_phi[b];
-            const double t31 = rod_3_right_s_2 * inverse_rod_3_J;
-            const double t32 = (2500000000.0 / 33377851.0) + t28 + t30 + t31 * rod_3_right_s_2;
-            const double inverse_t32 = 1.0 / t32;
-            const double t33 = t26 * inverse_t32;
-            const double t34 = t20 * rod_3_cos_phi[b];
-            const double t35 = (1500000000.0 / 33377851.0) + t34;
-            const double t36 = t22 * rod_3_cos_phi[b];
-            const double t37 = t35 + t36 + t25 * rod_3_right_s_1;
-            const double pivot_slider_pin_2 = t33 * t26 - t37;
-            const double t38 = (-450000000000.0 / 33377851.0) * rod_3_sin_phi[b]
-                + (1260000000000.0 / 33377851.0) * rod_3_sin_phi[b] + t31;
-            const double t39 = t38 * inverse_t32;
-            const double t40 = (-450000000000.0 / 33377851.0) * rod_3_cos_phi[b]
-                + (1260000000000.0 / 33377851.0) * rod_3_cos_phi[b] + t25 - t39 * t26;
-            const double inverse_pivot_slider_pin_2 = 1.0 / pivot_slider_pin_2;
-            const double t41 = t40 * inverse_pivot_slider_pin_2;
-            const double inverse_rod_2_J = 1.0 / rod_2_J;
-            const double t42 = (178200000000000.0 / 33377851.0) + inverse_rod_3_J
-                + (27000000000000.0 / 33377851.0) + (151200000000000.0 / 33377851.0) + inverse_rod_2_J;
-            const double pivot_rod_cut_2_turn = t39 * t38 - t41 * t40 - t42;
-            const double t43 = rod_1_cut_right_s_2 * inverse_rod_1_J;
-            const double t44 = t9 - t11 + t43 * rod_1_left_s_2;
-            const double t45 = t44 * inverse_t14;
-            const double t46 = t10 * rod_1_cos_phi[b] - t8 * rod_1_cos_phi[b] - t43 * rod_1_left_s_1
-                + t45 * t7;
-            const double inverse_pivot_crank_pin_2 = 1.0 / pivot_crank_pin_2;
-            const double t47 = t46 * inverse_pivot_crank_pin_2;
-            const double t48 = rod_2_sin_phi[b] / (33377851.0 / 10500000000.0);
-            const double t49 = 120.0 * t48;
-            const double t50 = rod_2_sin_phi[b] / (33377851.0 / 7500000000.0);
-            const double t51 = 60.0 * t50;
-            const double t52 = rod_2_cut_left_s_2 * inverse_rod_2_J;
-            const double t53 = t49 - t51 - t52;
-            const double inverse_pivot_rod_cut_2_turn = 1.0 / pivot_rod_cut_2_turn;
-            const double t54 = t53 * inverse_pivot_rod_cut_2_turn;
-            const double t55 = t50 * rod_2_sin_phi[b];
-            const double t56 = t48 * rod_2_sin_phi[b];
-            const double t57 = t12 + t43 * rod_1_cut_right_s_2 + (1500000000.0 / 33377851.0) + t55 + t56
-                + t52 * rod_2_cut_left_s_2;
-            const double pivot_rod_cut_1_1 = t45 * t44 - t47 * t46 - t54 * t53 - t57;
-            const double t58 = rod_1_cut_right_s_1 * inverse_rod_1_J;
-            const double t59 = t4 - t2 - t58 * rod_1_left_s_2;
-            const double t60 = t59 * inverse_t14;
-            const double t61 = t16 - t17 + t58 * rod_1_left_s_1 + t60 * t7;
-            const double t62 = t61 * inverse_pivot_crank_pin_2;
-            const double t63 = rod_2_cos_phi[b] / (33377851.0 / 7500000000.0);
-            const double t64 = 60.0 * t63;
-            const double t65 = rod_2_cos_phi[b] / (33377851.0 / 10500000000.0);
-            const double t66 = 120.0 * t65;
-            const double t67 = rod_2_cut_left_s_1 * inverse_rod_2_J;
-            const double t68 = t64 - t66 + t67;
-            const double t69 = t68 * inverse_pivot_rod_cut_2_turn;
-            const double t70 = t63 * rod_2_sin_phi[b];
-            const double t71 = t65 * rod_2_sin_phi[b];
-            const double t72 = t5 + t58 * rod_1_cut_right_s_2 + t60 * t44 - t62 * t46 + t70 + t71
-                + t67 * rod_2_cut_left_s_2 - t69 * t53;
-            const double inverse_pivot_rod_cut_1_1 = 1.0 / pivot_rod_cut_1_1;
-            const double t73 = t72 * inverse_pivot_rod_cut_1_1;
-            const double t74 = t63 * rod_2_cos_phi[b];
-            const double t75 = t65 * rod_2_cos_phi[b];
-            const double t76 = t18 + t58 * rod_1_cut_right_s_1 + (1500000000.0 / 33377851.0) + t74 + t75
-                + t67 * rod_2_cut_left_s_1;
-            const double pivot_rod_cut_1_2 = t60 * t59 - t62 * t61 - t69 * t68 - t73 * t72 - t76;
-            const double t77 = (1260000000000.0 / 33377851.0) * rod_1_sin_phi[b];
-            const double t78 = (450000000000.0 / 33377851.0) * rod_1_sin_phi[b];
-            const double t79 = t77 - t78 - t13;
-            const double t80 = t79 * inverse_t14;
-            const double t81 = (450000000000.0 / 33377851.0) * rod_1_cos_phi[b];
-            const double t82 = (1260000000000.0 / 33377851.0) * rod_1_cos_phi[b];
-            const double t83 = t81 - t82 + t6 + t80 * t7;
-            const double t84 = t83 * inverse_pivot_crank_pin_2;
-            const double t85 = (124200000000000.0 / 33377851.0) + inverse_rod_2_J;
-            const double t86 = t85 * inverse_pivot_rod_cut_2_turn;
-            const double t87 = t78 + t77 + t43 + t80 * t44 - t84 * t46
-                + (-450000000000.0 / 33377851.0) * rod_2_sin_phi[b]
-                - (1260000000000.0 / 33377851.0) * rod_2_sin_phi[b] + t52 - t86 * t53;
-            const double t88 = t87 * inverse_pivot_rod_cut_1_1;
-            const double t89 = t80 * t59 - (t81 + t82 + t58) - t84 * t61
-                - (-450000000000.0 / 33377851.0) * rod_2_cos_phi[b]
-                + (1260000000000.0 / 33377851.0) * rod_2_cos_phi[b] - t67 - t86 * t68 - t88 * t72;
-            const double inverse_pivot_rod_cut_1_2 = 1.0 / pivot_rod_cut_1_2;
-            const double t90 = t89 * inverse_pivot_rod_cut_1_2;
-            const double t91 = (178200000000000.0 / 33377851.0) + inverse_rod_1_J
-                + (27000000000000.0 / 33377851.0) + (151200000000000.0 / 33377851.0) + inverse_rod_2_J;
-            const double pivot_rod_cut_1_turn = t80 * t79 - t84 * t83 - t86 * t85 - t88 * t87 - t90 * t89
-                - t91;
-            const double t92 = rod_3_cut_left_s_2 * inverse_rod_3_J;
-            const double t93 = (1500000000.0 / 33377851.0) + t28 - t30 + t92 * rod_3_right_s_2;
-            const double t94 = t93 * inverse_t32;
-            const double t95 = t29 * rod_3_cos_phi[b] - t27 * rod_3_cos_phi[b] - t92 * rod_3_right_s_1
-                + t94 * t26;
-            const double t96 = t95 * inverse_pivot_slider_pin_2;
-            const double t97 = rod_2_cut_right_s_2 * inverse_rod_2_J;
-            const double t98 = (-60.0) * t27 - 120.0 * t29 + t92 - t94 * t38 - t96 * t40 + t51 + t49 + t97;
-            const double t99 = t98 * inverse_pivot_rod_cut_2_turn;
-            const double t100 = (1500000000.0 / 33377851.0) + t55 - t56 + t97 * rod_2_cut_left_s_2
-                - t99 * t53;
-            const double t101 = t100 * inverse_pivot_rod_cut_1_1;
-            const double t102 = t48 * rod_2_cos_phi[b] - t50 * rod_2_cos_phi[b] - t97 * rod_2_cut_left_s_1
-                - t99 * t68 - t101 * t72;
-            const double t103 = t102 * inverse_pivot_rod_cut_1_2;
-            const double t104 = (-60.0) * t50 + t49 + t97 + t99 * t85 + t101 * t87 + t103 * t89;
-            const double inverse_pivot_rod_cut_1_turn = 1.0 / pivot_rod_cut_1_turn;
-            const double t105 = t104 * inverse_pivot_rod_cut_1_turn;
-            const double t106 = (3000000000.0 / 33377851.0) + t28 + t30 + t92 * rod_3_cut_left_s_2 + t55
-                + t56 + t97 * rod_2_cut_right_s_2;
-            const double pivot_rod_cut_2_1 = t94 * t93 - t96 * t95 - t99 * t98 - t101 * t100 - t103 * t102
-                - t105 * t104 - t106;
-            const double t107 = rod_3_cut_left_s_1 * inverse_rod_3_J;
-            const double t108 = t23 - t21 - t107 * rod_3_right_s_2;
-            const double t109 = t108 * inverse_t32;
-            const double t110 = t35 - t36 + t107 * rod_3_right_s_1 + t109 * t26;
-            const double t111 = t110 * inverse_pivot_slider_pin_2;
-            const double t112 = rod_2_cut_right_s_1 * inverse_rod_2_J;
-            const double t113 = 120.0 * t22 - (-60.0) * t20 - t107 - t109 * t38 - t111 * t40 - t64 - t66
-                - t112;
-            const double t114 = t113 * inverse_pivot_rod_cut_2_turn;
-            const double t115 = t71 - t70 - t112 * rod_2_cut_left_s_2 - t114 * t53;
-            const double t116 = t115 * inverse_pivot_rod_cut_1_1;
-            const double t117 = (1500000000.0 / 33377851.0) + t74 - t75 + t112 * rod_2_cut_left_s_1
-                - t114 * t68 - t116 * t72;
-            const double t118 = t117 * inverse_pivot_rod_cut_1_2;
-            const double t119 = (-60.0) * t63 + t66 + t112 - t114 * t85 - t116 * t87 - t118 * t89;
-            const double t120 = t119 * inverse_pivot_rod_cut_1_turn;
-            const double t121 = t24 + t107 * rod_3_cut_left_s_2 + t109 * t93 - t111 * t95 + t70 + t71
-                + t112 * rod_2_cut_right_s_2 - t114 * t98 - t116 * t100 - t118 * t102 + t120 * t104;
-            const double inverse_pivot_rod_cut_2_1 = 1.0 / pivot_rod_cut_2_1;
-            const double t122 = t121 * inverse_pivot_rod_cut_2_1;
-            const double t123 = (3000000000.0 / 33377851.0) + t34 + t36 + t107 * rod_3_cut_left_s_1 + t74
-                + t75 + t112 * rod_2_cut_right_s_1;
-            const double pivot_rod_cut_2_2 = t109 * t108 - t111 * t110 - t114 * t113 - t116 * t115
-                - t118 * t117 - t120 * t119 - t122 * t121 - t123;
-            const double crank_pin_s_1 = (3.0 / 20.0) * crank_cos_phi[b];
-            const double crank_pin_s_2 = (3.0 / 20.0) * crank_sin_phi[b];
-            const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
-            const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
-            const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
-            const double t124 = 2.0 * rod_1_phidot;
-            const double t125 = rod_1_phidot * rod_1_phidot;
-            const double t126 = (1145110518.0 / 625.0) * rod_1_alpha1 - t125 * rod_1_D2_1;
-            const double t127 = t1 * t126;
-            const double t128 = (381703506.0 / 25.0) * rod_1_alpha2 - t125 * rod_1_D2_2;
-            const double t129 = t3 * t128;
-            const double t130 = t124 * rod_1_D2dot;
-            const double t131 = t8 * t126;
-            const double t132 = t10 * t128;
-            const double t133 = 22500.0 * crank_pin_s_1 - t125 * rod_1_left_s_1 - t124 * rod_1_left_sdot_2
-                + t131 - t132 + t13 * t130;
-            const double t134 = 22500.0 * crank_pin_s_2 - t124 * (rod_1_left_rdot_2 * rod_1_sin_phi[b])
-                - t125 * rod_1_left_s_2 - t127 + t129 - t6 * t130 + t15 * t133;
-            const double t135 = rod_2_phidot * rod_2_phidot;
-            const double t136 = 2.0 * rod_2_phidot;
-            const double t137 = (1145110518.0 / 625.0) * rod_2_alpha1 - t135 * rod_2_D2_1;
-            const double t138 = t50 * t137;
-            const double t139 = (381703506.0 / 25.0) * rod_2_alpha2 - t135 * rod_2_D2_2;
-            const double t140 = t48 * t139;
-            const double t141 = t136 * rod_2_D2dot;
-            const double t142 = rod_3_phidot * rod_3_phidot;
-            const double t143 = (1145110518.0 / 625.0) * rod_3_alpha1 - t142 * rod_3_D2_1;
-            const double t144 = (381703506.0 / 25.0) * rod_3_alpha2 - t142 * rod_3_D2_2;
-            const double t145 = 2.0 * rod_3_phidot;
-            const double t146 = t145 * rod_3_D2dot;
-            const double t147 = t146 * inverse_rod_3_J;
-            const double t148 = t27 * t143;
-            const double t149 = t29 * t144;
-            const double t150 = t145 * rod_3_right_sdot_2 + t142 * rod_3_right_s_1 - t148 - t149
-                - t31 * t146;
-            const double t151 = t20 * t143;
-            const double t152 = t22 * t144;
-            const double t153 = t142 * rod_3_right_s_2 + t145 * (rod_3_right_rdot_2 * rod_3_sin_phi[b])
-                + t151 + t152 + t25 * t146 + t33 * t150;
-            const double t154 = (1260000000000.0 / 33377851.0) * t139;
-            const double t155 = t141 * inverse_rod_2_J;
-            const double t156 = (450000000000.0 / 33377851.0) * t137
-                - ((-450000000000.0 / 33377851.0) * t143 + (1260000000000.0 / 33377851.0) * t144 + t147
-                + t39 * t150 + t41 * t153) + t154 + t155;
-            const double t157 = t125 * rod_1_cut_right_s_1 + t124 * rod_1_cut_right_sdot_2
-                - t135 * rod_2_cut_left_s_1 - t136 * rod_2_cut_left_sdot_2 - t131 - t132 - t43 * t130
-                + t45 * t133 - t47 * t134 + t138 - t140 + t52 * t141 - t54 * t156;
-            const double t158 = t63 * t137;
-            const double t159 = t65 * t139;
-            const double t160 = t125 * rod_1_cut_right_s_2
-                - t136 * (rod_2_cut_left_rdot_2 * rod_2_sin_phi[b])
-                + t124 * (rod_1_cut_right_rdot_2 * rod_1_sin_phi[b]) - t135 * rod_2_cut_left_s_2 + t127
-                + t129 + t58 * t130 + t60 * t133 - t62 * t134 - t158 + t159 - t67 * t141 - t69 * t156
-                - t73 * t157;
-            const double t161 = t130 * inverse_rod_1_J;
-            const double t162 = (450000000000.0 / 33377851.0) * t126 + (1260000000000.0 / 33377851.0) * t128
-                + t161 + t80 * t133 - t84 * t134 - (-450000000000.0 / 33377851.0) * t137 - t154 - t155
-                - t86 * t156 - t88 * t157 - t90 * t160;
-            const double t163 = t135 * rod_2_cut_right_s_1 + t136 * rod_2_cut_right_sdot_2
-                - t142 * rod_3_cut_left_s_1 - t145 * rod_3_cut_left_sdot_2 + t148 - t149 + t92 * t146
-                + t94 * t150 - t96 * t153 - t138 - t140 - t97 * t141 - t99 * t156 - t101 * t157
-                - t103 * t160 + t105 * t162;
-            const double t164 = (t135 * rod_2_cut_right_s_2
-                - t145 * (rod_3_cut_left_rdot_2 * rod_3_sin_phi[b])
-                + t136 * (rod_2_cut_right_rdot_2 * rod_2_sin_phi[b]) - t142 * rod_3_cut_left_s_2 - t151
-                + t152 - t107 * t146 + t109 * t150 - t111 * t153 + t158 + t159 + t112 * t141 - t114 * t156
-                - t116 * t157 - t118 * t160 - t120 * t162 - t122 * t163) / pivot_rod_cut_2_2;
-            const double t165 = t163 * inverse_pivot_rod_cut_2_1 - t122 * t164;
-            const double t166 = t162 * inverse_pivot_rod_cut_1_turn + t105 * t165 - t120 * t164;
-            const double t167 = t160 * inverse_pivot_rod_cut_1_2 - t90 * t166 - t103 * t165 - t118 * t164;
-            const double t168 = t157 * inverse_pivot_rod_cut_1_1 - t73 * t167 - t88 * t166 - t101 * t165
-                - t116 * t164;
-            const double t169 = t134 * inverse_pivot_crank_pin_2 - t47 * t168 - t62 * t167 - t84 * t166;
-            const double t170 = t15 * t169 - t133 * inverse_t14 + t45 * t168 + t60 * t167 + t80 * t166;
-            const double t171 = t168 / (33377851.0 / 1500000000.0);
-            const double t172 = t170 / (33377851.0 / 1500000000.0) - t171;
-            vdot_block[0][b] = t172;
-            const double t173 = t167 / (33377851.0 / 1500000000.0);
-            const double t174 = t169 / (33377851.0 / 1500000000.0) - t173;
-            vdot_block[1][b] = t174;
-            const double t175 = t6 * t169 - (t161 + t13 * t170) + t43 * t168 - t58 * t167
-                - t166 * inverse_rod_1_J;
-            vdot_block[2][b] = t175;
-            const double t176 = t1 * t169 - (t126 / (33377851.0 / 7500000000.0) + t8 * t170) + t8 * t168
-                - t1 * t167 - (450000000000.0 / 33377851.0) * t166;
-            vdot_block[3][b] = t176;
-            const double t177 = (1260000000000.0 / 33377851.0) * t166;
-            const double t178 = t10 * t170 - t128 / (33377851.0 / 10500000000.0) - t3 * t169 + t10 * t168
-                - t3 * t167 - t177;
-            vdot_block[4][b] = t178;
-            const double t179 = t165 / (33377851.0 / 1500000000.0);
-            const double t180 = t171 - t179;
-            vdot_block[5][b] = t180;
-            const double t181 = t164 / (33377851.0 / 1500000000.0);
-            const double t182 = t173 - t181;
-            vdot_block[6][b] = t182;
-            const double t183 = t156 * inverse_pivot_rod_cut_2_turn - t54 * t168 - t69 * t167 - t86 * t166
-                - t99 * t165 - t114 * t164;
-            const double t184 = t67 * t167 - (t155 + t183 * inverse_rod_2_J + t52 * t168)
-                + t166 * inverse_rod_2_J + t97 * t165 - t112 * t164;
-            vdot_block[7][b] = t184;
-            const double t185 = t63 * t167 - (t137 / (33377851.0 / 7500000000.0)
-                + (450000000000.0 / 33377851.0) * t183 + t50 * t168) + (-450000000000.0 / 33377851.0) * t166
-                + t50 * t165 - t63 * t164;
-            vdot_block[8][b] = t185;
-            const double t186 = (1260000000000.0 / 33377851.0) * t183;
-            const double t187 = t48 * t168 - (t139 / (33377851.0 / 10500000000.0) + t186) - t65 * t167
-                + t177 + t48 * t165 - t65 * t164;
-            vdot_block[9][b] = t187;
-            const double t188 = t153 * inverse_pivot_slider_pin_2 - t41 * t183 - t96 * t165 - t111 * t164;
-            const double t189 = t33 * t188 - t150 * inverse_t32 - t39 * t183 + t94 * t165 + t109 * t164;
-            const double t190 = t179 - t189 / (33377851.0 / 1500000000.0);
-            vdot_block[10][b] = t190;
-            const double t191 = t181 - t188 / (33377851.0 / 1500000000.0);
-            vdot_block[11][b] = t191;
-            const double t192 = t31 * t189 - t147 - t25 * t188 + t183 * inverse_rod_3_J - t92 * t165
-                + t107 * t164;
-            vdot_block[12][b] = t192;
-            const double t193 = t27 * t189 - t143 / (33377851.0 / 7500000000.0) - t20 * t188
-                + (-450000000000.0 / 33377851.0) * t183 - t27 * t165 + t20 * t164;
-            vdot_block[13][b] = t193;
-            const double t194 = t29 * t189 - t144 / (33377851.0 / 10500000000.0) - t22 * t188 + t186
-                + t29 * t165 - t22 * t164;
-            vdot_block[14][b] = t194;
-            const double t195 = t189 / (33377851.0 / 1000000000.0);
-            vdot_block[15][b] = t195;
-            double code_b = 0.0;
-            const double finite = t172 + t174 + t175 + t176 + t178 + t180 + t182 + t184 + t185 + t187 + t190
-                + t191 + t192 + t193 + t194 + t195;
-            code_b = finite - finite == 0.0 ? code_b : 2.0; /* a result is not finite */
-            code_b = -(pivot_rod_cut_2_2
-                + 5.684341886080802e-14 * t123) > 0.0 ? code_b : 1.0; /* the pivot of rod_cut_2_2 vanished */
-            code_b = -(pivot_rod_cut_2_1
-                + 5.684341886080802e-14 * t106) > 0.0 ? code_b : 1.0; /* the pivot of rod_cut_2_1 vanished */
-            code_b = -(pivot_rod_cut_1_turn
-                + 5.684341886080802e-14 * t91) > 0.0 ? code_b : 1.0; /* the pivot of rod_cut_1_turn vanished */
-            code_b = -(pivot_rod_cut_1_2
-                + 5.684341886080802e-14 * t76) > 0.0 ? code_b : 1.0; /* the pivot of rod_cut_1_2 vanished */
-            code_b = -(pivot_rod_cut_1_1
-                + 5.684341886080802e-14 * t57) > 0.0 ? code_b : 1.0; /* the pivot of rod_cut_1_1 vanished */
-            code_b = -(pivot_rod_cut_2_turn
-                + 5.684341886080802e-14 * t42) > 0.0 ? code_b : 1.0; /* the pivot of rod_cut_2_turn vanished */
-            code_b = rod_2_J > 0.0 ? code_b : 1.0; /* the pivot of rod_2_phi vanished */
-            code_b = -(pivot_slider_pin_2
-                + 5.684341886080802e-14 * t37) > 0.0 ? code_b : 1.0; /* the pivot of slider_pin_2 vanished */
-            code_b = t32 > 0.0 ? code_b : 1.0; /* the pivot of slider_pin_1 vanished */
-            code_b = rod_3_J > 0.0 ? code_b : 1.0; /* the pivot of rod_3_phi vanished */
-            code_b = -(pivot_crank_pin_2
-                + 5.684341886080802e-14 * t19) > 0.0 ? code_b : 1.0; /* the pivot of crank_pin_2 vanished */
-            code_b = t14 > 0.0 ? code_b : 1.0; /* the pivot of crank_pin_1 vanished */
-            code_b = rod_1_J > 0.0 ? code_b : 1.0; /* the pivot of rod_1_phi vanished */
-            codes[b] = code_b;
-        }
-        crank_slider_3_block32_scatter(all, count, 16, vdot_block, vdot);
-        const int failed = crank_slider_3_block_fail(all, count, 16, codes, vdot);
-        if (code == 0) code = failed;
-        q += count;
-        v += count;
-        vdot += count;
+    if (n == 1) {
+        const int code = crank_slider_3_accel(t, q, v, k, vdot);
+for (int e = 0; code && e < 16; e++) vdot[e] = (double) NAN;
+        return code;
     }
+    return crank_slider_3_accel_blocks(n, t, q, v, k, vdot);
+}
+
+TISSERAND_INLINE void crank_slider_3_energy_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT energy)
+{
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double rod_1_alpha1 = q[3 * all + b];
+        const double rod_1_alpha2 = q[4 * all + b];
+        const double rod_2_alpha1 = q[8 * all + b];
+        const double rod_2_alpha2 = q[9 * all + b];
+        const double rod_3_alpha1 = q[13 * all + b];
+        const double rod_3_alpha2 = q[14 * all + b];
+        const double rod_1_c1dot = v[b];
+        const double rod_1_c2dot = v[all + b];
+        const double rod_1_phidot = v[2 * all + b];
+        const double rod_1_alpha1dot = v[3 * all + b];
+        const double rod_1_alpha2dot = v[4 * all + b];
+        const double rod_2_c1dot = v[5 * all + b];
+        const double rod_2_c2dot = v[6 * all + b];
+        const double rod_2_phidot = v[7 * all + b];
+        const double rod_2_alpha1dot = v[8 * all + b];
+        const double rod_2_alpha2dot = v[9 * all + b];
+        const double rod_3_c1dot = v[10 * all + b];
+        const double rod_3_c2dot = v[11 * all + b];
+        const double rod_3_phidot = v[12 * all + b];
+        const double rod_3_alpha1dot = v[13 * all + b];
+        const double rod_3_alpha2dot = v[14 * all + b];
+        const double slider_sdot = v[15 * all + b];
+        const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+        const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
+        const double rod_1_J = (33377851.0 / 1800000000000.0) + rod_1_D2_1 * rod_1_alpha1
+            + rod_1_D2_2 * rod_1_alpha2;
+        const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+        const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
+        const double rod_2_J = (33377851.0 / 1800000000000.0) + rod_2_D2_1 * rod_2_alpha1
+            + rod_2_D2_2 * rod_2_alpha2;
+        const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+        const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
+        const double rod_3_J = (33377851.0 / 1800000000000.0) + rod_3_D2_1 * rod_3_alpha1
+            + rod_3_D2_2 * rod_3_alpha2;
+        energy[b] = 0.5 * (rod_1_phidot * rod_1_phidot * rod_1_J
+            + (33377851.0 / 7500000000.0) * (rod_1_alpha1dot * rod_1_alpha1dot)
+            + (33377851.0 / 10500000000.0) * (rod_1_alpha2dot * rod_1_alpha2dot)
+            + (33377851.0 / 1500000000.0) * (rod_1_c1dot * rod_1_c1dot)
+            + (33377851.0 / 1500000000.0) * (rod_1_c2dot * rod_1_c2dot)
+            + rod_2_phidot * rod_2_phidot * rod_2_J
+            + (33377851.0 / 7500000000.0) * (rod_2_alpha1dot * rod_2_alpha1dot)
+            + (33377851.0 / 10500000000.0) * (rod_2_alpha2dot * rod_2_alpha2dot)
+            + (33377851.0 / 1500000000.0) * (rod_2_c1dot * rod_2_c1dot)
+            + (33377851.0 / 1500000000.0) * (rod_2_c2dot * rod_2_c2dot)
+            + rod_3_phidot * rod_3_phidot * rod_3_J
+            + (33377851.0 / 7500000000.0) * (rod_3_alpha1dot * rod_3_alpha1dot)
+            + (33377851.0 / 10500000000.0) * (rod_3_alpha2dot * rod_3_alpha2dot)
+            + (33377851.0 / 1500000000.0) * (rod_3_c1dot * rod_3_c1dot)
+            + (33377851.0 / 1500000000.0) * (rod_3_c2dot * rod_3_c2dot)
+            + (33377851.0 / 1000000000.0) * (slider_sdot * slider_sdot));
+        energy[all + b] = 0.5 * ((1145110518.0 / 625.0) * (rod_1_alpha1 * rod_1_alpha1)
+            + (381703506.0 / 25.0) * (rod_1_alpha2 * rod_1_alpha2)
+            + (1145110518.0 / 625.0) * (rod_2_alpha1 * rod_2_alpha1)
+            + (381703506.0 / 25.0) * (rod_2_alpha2 * rod_2_alpha2)
+            + (1145110518.0 / 625.0) * (rod_3_alpha1 * rod_3_alpha1)
+            + (381703506.0 / 25.0) * (rod_3_alpha2 * rod_3_alpha2));
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int crank_slider_3_energy_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    double q_b[512], v_b[512], energy_b[64];
+    int code;
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = crank_slider_3_energy_batch(count, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
     return code;
+}
+
+TISSERAND_APART int crank_slider_3_energy_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        crank_slider_3_energy_states(8, 8, q, v, k, energy);
+        return 0;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        crank_slider_3_energy_copied(32, all, q, v, k, energy);
+        q += 32; v += 32; energy += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        crank_slider_3_energy_states(8, all, q, v, k, energy);
+        q += 8; v += 8; energy += 8;
+    }
+    if (left > 0) {
+        crank_slider_3_energy_states(left, all, q, v, k, energy);
+    }
+    return 0;
+}
+
+int crank_slider_3_energy_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    return n == 1 ? crank_slider_3_energy(q, v, k, energy) : crank_slider_3_energy_blocks(n, q, v, k, energy);
+}
+
+TISSERAND_INLINE void crank_slider_3_momentum_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT momentum)
+{
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double rod_1_c1 = q[b];
+        const double rod_1_c2 = q[all + b];
+        const double rod_1_alpha1 = q[3 * all + b];
+        const double rod_1_alpha2 = q[4 * all + b];
+        const double rod_2_c1 = q[5 * all + b];
+        const double rod_2_c2 = q[6 * all + b];
+        const double rod_2_alpha1 = q[8 * all + b];
+        const double rod_2_alpha2 = q[9 * all + b];
+        const double rod_3_c1 = q[10 * all + b];
+        const double rod_3_c2 = q[11 * all + b];
+        const double rod_3_alpha1 = q[13 * all + b];
+        const double rod_3_alpha2 = q[14 * all + b];
+        const double rod_1_c1dot = v[b];
+        const double rod_1_c2dot = v[all + b];
+        const double rod_1_phidot = v[2 * all + b];
+        const double rod_2_c1dot = v[5 * all + b];
+        const double rod_2_c2dot = v[6 * all + b];
+        const double rod_2_phidot = v[7 * all + b];
+        const double rod_3_c1dot = v[10 * all + b];
+        const double rod_3_c2dot = v[11 * all + b];
+        const double rod_3_phidot = v[12 * all + b];
+        const double slider_sdot = v[15 * all + b];
+        const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+        const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
+        const double rod_1_J = (33377851.0 / 1800000000000.0) + rod_1_D2_1 * rod_1_alpha1
+            + rod_1_D2_2 * rod_1_alpha2;
+        const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+        const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
+        const double rod_2_J = (33377851.0 / 1800000000000.0) + rod_2_D2_1 * rod_2_alpha1
+            + rod_2_D2_2 * rod_2_alpha2;
+        const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+        const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
+        const double rod_3_J = (33377851.0 / 1800000000000.0) + rod_3_D2_1 * rod_3_alpha1
+            + rod_3_D2_2 * rod_3_alpha2;
+        momentum[b] = (33377851.0 / 1500000000.0) * rod_1_c1dot
+            + (33377851.0 / 1500000000.0) * rod_2_c1dot + (33377851.0 / 1500000000.0) * rod_3_c1dot
+            + (33377851.0 / 1000000000.0) * slider_sdot;
+        momentum[all + b] = (33377851.0 / 1500000000.0) * rod_1_c2dot
+            + (33377851.0 / 1500000000.0) * rod_2_c2dot + (33377851.0 / 1500000000.0) * rod_3_c2dot;
+        momentum[2 * all + b] = rod_1_phidot * rod_1_J + rod_2_phidot * rod_2_J + rod_3_phidot * rod_3_J
+            + (33377851.0 / 1500000000.0) * (rod_1_c2dot * rod_1_c1)
+            + (33377851.0 / 1500000000.0) * (rod_2_c2dot * rod_2_c1)
+            + (33377851.0 / 1500000000.0) * (rod_3_c2dot * rod_3_c1)
+            - (33377851.0 / 1500000000.0) * (rod_1_c1dot * rod_1_c2)
+            - (33377851.0 / 1500000000.0) * (rod_2_c1dot * rod_2_c2)
+            - (33377851.0 / 1500000000.0) * (rod_3_c1dot * rod_3_c2);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int crank_slider_3_momentum_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    double q_b[512], v_b[512], momentum_b[96];
+    int code;
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = crank_slider_3_momentum_batch(count, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int crank_slider_3_momentum_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        crank_slider_3_momentum_states(8, 8, q, v, k, momentum);
+        return 0;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        crank_slider_3_momentum_copied(32, all, q, v, k, momentum);
+        q += 32; v += 32; momentum += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        crank_slider_3_momentum_states(8, all, q, v, k, momentum);
+        q += 8; v += 8; momentum += 8;
+    }
+    if (left > 0) {
+        crank_slider_3_momentum_states(left, all, q, v, k, momentum);
+    }
+    return 0;
+}
+
+int crank_slider_3_momentum_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    return n == 1 ? crank_slider_3_momentum(q, v, k, momentum) : crank_slider_3_momentum_blocks(n, q, v, k, momentum);
+}
+
+TISSERAND_INLINE void crank_slider_3_rates_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT qdot)
+{
+    (void) q;
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double rod_1_c1dot = v[b];
+        const double rod_1_c2dot = v[all + b];
+        const double rod_1_phidot = v[2 * all + b];
+        const double rod_1_alpha1dot = v[3 * all + b];
+        const double rod_1_alpha2dot = v[4 * all + b];
+        const double rod_2_c1dot = v[5 * all + b];
+        const double rod_2_c2dot = v[6 * all + b];
+        const double rod_2_phidot = v[7 * all + b];
+        const double rod_2_alpha1dot = v[8 * all + b];
+        const double rod_2_alpha2dot = v[9 * all + b];
+        const double rod_3_c1dot = v[10 * all + b];
+        const double rod_3_c2dot = v[11 * all + b];
+        const double rod_3_phidot = v[12 * all + b];
+        const double rod_3_alpha1dot = v[13 * all + b];
+        const double rod_3_alpha2dot = v[14 * all + b];
+        const double slider_sdot = v[15 * all + b];
+        qdot[b] = rod_1_c1dot;
+        qdot[all + b] = rod_1_c2dot;
+        qdot[2 * all + b] = rod_1_phidot;
+        qdot[3 * all + b] = rod_1_alpha1dot;
+        qdot[4 * all + b] = rod_1_alpha2dot;
+        qdot[5 * all + b] = rod_2_c1dot;
+        qdot[6 * all + b] = rod_2_c2dot;
+        qdot[7 * all + b] = rod_2_phidot;
+        qdot[8 * all + b] = rod_2_alpha1dot;
+        qdot[9 * all + b] = rod_2_alpha2dot;
+        qdot[10 * all + b] = rod_3_c1dot;
+        qdot[11 * all + b] = rod_3_c2dot;
+        qdot[12 * all + b] = rod_3_phidot;
+        qdot[13 * all + b] = rod_3_alpha1dot;
+        qdot[14 * all + b] = rod_3_alpha2dot;
+        qdot[15 * all + b] = slider_sdot;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int crank_slider_3_rates_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    double q_b[512], v_b[512], qdot_b[512];
+    int code;
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = crank_slider_3_rates_batch(count, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int crank_slider_3_rates_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        crank_slider_3_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        crank_slider_3_rates_copied(32, all, q, v, k, qdot);
+        q += 32; v += 32; qdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        crank_slider_3_rates_states(8, all, q, v, k, qdot);
+        q += 8; v += 8; qdot += 8;
+    }
+    if (left > 0) {
+        crank_slider_3_rates_states(left, all, q, v, k, qdot);
+    }
+    return 0;
+}
+
+int crank_slider_3_rates_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    return n == 1 ? crank_slider_3_rates(q, v, k, qdot) : crank_slider_3_rates_blocks(n, q, v, k, qdot);
 }
 
 #endif
@@ -6332,7 +7038,7 @@ static const tisserand_scene crank_slider_3_scene = {
 };
 
 static const tisserand_model crank_slider_3_descriptor = {
-    7,
+    8,
     "crank_slider_3",
     CRANK_SLIDER_3_HASH,
     CRANK_SLIDER_3_NQ,
@@ -6369,8 +7075,16 @@ static const tisserand_model crank_slider_3_descriptor = {
 #ifndef TISSERAND_WITHOUT_BATCHES
     crank_slider_3_mass_batch,
     crank_slider_3_force_batch,
+    crank_slider_3_mass_force_batch,
     crank_slider_3_accel_batch,
+    crank_slider_3_energy_batch,
+    crank_slider_3_momentum_batch,
+    crank_slider_3_rates_batch,
 #else
+    0,
+    0,
+    0,
+    0,
     0,
     0,
     0,

@@ -13,13 +13,107 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_1432f0ee3da8644e
+#ifndef DOUBLE_PENDULUM_HASH_39e634fa5684c6cb
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
+/* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
+   and then make no vectors of it. */
+#if defined(__clang__)
+#  pragma clang diagnostic ignored "-Wpass-failed"
+#  define TISSERAND_STATES _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__) && __GNUC__ >= 8
+#  define TISSERAND_STATES _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
+#else
+#  define TISSERAND_STATES
+#endif
+
+/* INLINE: functions that are compiled anew wherever they are called, for the number of states that is given there.
+   APART: functions that are not, so that what calls them last needs no stack. */
+#if defined(__GNUC__)
+#  define TISSERAND_INLINE static inline __attribute__((always_inline, unused))
+#  define TISSERAND_APART static __attribute__((noinline))
+#else
+#  define TISSERAND_INLINE static inline
+#  define TISSERAND_APART static
+#endif
+
+/* ---- sine and cosine: the same operations for one state and for the states of a batch, so that their bits are equal ----
+
+   |x| <= 1e5: x - n pi/2, where pi/2 is the sum of three numbers (Cody and Waite); the first two have so few digits that
+   their products with n are exact. Then polynomials of minimax error on [-pi/4, pi/4]. The error is below 0.9 units in the
+   last place (0.5 is the least that rounding leaves). Other numbers, and NaN, are left to the C library, and so is everything
+   where compilers may reorder sums or compute with more digits than doubles have. */
+#ifndef TISSERAND_SINE
+#define TISSERAND_SINE
+/* The sine s and cosine c of x. The first bit of the result is set where they are those of another number: |x| > 1e5, NaN. */
+TISSERAND_INLINE unsigned long long tisserand_sine_core(double x, double *s, double *c)
+{
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || (defined(__ASSOCIATIVE_MATH__) && __ASSOCIATIVE_MATH__) \
+    || (defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD > 1))
+    *s = *c = x;
+    return ~0ull;
+#else
+    const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to an integer, which the last bits then hold */
+    const double shifted = x * 0.6366197723675814 + shift, n = shifted - shift;
+    const double left = x - n * 1.5707963267923333, middle = n * 2.5633441515839558e-12;
+    const double first = left - middle, rest = n * 1.0562999066987428e-23 - ((left - first) - middle);
+    const double r = first - rest, d = rest - (first - r); /* the reduced angle is r - d */
+    const double z = r * r, zz = z * z;
+    const double f = (-0.1666666666666663 + z * 0.00833333333332184)
+        + zz * ((-0.0001984126982935851 + z * 2.7557313538498483e-06)
+        + zz * (-2.5050734385276395e-08 + z * 1.5895432973634774e-10));
+    const double g = (0.041666666666666595 - z * 0.0013888888888873342)
+        + zz * ((2.4801587289002076e-05 - z * 2.755731421703596e-07)
+        + zz * (2.0875705395290323e-09 - z * 1.1358749181413732e-11));
+    const double half = 0.5 * z, most = 1.0 - half;
+    const double sine = r - (d - z * r * f);
+    const double cosine = most + (((1.0 - most) - half) + (zz * g + r * d));
+    unsigned long long of_x, of_s, of_c, quadrant, exchanged;
+    memcpy(&of_x, &x, sizeof of_x);
+    memcpy(&quadrant, &shifted, sizeof quadrant);
+    memcpy(&of_s, &sine, sizeof of_s);
+    memcpy(&of_c, &cosine, sizeof of_c);
+    exchanged = (of_s ^ of_c) & (0ull - (quadrant & 1));
+    of_s ^= exchanged ^ ((quadrant & 2) << 62);
+    of_c ^= exchanged ^ (((quadrant + 1) & 2) << 62);
+    memcpy(s, &of_s, sizeof of_s);
+    memcpy(c, &of_c, sizeof of_c);
+    return 0x40f86a0000000000ull - (of_x & 0x7fffffffffffffffull); /* bits of positive numbers have the order of the numbers */
+#endif
+}
+
+TISSERAND_INLINE double tisserand_sin(double x)
+{
+    double s, c;
+    return tisserand_sine_core(x, &s, &c) >> 63 ? sin(x) : s;
+}
+
+TISSERAND_INLINE double tisserand_cos(double x)
+{
+    double s, c;
+    return tisserand_sine_core(x, &s, &c) >> 63 ? cos(x) : c;
+}
+
+/* Sines s and cosines c of the angles x of some states. The first loop has no branch, so that compilers make vectors of it. */
+TISSERAND_INLINE void tisserand_sines(
+    int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
+{
+    unsigned long long outside = 0;
+    TISSERAND_STATES for (int b = 0; b < count; b++) outside |= tisserand_sine_core(x[b], s + b, c + b);
+    if (outside >> 63) {
+        for (int b = 0; b < count; b++) {
+            s[b] = tisserand_sin(x[b]);
+            c[b] = tisserand_cos(x[b]);
+        }
+    }
+}
+#endif
 int double_pendulum_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -233,8 +327,8 @@ int double_pendulum_accel(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
@@ -268,8 +362,8 @@ int double_pendulum_accel(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
@@ -586,9 +680,9 @@ int double_pendulum_marker_upper_left(
      */
     const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
     const double upper_left_rdot_2 = upper_alpha1dot - upper_alpha2dot;
-    const double upper_cos_phi = cos(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
     const double t1 = (-0.5) * upper_cos_phi;
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
     const double t2 = upper_left_r_2 * upper_sin_phi;
     const double upper_left_s_1 = t1 - t2;
     const double t3 = (-0.5) * upper_sin_phi;
@@ -636,7 +730,7 @@ int double_pendulum_marker_upper_middle(
      *     = Q rdot at middle, along e2
      */
     const double t1 = 0.5 * upper_alpha1;
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
     const double upper_middle_s_1 = t1 * upper_sin_phi;
     const double t2 = 0.5 * upper_alpha1dot;
     const double upper_middle_sdot_1 = t2 * upper_sin_phi;
@@ -645,7 +739,7 @@ int double_pendulum_marker_upper_middle(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = upper_c1 + upper_middle_s_1;
@@ -689,9 +783,9 @@ int double_pendulum_marker_upper_right(
      */
     const double upper_right_r_2 = upper_alpha1 + upper_alpha2;
     const double upper_right_rdot_2 = upper_alpha1dot + upper_alpha2dot;
-    const double upper_cos_phi = cos(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
     const double t1 = 0.5 * upper_cos_phi;
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
     const double t2 = upper_right_r_2 * upper_sin_phi;
     const double upper_right_s_1 = t1 - t2;
     const double t3 = 0.5 * upper_sin_phi;
@@ -743,9 +837,9 @@ int double_pendulum_marker_lower_left(
      */
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
     const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
-    const double lower_cos_phi = cos(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
     const double t1 = (-0.5) * lower_cos_phi;
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
     const double t2 = lower_left_r_2 * lower_sin_phi;
     const double lower_left_s_1 = t1 - t2;
     const double t3 = (-0.5) * lower_sin_phi;
@@ -793,7 +887,7 @@ int double_pendulum_marker_lower_middle(
      *     = Q rdot at middle, along e2
      */
     const double t1 = 0.5 * lower_alpha1;
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
     const double lower_middle_s_1 = t1 * lower_sin_phi;
     const double t2 = 0.5 * lower_alpha1dot;
     const double lower_middle_sdot_1 = t2 * lower_sin_phi;
@@ -802,7 +896,7 @@ int double_pendulum_marker_lower_middle(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = lower_c1 + lower_middle_s_1;
@@ -846,9 +940,9 @@ int double_pendulum_marker_lower_right(
      */
     const double lower_right_r_2 = lower_alpha1 + lower_alpha2;
     const double lower_right_rdot_2 = lower_alpha1dot + lower_alpha2dot;
-    const double lower_cos_phi = cos(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
     const double t1 = 0.5 * lower_cos_phi;
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
     const double t2 = lower_right_r_2 * lower_sin_phi;
     const double lower_right_s_1 = t1 - t2;
     const double t3 = 0.5 * lower_sin_phi;
@@ -891,8 +985,8 @@ int double_pendulum_load_upper_left(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* F (10): the force in the body frame */
     const double upper_left_Fb_1 = F_1 * upper_cos_phi + F_2 * upper_sin_phi;
@@ -934,8 +1028,8 @@ int double_pendulum_load_upper_middle(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* F (10): the force in the body frame */
     const double upper_middle_Fb_1 = F_1 * upper_cos_phi + F_2 * upper_sin_phi;
@@ -972,8 +1066,8 @@ int double_pendulum_load_upper_right(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* F (10): the force in the body frame */
     const double upper_right_Fb_1 = F_1 * upper_cos_phi + F_2 * upper_sin_phi;
@@ -1016,8 +1110,8 @@ int double_pendulum_load_lower_left(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* F (10): the force in the body frame */
     const double lower_left_Fb_1 = F_1 * lower_cos_phi + F_2 * lower_sin_phi;
@@ -1059,8 +1153,8 @@ int double_pendulum_load_lower_middle(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* F (10): the force in the body frame */
     const double lower_middle_Fb_1 = F_1 * lower_cos_phi + F_2 * lower_sin_phi;
@@ -1097,8 +1191,8 @@ int double_pendulum_load_lower_right(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* F (10): the force in the body frame */
     const double lower_right_Fb_1 = F_1 * lower_cos_phi + F_2 * lower_sin_phi;
@@ -1147,8 +1241,8 @@ int double_pendulum_constraints(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /*
      * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_s_2 = Q r at
@@ -1170,8 +1264,8 @@ int double_pendulum_constraints(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /*
      * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_s_2 = Q r at
@@ -1219,8 +1313,8 @@ int double_pendulum_constraint_rates(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /*
      * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_sdot_2 = Q rdot
@@ -1246,8 +1340,8 @@ int double_pendulum_constraint_rates(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /*
      * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_sdot_2 = Q rdot
@@ -1288,8 +1382,8 @@ int double_pendulum_constraint_jacobian(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /*
      * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_s_2 = Q r at
@@ -1311,8 +1405,8 @@ int double_pendulum_constraint_jacobian(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /*
      * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_s_2 = Q r at
@@ -1377,8 +1471,8 @@ int double_pendulum_constraint_bias(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /*
      * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_sdot_2 = Q rdot
@@ -1404,8 +1498,8 @@ int double_pendulum_constraint_bias(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /*
      * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_sdot_2 = Q rdot
@@ -1458,8 +1552,8 @@ int double_pendulum_solve(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
@@ -1493,8 +1587,8 @@ int double_pendulum_solve(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
@@ -1669,8 +1763,8 @@ int double_pendulum_project_velocity(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
@@ -1700,8 +1794,8 @@ int double_pendulum_project_velocity(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
@@ -1900,8 +1994,8 @@ int double_pendulum_residual(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
@@ -1934,8 +2028,8 @@ int double_pendulum_residual(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
@@ -2034,8 +2128,8 @@ int double_pendulum_jacobian(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
@@ -2068,8 +2162,8 @@ int double_pendulum_jacobian(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
@@ -2287,8 +2381,8 @@ int double_pendulum_residual_ggl(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
@@ -2325,8 +2419,8 @@ int double_pendulum_residual_ggl(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
@@ -2444,8 +2538,8 @@ int double_pendulum_jacobian_ggl(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
@@ -2482,8 +2576,8 @@ int double_pendulum_jacobian_ggl(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
@@ -2789,8 +2883,8 @@ int double_pendulum_residual_index1(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
@@ -2827,8 +2921,8 @@ int double_pendulum_residual_index1(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
@@ -2947,8 +3041,8 @@ int double_pendulum_jacobian_index1(
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
-    const double upper_cos_phi = cos(upper_phi);
-    const double upper_sin_phi = sin(upper_phi);
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
@@ -2985,8 +3079,8 @@ int double_pendulum_jacobian_index1(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
-    const double lower_cos_phi = cos(lower_phi);
-    const double lower_sin_phi = sin(lower_phi);
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
@@ -3189,40 +3283,106 @@ int double_pendulum_jacobian_index1(
 
 #ifndef TISSERAND_WITHOUT_BATCHES
 
-/* The rows of a block that is not full: its last state is repeated. */
-static const double *double_pendulum_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
+/* The bits of a code, which are 0 for success. */
+TISSERAND_INLINE unsigned long long double_pendulum_block_bits(double code)
 {
-    for (int e = 0; e < rows; e++)
-        for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
-    return to;
+    unsigned long long bits;
+    memcpy(&bits, &code, sizeof bits);
+    return bits;
 }
 
-/* The rows of a block to their places among those of all states. */
-static inline void double_pendulum_block32_scatter(
-    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
+/* NaN for the states of a block that fail. */
+static void double_pendulum_block_nan(int count, ptrdiff_t all, int rows, const double *codes, double *to)
 {
-    for (int e = 0; e < rows; e++) {
-        double *row = to + e * all;
-        if (count == 32) {
-            for (int b = 0; b < 32; b++) row[b] = from[e][b];
-        } else {
-            for (int b = 0; b < 32; b++) {
-                if (b < count) row[b] = from[e][b];
-            }
-        }
-    }
-}
-
-/* NaN for the states that fail, and the code of the first of them. */
-static int double_pendulum_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
-{
-    int code = 0;
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
-        if (code == 0) code = (int) codes[b];
         for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
+}
+
+/* The code of the first state of a block that fails; there is one. */
+static int double_pendulum_block_code(const double *codes)
+{
+    while (*codes == 0.0) codes++;
+    return (int) *codes;
+}
+
+TISSERAND_INLINE void double_pendulum_mass_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M)
+{
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double upper_alpha1 = q[3 * all + b];
+        const double upper_alpha2 = q[4 * all + b];
+        const double lower_alpha1 = q[8 * all + b];
+        const double lower_alpha2 = q[9 * all + b];
+        const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+        const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
+        const double upper_J = (32965779.0 / 4000000000.0) + upper_D2_1 * upper_alpha1
+            + upper_D2_2 * upper_alpha2;
+        const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+        const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
+        const double lower_J = (32965779.0 / 4000000000.0) + lower_D2_1 * lower_alpha1
+            + lower_D2_2 * lower_alpha2;
+        M[b] = (98897337.0 / 1000000000.0);
+        M[all + b] = (98897337.0 / 1000000000.0);
+        M[2 * all + b] = upper_J;
+        M[3 * all + b] = (98897337.0 / 5000000000.0);
+        M[4 * all + b] = (14128191.0 / 1000000000.0);
+        M[5 * all + b] = (98897337.0 / 1000000000.0);
+        M[6 * all + b] = (98897337.0 / 1000000000.0);
+        M[7 * all + b] = lower_J;
+        M[8 * all + b] = (98897337.0 / 5000000000.0);
+        M[9 * all + b] = (14128191.0 / 1000000000.0);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int double_pendulum_mass_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    double q_b[320], M_b[320];
+    int code;
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    code = double_pendulum_mass_batch(count, q_b, k, M_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
     return code;
+}
+
+TISSERAND_APART int double_pendulum_mass_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        double_pendulum_mass_states(8, 8, q, k, M);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        double_pendulum_mass_copied(32, all, q, k, M);
+        q += 32; M += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        double_pendulum_mass_states(8, all, q, k, M);
+        q += 8; M += 8;
+    }
+    if (left > 0) {
+        double_pendulum_mass_states(left, all, q, k, M);
+    }
+    return 0;
 }
 
 int double_pendulum_mass_batch(
@@ -3231,42 +3391,97 @@ int double_pendulum_mass_batch(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    (void) k;
-    double q_tail[320];
-    double M_block[10][32];
-    const ptrdiff_t all = n;
+    return n == 1 ? double_pendulum_mass(q, k, M) : double_pendulum_mass_blocks(n, q, k, M);
+}
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? double_pendulum_block32_pad(all, count, 10, q, q_tail) : q;
-        for (int b = 0; b < 32; b++) {
-            const double upper_alpha1 = q_block[3 * stride + b];
-            const double upper_alpha2 = q_block[4 * stride + b];
-            const double lower_alpha1 = q_block[8 * stride + b];
-            const double lower_alpha2 = q_block[9 * stride + b];
-            const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
-            const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
-            const double upper_J = (32965779.0 / 4000000000.0) + upper_D2_1 * upper_alpha1
-                + upper_D2_2 * upper_alpha2;
-            const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
-            const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
-            const double lower_J = (32965779.0 / 4000000000.0) + lower_D2_1 * lower_alpha1
-                + lower_D2_2 * lower_alpha2;
-            M_block[0][b] = (98897337.0 / 1000000000.0);
-            M_block[1][b] = (98897337.0 / 1000000000.0);
-            M_block[2][b] = upper_J;
-            M_block[3][b] = (98897337.0 / 5000000000.0);
-            M_block[4][b] = (14128191.0 / 1000000000.0);
-            M_block[5][b] = (98897337.0 / 1000000000.0);
-            M_block[6][b] = (98897337.0 / 1000000000.0);
-            M_block[7][b] = lower_J;
-            M_block[8][b] = (98897337.0 / 5000000000.0);
-            M_block[9][b] = (14128191.0 / 1000000000.0);
-        }
-        double_pendulum_block32_scatter(all, count, 10, M_block, M);
-        q += count;
-        M += count;
+TISSERAND_INLINE void double_pendulum_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT h)
+{
+    (void) t;
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double upper_alpha1 = q[3 * all + b];
+        const double upper_alpha2 = q[4 * all + b];
+        const double lower_alpha1 = q[8 * all + b];
+        const double lower_alpha2 = q[9 * all + b];
+        const double upper_phidot = v[2 * all + b];
+        const double upper_alpha1dot = v[3 * all + b];
+        const double upper_alpha2dot = v[4 * all + b];
+        const double lower_phidot = v[7 * all + b];
+        const double lower_alpha1dot = v[8 * all + b];
+        const double lower_alpha2dot = v[9 * all + b];
+        const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+        const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
+        const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
+        const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+        const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
+        const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
+        h[b] = 0.0;
+        h[all + b] = (97018287597.0 / 100000000000.0);
+        h[2 * all + b] = 2.0 * upper_phidot * upper_D2dot;
+        const double t1 = upper_phidot * upper_phidot;
+        h[3 * all + b] = (226194669.0 / 625000.0) * upper_alpha1 - t1 * upper_D2_1;
+        h[4 * all + b] = (75398223.0 / 25000.0) * upper_alpha2 - t1 * upper_D2_2;
+        h[5 * all + b] = 0.0;
+        h[6 * all + b] = (97018287597.0 / 100000000000.0);
+        h[7 * all + b] = 2.0 * lower_phidot * lower_D2dot;
+        const double t2 = lower_phidot * lower_phidot;
+        h[8 * all + b] = (226194669.0 / 625000.0) * lower_alpha1 - t2 * lower_D2_1;
+        h[9 * all + b] = (75398223.0 / 25000.0) * lower_alpha2 - t2 * lower_D2_2;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int double_pendulum_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    double q_b[320], v_b[320], h_b[320];
+    int code;
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = double_pendulum_force_batch(count, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int double_pendulum_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        double_pendulum_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        double_pendulum_force_copied(32, all, t, q, v, k, h);
+        q += 32; v += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        double_pendulum_force_states(8, all, t, q, v, k, h);
+        q += 8; v += 8; h += 8;
+    }
+    if (left > 0) {
+        double_pendulum_force_states(left, all, t, q, v, k, h);
     }
     return 0;
 }
@@ -3279,53 +3494,350 @@ int double_pendulum_force_batch(
     const double *TISSERAND_RESTRICT k,
     double *h)
 {
+    return n == 1 ? double_pendulum_force(t, q, v, k, h) : double_pendulum_force_blocks(n, t, q, v, k, h);
+}
+
+TISSERAND_INLINE void double_pendulum_mass_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M,
+    double *TISSERAND_RESTRICT h)
+{
     (void) t;
     (void) k;
-    double q_tail[320], v_tail[320];
-    double h_block[10][32];
-    const ptrdiff_t all = n;
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? double_pendulum_block32_pad(all, count, 10, q, q_tail) : q;
-        const double *v_block = count < 32 ? double_pendulum_block32_pad(all, count, 10, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double upper_alpha1 = q_block[3 * stride + b];
-            const double upper_alpha2 = q_block[4 * stride + b];
-            const double lower_alpha1 = q_block[8 * stride + b];
-            const double lower_alpha2 = q_block[9 * stride + b];
-            const double upper_phidot = v_block[2 * stride + b];
-            const double upper_alpha1dot = v_block[3 * stride + b];
-            const double upper_alpha2dot = v_block[4 * stride + b];
-            const double lower_phidot = v_block[7 * stride + b];
-            const double lower_alpha1dot = v_block[8 * stride + b];
-            const double lower_alpha2dot = v_block[9 * stride + b];
-            const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
-            const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
-            const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
-            const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
-            const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
-            const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
-            h_block[0][b] = 0.0;
-            h_block[1][b] = (97018287597.0 / 100000000000.0);
-            h_block[2][b] = 2.0 * upper_phidot * upper_D2dot;
-            const double t1 = upper_phidot * upper_phidot;
-            h_block[3][b] = (226194669.0 / 625000.0) * upper_alpha1 - t1 * upper_D2_1;
-            h_block[4][b] = (75398223.0 / 25000.0) * upper_alpha2 - t1 * upper_D2_2;
-            h_block[5][b] = 0.0;
-            h_block[6][b] = (97018287597.0 / 100000000000.0);
-            h_block[7][b] = 2.0 * lower_phidot * lower_D2dot;
-            const double t2 = lower_phidot * lower_phidot;
-            h_block[8][b] = (226194669.0 / 625000.0) * lower_alpha1 - t2 * lower_D2_1;
-            h_block[9][b] = (75398223.0 / 25000.0) * lower_alpha2 - t2 * lower_D2_2;
-        }
-        double_pendulum_block32_scatter(all, count, 10, h_block, h);
-        q += count;
-        v += count;
-        h += count;
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double upper_alpha1 = q[3 * all + b];
+        const double upper_alpha2 = q[4 * all + b];
+        const double lower_alpha1 = q[8 * all + b];
+        const double lower_alpha2 = q[9 * all + b];
+        const double upper_phidot = v[2 * all + b];
+        const double upper_alpha1dot = v[3 * all + b];
+        const double upper_alpha2dot = v[4 * all + b];
+        const double lower_phidot = v[7 * all + b];
+        const double lower_alpha1dot = v[8 * all + b];
+        const double lower_alpha2dot = v[9 * all + b];
+        const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+        const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
+        const double t1 = lower_phidot * lower_phidot;
+        h[9 * all + b] = (75398223.0 / 25000.0) * lower_alpha2 - t1 * lower_D2_2;
+        M[9 * all + b] = (14128191.0 / 1000000000.0);
+        h[8 * all + b] = (226194669.0 / 625000.0) * lower_alpha1 - t1 * lower_D2_1;
+        M[8 * all + b] = (98897337.0 / 5000000000.0);
+        const double lower_J = (32965779.0 / 4000000000.0) + lower_D2_1 * lower_alpha1
+            + lower_D2_2 * lower_alpha2;
+        const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
+        h[7 * all + b] = 2.0 * lower_phidot * lower_D2dot;
+        M[7 * all + b] = lower_J;
+        h[6 * all + b] = (97018287597.0 / 100000000000.0);
+        M[6 * all + b] = (98897337.0 / 1000000000.0);
+        h[5 * all + b] = 0.0;
+        M[5 * all + b] = (98897337.0 / 1000000000.0);
+        const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+        const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
+        const double t2 = upper_phidot * upper_phidot;
+        h[4 * all + b] = (75398223.0 / 25000.0) * upper_alpha2 - t2 * upper_D2_2;
+        M[4 * all + b] = (14128191.0 / 1000000000.0);
+        h[3 * all + b] = (226194669.0 / 625000.0) * upper_alpha1 - t2 * upper_D2_1;
+        M[3 * all + b] = (98897337.0 / 5000000000.0);
+        const double upper_J = (32965779.0 / 4000000000.0) + upper_D2_1 * upper_alpha1
+            + upper_D2_2 * upper_alpha2;
+        const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
+        h[2 * all + b] = 2.0 * upper_phidot * upper_D2dot;
+        M[2 * all + b] = upper_J;
+        h[all + b] = (97018287597.0 / 100000000000.0);
+        M[all + b] = (98897337.0 / 1000000000.0);
+        h[b] = 0.0;
+        M[b] = (98897337.0 / 1000000000.0);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int double_pendulum_mass_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    double q_b[320], v_b[320], M_b[320], h_b[320];
+    int code;
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = double_pendulum_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int double_pendulum_mass_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        double_pendulum_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        double_pendulum_mass_force_copied(32, all, t, q, v, k, M, h);
+        q += 32; v += 32; M += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        double_pendulum_mass_force_states(8, all, t, q, v, k, M, h);
+        q += 8; v += 8; M += 8; h += 8;
+    }
+    if (left > 0) {
+        double_pendulum_mass_force_states(left, all, t, q, v, k, M, h);
     }
     return 0;
+}
+
+int double_pendulum_mass_force_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    return n == 1 ? double_pendulum_mass_force(t, q, v, k, M, h) : double_pendulum_mass_force_blocks(n, t, q, v, k, M, h);
+}
+
+TISSERAND_INLINE int double_pendulum_accel_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT vdot)
+{
+    (void) t;
+    (void) k;
+    double lower_cos_phi[8], lower_sin_phi[8], upper_cos_phi[8], upper_sin_phi[8];
+    double codes[8];
+    unsigned long long failures = 0;
+
+    tisserand_sines(count, q + 2 * all, upper_sin_phi, upper_cos_phi);
+    tisserand_sines(count, q + 7 * all, lower_sin_phi, lower_cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double upper_alpha1 = q[3 * all + b];
+        const double upper_alpha2 = q[4 * all + b];
+        const double lower_alpha1 = q[8 * all + b];
+        const double lower_alpha2 = q[9 * all + b];
+        const double upper_phidot = v[2 * all + b];
+        const double upper_alpha1dot = v[3 * all + b];
+        const double upper_alpha2dot = v[4 * all + b];
+        const double lower_phidot = v[7 * all + b];
+        const double lower_alpha1dot = v[8 * all + b];
+        const double lower_alpha2dot = v[9 * all + b];
+        const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+        const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
+        const double upper_J = (32965779.0 / 4000000000.0) + upper_D2_1 * upper_alpha1
+            + upper_D2_2 * upper_alpha2;
+        const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
+        const double upper_left_rdot_2 = upper_alpha1dot - upper_alpha2dot;
+        const double upper_left_s_1 = (-0.5) * upper_cos_phi[b] - upper_left_r_2 * upper_sin_phi[b];
+        const double upper_left_s_2 = (-0.5) * upper_sin_phi[b] + upper_left_r_2 * upper_cos_phi[b];
+        const double upper_left_sdot_2 = upper_left_rdot_2 * upper_cos_phi[b];
+        const double upper_right_r_2 = upper_alpha1 + upper_alpha2;
+        const double upper_right_rdot_2 = upper_alpha1dot + upper_alpha2dot;
+        const double upper_right_s_1 = 0.5 * upper_cos_phi[b] - upper_right_r_2 * upper_sin_phi[b];
+        const double upper_right_s_2 = 0.5 * upper_sin_phi[b] + upper_right_r_2 * upper_cos_phi[b];
+        const double upper_right_sdot_2 = upper_right_rdot_2 * upper_cos_phi[b];
+        const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+        const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
+        const double lower_J = (32965779.0 / 4000000000.0) + lower_D2_1 * lower_alpha1
+            + lower_D2_2 * lower_alpha2;
+        const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
+        const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
+        const double lower_left_s_1 = (-0.5) * lower_cos_phi[b] - lower_left_r_2 * lower_sin_phi[b];
+        const double lower_left_s_2 = (-0.5) * lower_sin_phi[b] + lower_left_r_2 * lower_cos_phi[b];
+        const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi[b];
+        const double t1 = upper_cos_phi[b] / (98897337.0 / 5000000000.0);
+        const double t2 = t1 * upper_sin_phi[b];
+        const double t3 = upper_cos_phi[b] / (14128191.0 / 1000000000.0);
+        const double t4 = t3 * upper_sin_phi[b];
+        const double inverse_upper_J = 1.0 / upper_J;
+        const double t5 = upper_left_s_1 * inverse_upper_J;
+        const double t6 = t2 + t4 + t5 * upper_left_s_2;
+        const double t7 = upper_sin_phi[b] / (98897337.0 / 5000000000.0);
+        const double t8 = t7 * upper_sin_phi[b];
+        const double t9 = (1000000000.0 / 98897337.0) + t8;
+        const double t10 = upper_sin_phi[b] / (14128191.0 / 1000000000.0);
+        const double t11 = t10 * upper_sin_phi[b];
+        const double t12 = upper_left_s_2 * inverse_upper_J;
+        const double t13 = t9 + t11 + t12 * upper_left_s_2;
+        const double inverse_t13 = 1.0 / t13;
+        const double t14 = t6 * inverse_t13;
+        const double t15 = t1 * upper_cos_phi[b];
+        const double t16 = (1000000000.0 / 98897337.0) + t15;
+        const double t17 = t3 * upper_cos_phi[b];
+        const double t18 = t16 + t17 + t5 * upper_left_s_1;
+        const double pivot_hinge_2 = t14 * t6 - t18;
+        const double t19 = upper_right_s_2 * inverse_upper_J;
+        const double t20 = t9 - t11 + t19 * upper_left_s_2;
+        const double t21 = t20 * inverse_t13;
+        const double t22 = t10 * upper_cos_phi[b] - t7 * upper_cos_phi[b] - t19 * upper_left_s_1
+            + t21 * t6;
+        const double inverse_pivot_hinge_2 = 1.0 / pivot_hinge_2;
+        const double t23 = t22 * inverse_pivot_hinge_2;
+        const double t24 = lower_sin_phi[b] / (14128191.0 / 1000000000.0);
+        const double t25 = lower_sin_phi[b] / (98897337.0 / 5000000000.0);
+        const double inverse_lower_J = 1.0 / lower_J;
+        const double t26 = lower_left_s_2 * inverse_lower_J;
+        const double t27 = (1000000000.0 / 98897337.0) + t24 * lower_sin_phi[b] + t25 * lower_sin_phi[b]
+            + t26 * lower_left_s_2 + (1000000000.0 / 98897337.0) + t8 + t11 + t19 * upper_right_s_2;
+        const double pivot_elbow_1 = t21 * t20 - t23 * t22 - t27;
+        const double t28 = upper_right_s_1 * inverse_upper_J;
+        const double t29 = t4 - t2 - t28 * upper_left_s_2;
+        const double t30 = t29 * inverse_t13;
+        const double t31 = t16 - t17 + t28 * upper_left_s_1 + t30 * t6;
+        const double t32 = t31 * inverse_pivot_hinge_2;
+        const double t33 = lower_cos_phi[b] / (14128191.0 / 1000000000.0);
+        const double t34 = lower_cos_phi[b] / (98897337.0 / 5000000000.0);
+        const double t35 = lower_left_s_1 * inverse_lower_J;
+        const double t36 = t33 * lower_sin_phi[b] + t34 * lower_sin_phi[b] + t35 * lower_left_s_2 + t2
+            + t4 + t28 * upper_right_s_2 + t30 * t20 - t32 * t22;
+        const double inverse_pivot_elbow_1 = 1.0 / pivot_elbow_1;
+        const double t37 = t36 * inverse_pivot_elbow_1;
+        const double t38 = (2000000000.0 / 98897337.0) + t33 * lower_cos_phi[b] + t34 * lower_cos_phi[b]
+            + t35 * lower_left_s_1 + t15 + t17 + t28 * upper_right_s_1;
+        const double pivot_elbow_2 = t30 * t29 - t32 * t31 - t37 * t36 - t38;
+        const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
+        const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
+        const double t39 = 2.0 * upper_phidot;
+        const double t40 = upper_phidot * upper_phidot;
+        const double t41 = (226194669.0 / 625000.0) * upper_alpha1 - t40 * upper_D2_1;
+        const double t42 = t1 * t41;
+        const double t43 = (75398223.0 / 25000.0) * upper_alpha2 - t40 * upper_D2_2;
+        const double t44 = t3 * t43;
+        const double t45 = t39 * upper_D2dot;
+        const double t46 = t7 * t41;
+        const double t47 = t10 * t43;
+        const double t48 = t46 - (t40 * upper_left_s_1 + t39 * upper_left_sdot_2) - t47 + t12 * t45;
+        const double t49 = (-981.0 / 100.0) - (t39 * (upper_left_rdot_2 * upper_sin_phi[b])
+            + t40 * upper_left_s_2) - t42 + t44 - t5 * t45 + t14 * t48;
+        const double t50 = lower_phidot * lower_phidot;
+        const double t51 = 2.0 * lower_phidot;
+        const double t52 = (75398223.0 / 25000.0) * lower_alpha2 - t50 * lower_D2_2;
+        const double t53 = (226194669.0 / 625000.0) * lower_alpha1 - t50 * lower_D2_1;
+        const double t54 = t51 * lower_D2dot;
+        const double t55 = t39 * upper_right_sdot_2 + t40 * upper_right_s_1 - t50 * lower_left_s_1
+            - t51 * lower_left_sdot_2 - t24 * t52 + t25 * t53 + t26 * t54 - t46 - t47 - t19 * t45
+            + t21 * t48 - t23 * t49;
+        const double t56 = (t40 * upper_right_s_2 - t51 * (lower_left_rdot_2 * lower_sin_phi[b])
+            - t50 * lower_left_s_2 + t39 * (upper_right_rdot_2 * upper_sin_phi[b]) + t33 * t52
+            - t34 * t53 - t35 * t54 + t42 + t44 + t28 * t45 + t30 * t48 - t32 * t49
+            - t37 * t55) / pivot_elbow_2;
+        const double t57 = t55 * inverse_pivot_elbow_1 - t37 * t56;
+        const double t58 = t49 * inverse_pivot_hinge_2 - t23 * t57 - t32 * t56;
+        const double t59 = t14 * t58 - t48 * inverse_t13 + t21 * t57 + t30 * t56;
+        const double t60 = t57 / (98897337.0 / 1000000000.0);
+        const double t61 = t59 / (98897337.0 / 1000000000.0) - t60;
+        vdot[b] = t61;
+        const double t62 = t56 / (98897337.0 / 1000000000.0);
+        const double t63 = (-981.0 / 100.0) + t58 / (98897337.0 / 1000000000.0) - t62;
+        vdot[all + b] = t63;
+        const double t64 = t5 * t58 - (t45 * inverse_upper_J + t12 * t59) + t19 * t57 - t28 * t56;
+        vdot[2 * all + b] = t64;
+        const double t65 = t1 * t58 - (t41 / (98897337.0 / 5000000000.0) + t7 * t59) + t7 * t57
+            - t1 * t56;
+        vdot[3 * all + b] = t65;
+        const double t66 = t10 * t59 - t43 / (14128191.0 / 1000000000.0) - t3 * t58 + t10 * t57
+            - t3 * t56;
+        vdot[4 * all + b] = t66;
+        vdot[5 * all + b] = t60;
+        const double t67 = (-981.0 / 100.0) + t62;
+        vdot[6 * all + b] = t67;
+        const double t68 = t35 * t56 - (t54 * inverse_lower_J + t26 * t57);
+        vdot[7 * all + b] = t68;
+        const double t69 = t34 * t56 - (t53 / (98897337.0 / 5000000000.0) + t25 * t57);
+        vdot[8 * all + b] = t69;
+        const double t70 = t24 * t57 - t52 / (14128191.0 / 1000000000.0) - t33 * t56;
+        vdot[9 * all + b] = t70;
+        double code = 0.0;
+        const double finite = t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70;
+        code = finite - finite == 0.0 ? code : 2.0; /* a result is not finite */
+        code = -(pivot_elbow_2
+            + 5.684341886080802e-14 * t38) > 0.0 ? code : 1.0; /* the pivot of elbow_2 vanished */
+        code = -(pivot_elbow_1
+            + 5.684341886080802e-14 * t27) > 0.0 ? code : 1.0; /* the pivot of elbow_1 vanished */
+        code = -(pivot_hinge_2
+            + 5.684341886080802e-14 * t18) > 0.0 ? code : 1.0; /* the pivot of hinge_2 vanished */
+        code = t13 > 0.0 ? code : 1.0; /* the pivot of hinge_1 vanished */
+        code = upper_J > 0.0 ? code : 1.0; /* the pivot of upper_phi vanished */
+        code = lower_J > 0.0 ? code : 1.0; /* the pivot of lower_phi vanished */
+        codes[b] = code;
+        failures |= double_pendulum_block_bits(code);
+    }
+    if (!failures) return 0;
+    double_pendulum_block_nan(count, all, 10, codes, vdot);
+    return double_pendulum_block_code(codes);
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int double_pendulum_accel_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[320], v_b[320], vdot_b[320];
+    int code;
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = double_pendulum_accel_batch(count, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int double_pendulum_accel_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    const ptrdiff_t all = n;
+    int left = n, code = 0;
+
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        const int failed = double_pendulum_accel_copied(32, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 32; v += 32; vdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        const int failed = double_pendulum_accel_states(8, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 8; v += 8; vdot += 8;
+    }
+    for (; left > 0; left--) {
+        const int failed = double_pendulum_accel_copied(1, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 1; v += 1; vdot += 1;
+    }
+    return code;
 }
 
 int double_pendulum_accel_batch(
@@ -3336,185 +3848,314 @@ int double_pendulum_accel_batch(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-    (void) t;
-    (void) k;
-    double q_tail[320], v_tail[320];
-    double lower_cos_phi[32], lower_sin_phi[32], upper_cos_phi[32], upper_sin_phi[32], codes[32];
-    double vdot_block[10][32];
-    const ptrdiff_t all = n;
-    int code = 0;
-
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? double_pendulum_block32_pad(all, count, 10, q, q_tail) : q;
-        const double *v_block = count < 32 ? double_pendulum_block32_pad(all, count, 10, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double upper_phi = q_block[2 * stride + b];
-            const double lower_phi = q_block[7 * stride + b];
-            upper_cos_phi[b] = cos(upper_phi);
-            upper_sin_phi[b] = sin(upper_phi);
-            lower_cos_phi[b] = cos(lower_phi);
-            lower_sin_phi[b] = sin(lower_phi);
-        }
-        for (int b = 0; b < 32; b++) {
-            const double upper_alpha1 = q_block[3 * stride + b];
-            const double upper_alpha2 = q_block[4 * stride + b];
-            const double lower_alpha1 = q_block[8 * stride + b];
-            const double lower_alpha2 = q_block[9 * stride + b];
-            const double upper_phidot = v_block[2 * stride + b];
-            const double upper_alpha1dot = v_block[3 * stride + b];
-            const double upper_alpha2dot = v_block[4 * stride + b];
-            const double lower_phidot = v_block[7 * stride + b];
-            const double lower_alpha1dot = v_block[8 * stride + b];
-            const double lower_alpha2dot = v_block[9 * stride + b];
-            const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
-            const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
-            const double upper_J = (32965779.0 / 4000000000.0) + upper_D2_1 * upper_alpha1
-                + upper_D2_2 * upper_alpha2;
-            const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
-            const double upper_left_rdot_2 = upper_alpha1dot - upper_alpha2dot;
-            const double upper_left_s_1 = (-0.5) * upper_cos_phi[b] - upper_left_r_2 * upper_sin_phi[b];
-            const double upper_left_s_2 = (-0.5) * upper_sin_phi[b] + upper_left_r_2 * upper_cos_phi[b];
-            const double upper_left_sdot_2 = upper_left_rdot_2 * upper_cos_phi[b];
-            const double upper_right_r_2 = upper_alpha1 + upper_alpha2;
-            const double upper_right_rdot_2 = upper_alpha1dot + upper_alpha2dot;
-            const double upper_right_s_1 = 0.5 * upper_cos_phi[b] - upper_right_r_2 * upper_sin_phi[b];
-            const double upper_right_s_2 = 0.5 * upper_sin_phi[b] + upper_right_r_2 * upper_cos_phi[b];
-            const double upper_right_sdot_2 = upper_right_rdot_2 * upper_cos_phi[b];
-            const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
-            const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
-            const double lower_J = (32965779.0 / 4000000000.0) + lower_D2_1 * lower_alpha1
-                + lower_D2_2 * lower_alpha2;
-            const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
-            const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
-            const double lower_left_s_1 = (-0.5) * lower_cos_phi[b] - lower_left_r_2 * lower_sin_phi[b];
-            const double lower_left_s_2 = (-0.5) * lower_sin_phi[b] + lower_left_r_2 * lower_cos_phi[b];
-            const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi[b];
-            const double t1 = upper_cos_phi[b] / (98897337.0 / 5000000000.0);
-            const double t2 = t1 * upper_sin_phi[b];
-            const double t3 = upper_cos_phi[b] / (14128191.0 / 1000000000.0);
-            const double t4 = t3 * upper_sin_phi[b];
-            const double inverse_upper_J = 1.0 / upper_J;
-            const double t5 = upper_left_s_1 * inverse_upper_J;
-            const double t6 = t2 + t4 + t5 * upper_left_s_2;
-            const double t7 = upper_sin_phi[b] / (98897337.0 / 5000000000.0);
-            const double t8 = t7 * upper_sin_phi[b];
-            const double t9 = (1000000000.0 / 98897337.0) + t8;
-            const double t10 = upper_sin_phi[b] / (14128191.0 / 1000000000.0);
-            const double t11 = t10 * upper_sin_phi[b];
-            const double t12 = upper_left_s_2 * inverse_upper_J;
-            const double t13 = t9 + t11 + t12 * upper_left_s_2;
-            const double inverse_t13 = 1.0 / t13;
-            const double t14 = t6 * inverse_t13;
-            const double t15 = t1 * upper_cos_phi[b];
-            const double t16 = (1000000000.0 / 98897337.0) + t15;
-            const double t17 = t3 * upper_cos_phi[b];
-            const double t18 = t16 + t17 + t5 * upper_left_s_1;
-            const double pivot_hinge_2 = t14 * t6 - t18;
-            const double t19 = upper_right_s_2 * inverse_upper_J;
-            const double t20 = t9 - t11 + t19 * upper_left_s_2;
-            const double t21 = t20 * inverse_t13;
-            const double t22 = t10 * upper_cos_phi[b] - t7 * upper_cos_phi[b] - t19 * upper_left_s_1
-                + t21 * t6;
-            const double inverse_pivot_hinge_2 = 1.0 / pivot_hinge_2;
-            const double t23 = t22 * inverse_pivot_hinge_2;
-            const double t24 = lower_sin_phi[b] / (14128191.0 / 1000000000.0);
-            const double t25 = lower_sin_phi[b] / (98897337.0 / 5000000000.0);
-            const double inverse_lower_J = 1.0 / lower_J;
-            const double t26 = lower_left_s_2 * inverse_lower_J;
-            const double t27 = (1000000000.0 / 98897337.0) + t24 * lower_sin_phi[b] + t25 * lower_sin_phi[b]
-                + t26 * lower_left_s_2 + (1000000000.0 / 98897337.0) + t8 + t11 + t19 * upper_right_s_2;
-            const double pivot_elbow_1 = t21 * t20 - t23 * t22 - t27;
-            const double t28 = upper_right_s_1 * inverse_upper_J;
-            const double t29 = t4 - t2 - t28 * upper_left_s_2;
-            const double t30 = t29 * inverse_t13;
-            const double t31 = t16 - t17 + t28 * upper_left_s_1 + t30 * t6;
-            const double t32 = t31 * inverse_pivot_hinge_2;
-            const double t33 = lower_cos_phi[b] / (14128191.0 / 1000000000.0);
-            const double t34 = lower_cos_phi[b] / (98897337.0 / 5000000000.0);
-            const double t35 = lower_left_s_1 * inverse_lower_J;
-            const double t36 = t33 * lower_sin_phi[b] + t34 * lower_sin_phi[b] + t35 * lower_left_s_2 + t2
-                + t4 + t28 * upper_right_s_2 + t30 * t20 - t32 * t22;
-            const double inverse_pivot_elbow_1 = 1.0 / pivot_elbow_1;
-            const double t37 = t36 * inverse_pivot_elbow_1;
-            const double t38 = (2000000000.0 / 98897337.0) + t33 * lower_cos_phi[b] + t34 * lower_cos_phi[b]
-                + t35 * lower_left_s_1 + t15 + t17 + t28 * upper_right_s_1;
-            const double pivot_elbow_2 = t30 * t29 - t32 * t31 - t37 * t36 - t38;
-            const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
-            const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
-            const double t39 = 2.0 * upper_phidot;
-            const double t40 = upper_phidot * upper_phidot;
-            const double t41 = (226194669.0 / 625000.0) * upper_alpha1 - t40 * upper_D2_1;
-            const double t42 = t1 * t41;
-            const double t43 = (75398223.0 / 25000.0) * upper_alpha2 - t40 * upper_D2_2;
-            const double t44 = t3 * t43;
-            const double t45 = t39 * upper_D2dot;
-            const double t46 = t7 * t41;
-            const double t47 = t10 * t43;
-            const double t48 = t46 - (t40 * upper_left_s_1 + t39 * upper_left_sdot_2) - t47 + t12 * t45;
-            const double t49 = (-981.0 / 100.0) - (t39 * (upper_left_rdot_2 * upper_sin_phi[b])
-                + t40 * upper_left_s_2) - t42 + t44 - t5 * t45 + t14 * t48;
-            const double t50 = lower_phidot * lower_phidot;
-            const double t51 = 2.0 * lower_phidot;
-            const double t52 = (75398223.0 / 25000.0) * lower_alpha2 - t50 * lower_D2_2;
-            const double t53 = (226194669.0 / 625000.0) * lower_alpha1 - t50 * lower_D2_1;
-            const double t54 = t51 * lower_D2dot;
-            const double t55 = t39 * upper_right_sdot_2 + t40 * upper_right_s_1 - t50 * lower_left_s_1
-                - t51 * lower_left_sdot_2 - t24 * t52 + t25 * t53 + t26 * t54 - t46 - t47 - t19 * t45
-                + t21 * t48 - t23 * t49;
-            const double t56 = (t40 * upper_right_s_2 - t51 * (lower_left_rdot_2 * lower_sin_phi[b])
-                - t50 * lower_left_s_2 + t39 * (upper_right_rdot_2 * upper_sin_phi[b]) + t33 * t52
-                - t34 * t53 - t35 * t54 + t42 + t44 + t28 * t45 + t30 * t48 - t32 * t49
-                - t37 * t55) / pivot_elbow_2;
-            const double t57 = t55 * inverse_pivot_elbow_1 - t37 * t56;
-            const double t58 = t49 * inverse_pivot_hinge_2 - t23 * t57 - t32 * t56;
-            const double t59 = t14 * t58 - t48 * inverse_t13 + t21 * t57 + t30 * t56;
-            const double t60 = t57 / (98897337.0 / 1000000000.0);
-            const double t61 = t59 / (98897337.0 / 1000000000.0) - t60;
-            vdot_block[0][b] = t61;
-            const double t62 = t56 / (98897337.0 / 1000000000.0);
-            const double t63 = (-981.0 / 100.0) + t58 / (98897337.0 / 1000000000.0) - t62;
-            vdot_block[1][b] = t63;
-            const double t64 = t5 * t58 - (t45 * inverse_upper_J + t12 * t59) + t19 * t57 - t28 * t56;
-            vdot_block[2][b] = t64;
-            const double t65 = t1 * t58 - (t41 / (98897337.0 / 5000000000.0) + t7 * t59) + t7 * t57
-                - t1 * t56;
-            vdot_block[3][b] = t65;
-            const double t66 = t10 * t59 - t43 / (14128191.0 / 1000000000.0) - t3 * t58 + t10 * t57
-                - t3 * t56;
-            vdot_block[4][b] = t66;
-            vdot_block[5][b] = t60;
-            const double t67 = (-981.0 / 100.0) + t62;
-            vdot_block[6][b] = t67;
-            const double t68 = t35 * t56 - (t54 * inverse_lower_J + t26 * t57);
-            vdot_block[7][b] = t68;
-            const double t69 = t34 * t56 - (t53 / (98897337.0 / 5000000000.0) + t25 * t57);
-            vdot_block[8][b] = t69;
-            const double t70 = t24 * t57 - t52 / (14128191.0 / 1000000000.0) - t33 * t56;
-            vdot_block[9][b] = t70;
-            double code_b = 0.0;
-            const double finite = t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70;
-            code_b = finite - finite == 0.0 ? code_b : 2.0; /* a result is not finite */
-            code_b = -(pivot_elbow_2
-                + 5.684341886080802e-14 * t38) > 0.0 ? code_b : 1.0; /* the pivot of elbow_2 vanished */
-            code_b = -(pivot_elbow_1
-                + 5.684341886080802e-14 * t27) > 0.0 ? code_b : 1.0; /* the pivot of elbow_1 vanished */
-            code_b = -(pivot_hinge_2
-                + 5.684341886080802e-14 * t18) > 0.0 ? code_b : 1.0; /* the pivot of hinge_2 vanished */
-            code_b = t13 > 0.0 ? code_b : 1.0; /* the pivot of hinge_1 vanished */
-            code_b = upper_J > 0.0 ? code_b : 1.0; /* the pivot of upper_phi vanished */
-            code_b = lower_J > 0.0 ? code_b : 1.0; /* the pivot of lower_phi vanished */
-            codes[b] = code_b;
-        }
-        double_pendulum_block32_scatter(all, count, 10, vdot_block, vdot);
-        const int failed = double_pendulum_block_fail(all, count, 10, codes, vdot);
-        if (code == 0) code = failed;
-        q += count;
-        v += count;
-        vdot += count;
+    if (n == 1) {
+        const int code = double_pendulum_accel(t, q, v, k, vdot);
+for (int e = 0; code && e < 10; e++) vdot[e] = (double) NAN;
+        return code;
     }
+    return double_pendulum_accel_blocks(n, t, q, v, k, vdot);
+}
+
+TISSERAND_INLINE void double_pendulum_energy_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT energy)
+{
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double upper_c2 = q[all + b];
+        const double upper_alpha1 = q[3 * all + b];
+        const double upper_alpha2 = q[4 * all + b];
+        const double lower_c2 = q[6 * all + b];
+        const double lower_alpha1 = q[8 * all + b];
+        const double lower_alpha2 = q[9 * all + b];
+        const double upper_c1dot = v[b];
+        const double upper_c2dot = v[all + b];
+        const double upper_phidot = v[2 * all + b];
+        const double upper_alpha1dot = v[3 * all + b];
+        const double upper_alpha2dot = v[4 * all + b];
+        const double lower_c1dot = v[5 * all + b];
+        const double lower_c2dot = v[6 * all + b];
+        const double lower_phidot = v[7 * all + b];
+        const double lower_alpha1dot = v[8 * all + b];
+        const double lower_alpha2dot = v[9 * all + b];
+        const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+        const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
+        const double upper_J = (32965779.0 / 4000000000.0) + upper_D2_1 * upper_alpha1
+            + upper_D2_2 * upper_alpha2;
+        const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+        const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
+        const double lower_J = (32965779.0 / 4000000000.0) + lower_D2_1 * lower_alpha1
+            + lower_D2_2 * lower_alpha2;
+        energy[b] = 0.5 * (lower_phidot * lower_phidot * lower_J
+            + (98897337.0 / 5000000000.0) * (lower_alpha1dot * lower_alpha1dot)
+            + (14128191.0 / 1000000000.0) * (lower_alpha2dot * lower_alpha2dot)
+            + (98897337.0 / 1000000000.0) * (lower_c1dot * lower_c1dot)
+            + (98897337.0 / 1000000000.0) * (lower_c2dot * lower_c2dot)
+            + upper_phidot * upper_phidot * upper_J
+            + (98897337.0 / 5000000000.0) * (upper_alpha1dot * upper_alpha1dot)
+            + (14128191.0 / 1000000000.0) * (upper_alpha2dot * upper_alpha2dot)
+            + (98897337.0 / 1000000000.0) * (upper_c1dot * upper_c1dot)
+            + (98897337.0 / 1000000000.0) * (upper_c2dot * upper_c2dot));
+        energy[all + b] = 0.5 * ((226194669.0 / 625000.0) * lower_alpha1 * lower_alpha1
+            + (75398223.0 / 25000.0) * lower_alpha2 * lower_alpha2
+            + (226194669.0 / 625000.0) * upper_alpha1 * upper_alpha1
+            + (75398223.0 / 25000.0) * upper_alpha2 * upper_alpha2);
+        energy[2 * all + b] = (-98897337.0 / 1000000000.0) * ((-981.0 / 100.0) * lower_c2)
+            - (98897337.0 / 1000000000.0) * ((-981.0 / 100.0) * upper_c2);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int double_pendulum_energy_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    double q_b[320], v_b[320], energy_b[96];
+    int code;
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = double_pendulum_energy_batch(count, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
     return code;
+}
+
+TISSERAND_APART int double_pendulum_energy_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        double_pendulum_energy_states(8, 8, q, v, k, energy);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        double_pendulum_energy_copied(32, all, q, v, k, energy);
+        q += 32; v += 32; energy += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        double_pendulum_energy_states(8, all, q, v, k, energy);
+        q += 8; v += 8; energy += 8;
+    }
+    if (left > 0) {
+        double_pendulum_energy_states(left, all, q, v, k, energy);
+    }
+    return 0;
+}
+
+int double_pendulum_energy_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    return n == 1 ? double_pendulum_energy(q, v, k, energy) : double_pendulum_energy_blocks(n, q, v, k, energy);
+}
+
+TISSERAND_INLINE void double_pendulum_momentum_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT momentum)
+{
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double upper_c1 = q[b];
+        const double upper_c2 = q[all + b];
+        const double upper_alpha1 = q[3 * all + b];
+        const double upper_alpha2 = q[4 * all + b];
+        const double lower_c1 = q[5 * all + b];
+        const double lower_c2 = q[6 * all + b];
+        const double lower_alpha1 = q[8 * all + b];
+        const double lower_alpha2 = q[9 * all + b];
+        const double upper_c1dot = v[b];
+        const double upper_c2dot = v[all + b];
+        const double upper_phidot = v[2 * all + b];
+        const double lower_c1dot = v[5 * all + b];
+        const double lower_c2dot = v[6 * all + b];
+        const double lower_phidot = v[7 * all + b];
+        const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+        const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
+        const double upper_J = (32965779.0 / 4000000000.0) + upper_D2_1 * upper_alpha1
+            + upper_D2_2 * upper_alpha2;
+        const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+        const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
+        const double lower_J = (32965779.0 / 4000000000.0) + lower_D2_1 * lower_alpha1
+            + lower_D2_2 * lower_alpha2;
+        momentum[b] = (98897337.0 / 1000000000.0) * lower_c1dot
+            + (98897337.0 / 1000000000.0) * upper_c1dot;
+        momentum[all + b] = (98897337.0 / 1000000000.0) * lower_c2dot
+            + (98897337.0 / 1000000000.0) * upper_c2dot;
+        momentum[2 * all + b] = lower_phidot * lower_J + upper_phidot * upper_J
+            + (98897337.0 / 1000000000.0) * (lower_c2dot * lower_c1)
+            + (98897337.0 / 1000000000.0) * (upper_c2dot * upper_c1)
+            - (98897337.0 / 1000000000.0) * (lower_c1dot * lower_c2)
+            - (98897337.0 / 1000000000.0) * (upper_c1dot * upper_c2);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int double_pendulum_momentum_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    double q_b[320], v_b[320], momentum_b[96];
+    int code;
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = double_pendulum_momentum_batch(count, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int double_pendulum_momentum_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        double_pendulum_momentum_states(8, 8, q, v, k, momentum);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        double_pendulum_momentum_copied(32, all, q, v, k, momentum);
+        q += 32; v += 32; momentum += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        double_pendulum_momentum_states(8, all, q, v, k, momentum);
+        q += 8; v += 8; momentum += 8;
+    }
+    if (left > 0) {
+        double_pendulum_momentum_states(left, all, q, v, k, momentum);
+    }
+    return 0;
+}
+
+int double_pendulum_momentum_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    return n == 1 ? double_pendulum_momentum(q, v, k, momentum) : double_pendulum_momentum_blocks(n, q, v, k, momentum);
+}
+
+TISSERAND_INLINE void double_pendulum_rates_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT qdot)
+{
+    (void) q;
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double upper_c1dot = v[b];
+        const double upper_c2dot = v[all + b];
+        const double upper_phidot = v[2 * all + b];
+        const double upper_alpha1dot = v[3 * all + b];
+        const double upper_alpha2dot = v[4 * all + b];
+        const double lower_c1dot = v[5 * all + b];
+        const double lower_c2dot = v[6 * all + b];
+        const double lower_phidot = v[7 * all + b];
+        const double lower_alpha1dot = v[8 * all + b];
+        const double lower_alpha2dot = v[9 * all + b];
+        qdot[b] = upper_c1dot;
+        qdot[all + b] = upper_c2dot;
+        qdot[2 * all + b] = upper_phidot;
+        qdot[3 * all + b] = upper_alpha1dot;
+        qdot[4 * all + b] = upper_alpha2dot;
+        qdot[5 * all + b] = lower_c1dot;
+        qdot[6 * all + b] = lower_c2dot;
+        qdot[7 * all + b] = lower_phidot;
+        qdot[8 * all + b] = lower_alpha1dot;
+        qdot[9 * all + b] = lower_alpha2dot;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int double_pendulum_rates_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    double q_b[320], v_b[320], qdot_b[320];
+    int code;
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = double_pendulum_rates_batch(count, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int double_pendulum_rates_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        double_pendulum_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        double_pendulum_rates_copied(32, all, q, v, k, qdot);
+        q += 32; v += 32; qdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        double_pendulum_rates_states(8, all, q, v, k, qdot);
+        q += 8; v += 8; qdot += 8;
+    }
+    if (left > 0) {
+        double_pendulum_rates_states(left, all, q, v, k, qdot);
+    }
+    return 0;
+}
+
+int double_pendulum_rates_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    return n == 1 ? double_pendulum_rates(q, v, k, qdot) : double_pendulum_rates_blocks(n, q, v, k, qdot);
 }
 
 #endif
@@ -3814,7 +4455,7 @@ static const tisserand_scene double_pendulum_scene = {
 };
 
 static const tisserand_model double_pendulum_descriptor = {
-    7,
+    8,
     "double_pendulum",
     DOUBLE_PENDULUM_HASH,
     DOUBLE_PENDULUM_NQ,
@@ -3851,8 +4492,16 @@ static const tisserand_model double_pendulum_descriptor = {
 #ifndef TISSERAND_WITHOUT_BATCHES
     double_pendulum_mass_batch,
     double_pendulum_force_batch,
+    double_pendulum_mass_force_batch,
     double_pendulum_accel_batch,
+    double_pendulum_energy_batch,
+    double_pendulum_momentum_batch,
+    double_pendulum_rates_batch,
 #else
+    0,
+    0,
+    0,
+    0,
     0,
     0,
     0,

@@ -13,13 +13,107 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_6a36dad9106545ed
+#ifndef FOUR_BAR_HASH_c69fb6b17b82c96c
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
+/* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
+   and then make no vectors of it. */
+#if defined(__clang__)
+#  pragma clang diagnostic ignored "-Wpass-failed"
+#  define TISSERAND_STATES _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__) && __GNUC__ >= 8
+#  define TISSERAND_STATES _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
+#else
+#  define TISSERAND_STATES
+#endif
+
+/* INLINE: functions that are compiled anew wherever they are called, for the number of states that is given there.
+   APART: functions that are not, so that what calls them last needs no stack. */
+#if defined(__GNUC__)
+#  define TISSERAND_INLINE static inline __attribute__((always_inline, unused))
+#  define TISSERAND_APART static __attribute__((noinline))
+#else
+#  define TISSERAND_INLINE static inline
+#  define TISSERAND_APART static
+#endif
+
+/* ---- sine and cosine: the same operations for one state and for the states of a batch, so that their bits are equal ----
+
+   |x| <= 1e5: x - n pi/2, where pi/2 is the sum of three numbers (Cody and Waite); the first two have so few digits that
+   their products with n are exact. Then polynomials of minimax error on [-pi/4, pi/4]. The error is below 0.9 units in the
+   last place (0.5 is the least that rounding leaves). Other numbers, and NaN, are left to the C library, and so is everything
+   where compilers may reorder sums or compute with more digits than doubles have. */
+#ifndef TISSERAND_SINE
+#define TISSERAND_SINE
+/* The sine s and cosine c of x. The first bit of the result is set where they are those of another number: |x| > 1e5, NaN. */
+TISSERAND_INLINE unsigned long long tisserand_sine_core(double x, double *s, double *c)
+{
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || (defined(__ASSOCIATIVE_MATH__) && __ASSOCIATIVE_MATH__) \
+    || (defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD > 1))
+    *s = *c = x;
+    return ~0ull;
+#else
+    const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to an integer, which the last bits then hold */
+    const double shifted = x * 0.6366197723675814 + shift, n = shifted - shift;
+    const double left = x - n * 1.5707963267923333, middle = n * 2.5633441515839558e-12;
+    const double first = left - middle, rest = n * 1.0562999066987428e-23 - ((left - first) - middle);
+    const double r = first - rest, d = rest - (first - r); /* the reduced angle is r - d */
+    const double z = r * r, zz = z * z;
+    const double f = (-0.1666666666666663 + z * 0.00833333333332184)
+        + zz * ((-0.0001984126982935851 + z * 2.7557313538498483e-06)
+        + zz * (-2.5050734385276395e-08 + z * 1.5895432973634774e-10));
+    const double g = (0.041666666666666595 - z * 0.0013888888888873342)
+        + zz * ((2.4801587289002076e-05 - z * 2.755731421703596e-07)
+        + zz * (2.0875705395290323e-09 - z * 1.1358749181413732e-11));
+    const double half = 0.5 * z, most = 1.0 - half;
+    const double sine = r - (d - z * r * f);
+    const double cosine = most + (((1.0 - most) - half) + (zz * g + r * d));
+    unsigned long long of_x, of_s, of_c, quadrant, exchanged;
+    memcpy(&of_x, &x, sizeof of_x);
+    memcpy(&quadrant, &shifted, sizeof quadrant);
+    memcpy(&of_s, &sine, sizeof of_s);
+    memcpy(&of_c, &cosine, sizeof of_c);
+    exchanged = (of_s ^ of_c) & (0ull - (quadrant & 1));
+    of_s ^= exchanged ^ ((quadrant & 2) << 62);
+    of_c ^= exchanged ^ (((quadrant + 1) & 2) << 62);
+    memcpy(s, &of_s, sizeof of_s);
+    memcpy(c, &of_c, sizeof of_c);
+    return 0x40f86a0000000000ull - (of_x & 0x7fffffffffffffffull); /* bits of positive numbers have the order of the numbers */
+#endif
+}
+
+TISSERAND_INLINE double tisserand_sin(double x)
+{
+    double s, c;
+    return tisserand_sine_core(x, &s, &c) >> 63 ? sin(x) : s;
+}
+
+TISSERAND_INLINE double tisserand_cos(double x)
+{
+    double s, c;
+    return tisserand_sine_core(x, &s, &c) >> 63 ? cos(x) : c;
+}
+
+/* Sines s and cosines c of the angles x of some states. The first loop has no branch, so that compilers make vectors of it. */
+TISSERAND_INLINE void tisserand_sines(
+    int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
+{
+    unsigned long long outside = 0;
+    TISSERAND_STATES for (int b = 0; b < count; b++) outside |= tisserand_sine_core(x[b], s + b, c + b);
+    if (outside >> 63) {
+        for (int b = 0; b < count; b++) {
+            s[b] = tisserand_sin(x[b]);
+            c[b] = tisserand_cos(x[b]);
+        }
+    }
+}
+#endif
 int four_bar_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -350,8 +444,8 @@ int four_bar_accel(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
@@ -385,8 +479,8 @@ int four_bar_accel(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
@@ -424,8 +518,8 @@ int four_bar_accel(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
@@ -628,7 +722,8 @@ int four_bar_accel(
     const double t104 = crank_K_2_2 * crank_alpha2 - t101 * crank_D2_2;
     const double t105 = t4 * t104;
     const double t106 = t100 * inverse_crank_J;
-    const double t107 = 17.545963379714415 * sin((884279719003555.0 / 211106232532992.0) * t) + t106
+    const double t107 =
+        17.545963379714415 * tisserand_sin((884279719003555.0 / 211106232532992.0) * t) + t106
         + (-3750000000.0 / 12362167.0) * t102 + (10500000000.0 / 12362167.0) * t104;
     const double t108 = t1 * t100 - (t101 * crank_left_s_1 + t99 * crank_left_sdot_2) + t103 - t105
         - t8 * t107;
@@ -944,9 +1039,9 @@ int four_bar_marker_crank_left(
      */
     const double crank_left_r_2 = crank_alpha1 - crank_alpha2;
     const double crank_left_rdot_2 = crank_alpha1dot - crank_alpha2dot;
-    const double crank_cos_phi = cos(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
     const double t1 = (-1.0 / 5.0) * crank_cos_phi;
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
     const double t2 = crank_left_r_2 * crank_sin_phi;
     const double crank_left_s_1 = t1 - t2;
     const double t3 = (-1.0 / 5.0) * crank_sin_phi;
@@ -994,7 +1089,7 @@ int four_bar_marker_crank_middle(
      *     = Q rdot at middle, along e2
      */
     const double t1 = 0.5 * crank_alpha1;
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
     const double crank_middle_s_1 = t1 * crank_sin_phi;
     const double t2 = 0.5 * crank_alpha1dot;
     const double crank_middle_sdot_1 = t2 * crank_sin_phi;
@@ -1003,7 +1098,7 @@ int four_bar_marker_crank_middle(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = crank_c1 + crank_middle_s_1;
@@ -1047,9 +1142,9 @@ int four_bar_marker_crank_right(
      */
     const double crank_right_r_2 = crank_alpha1 + crank_alpha2;
     const double crank_right_rdot_2 = crank_alpha1dot + crank_alpha2dot;
-    const double crank_cos_phi = cos(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
     const double t1 = (1.0 / 5.0) * crank_cos_phi;
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
     const double t2 = crank_right_r_2 * crank_sin_phi;
     const double crank_right_s_1 = t1 - t2;
     const double t3 = (1.0 / 5.0) * crank_sin_phi;
@@ -1101,9 +1196,9 @@ int four_bar_marker_coupler_left(
      */
     const double coupler_left_r_2 = coupler_alpha1 - coupler_alpha2;
     const double coupler_left_rdot_2 = coupler_alpha1dot - coupler_alpha2dot;
-    const double coupler_cos_phi = cos(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double t1 = (-3.0 / 5.0) * coupler_cos_phi;
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
     const double t2 = coupler_left_r_2 * coupler_sin_phi;
     const double coupler_left_s_1 = t1 - t2;
     const double t3 = (-3.0 / 5.0) * coupler_sin_phi;
@@ -1151,7 +1246,7 @@ int four_bar_marker_coupler_middle(
      *     coupler_middle_sdot_2 = Q rdot at middle, along e2
      */
     const double t1 = 0.5 * coupler_alpha1;
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
     const double coupler_middle_s_1 = t1 * coupler_sin_phi;
     const double t2 = 0.5 * coupler_alpha1dot;
     const double coupler_middle_sdot_1 = t2 * coupler_sin_phi;
@@ -1160,7 +1255,7 @@ int four_bar_marker_coupler_middle(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = coupler_c1 + coupler_middle_s_1;
@@ -1204,9 +1299,9 @@ int four_bar_marker_coupler_right(
      */
     const double coupler_right_r_2 = coupler_alpha1 + coupler_alpha2;
     const double coupler_right_rdot_2 = coupler_alpha1dot + coupler_alpha2dot;
-    const double coupler_cos_phi = cos(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double t1 = (3.0 / 5.0) * coupler_cos_phi;
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
     const double t2 = coupler_right_r_2 * coupler_sin_phi;
     const double coupler_right_s_1 = t1 - t2;
     const double t3 = (3.0 / 5.0) * coupler_sin_phi;
@@ -1258,9 +1353,9 @@ int four_bar_marker_rocker_left(
      */
     const double rocker_left_r_2 = rocker_alpha1 - rocker_alpha2;
     const double rocker_left_rdot_2 = rocker_alpha1dot - rocker_alpha2dot;
-    const double rocker_cos_phi = cos(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double t1 = (-0.5) * rocker_cos_phi;
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
     const double t2 = rocker_left_r_2 * rocker_sin_phi;
     const double rocker_left_s_1 = t1 - t2;
     const double t3 = (-0.5) * rocker_sin_phi;
@@ -1308,7 +1403,7 @@ int four_bar_marker_rocker_middle(
      *     rocker_middle_sdot_2 = Q rdot at middle, along e2
      */
     const double t1 = 0.5 * rocker_alpha1;
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
     const double rocker_middle_s_1 = t1 * rocker_sin_phi;
     const double t2 = 0.5 * rocker_alpha1dot;
     const double rocker_middle_sdot_1 = t2 * rocker_sin_phi;
@@ -1317,7 +1412,7 @@ int four_bar_marker_rocker_middle(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = rocker_c1 + rocker_middle_s_1;
@@ -1361,9 +1456,9 @@ int four_bar_marker_rocker_right(
      */
     const double rocker_right_r_2 = rocker_alpha1 + rocker_alpha2;
     const double rocker_right_rdot_2 = rocker_alpha1dot + rocker_alpha2dot;
-    const double rocker_cos_phi = cos(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double t1 = 0.5 * rocker_cos_phi;
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
     const double t2 = rocker_right_r_2 * rocker_sin_phi;
     const double rocker_right_s_1 = t1 - t2;
     const double t3 = 0.5 * rocker_sin_phi;
@@ -1406,8 +1501,8 @@ int four_bar_load_crank_left(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* F (10): the force in the body frame */
     const double crank_left_Fb_1 = F_1 * crank_cos_phi + F_2 * crank_sin_phi;
@@ -1454,8 +1549,8 @@ int four_bar_load_crank_middle(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* F (10): the force in the body frame */
     const double crank_middle_Fb_1 = F_1 * crank_cos_phi + F_2 * crank_sin_phi;
@@ -1497,8 +1592,8 @@ int four_bar_load_crank_right(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* F (10): the force in the body frame */
     const double crank_right_Fb_1 = F_1 * crank_cos_phi + F_2 * crank_sin_phi;
@@ -1546,8 +1641,8 @@ int four_bar_load_coupler_left(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* F (10): the force in the body frame */
     const double coupler_left_Fb_1 = F_1 * coupler_cos_phi + F_2 * coupler_sin_phi;
@@ -1594,8 +1689,8 @@ int four_bar_load_coupler_middle(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* F (10): the force in the body frame */
     const double coupler_middle_Fb_1 = F_1 * coupler_cos_phi + F_2 * coupler_sin_phi;
@@ -1637,8 +1732,8 @@ int four_bar_load_coupler_right(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* F (10): the force in the body frame */
     const double coupler_right_Fb_1 = F_1 * coupler_cos_phi + F_2 * coupler_sin_phi;
@@ -1686,8 +1781,8 @@ int four_bar_load_rocker_left(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* F (10): the force in the body frame */
     const double rocker_left_Fb_1 = F_1 * rocker_cos_phi + F_2 * rocker_sin_phi;
@@ -1734,8 +1829,8 @@ int four_bar_load_rocker_middle(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* F (10): the force in the body frame */
     const double rocker_middle_Fb_1 = F_1 * rocker_cos_phi + F_2 * rocker_sin_phi;
@@ -1777,8 +1872,8 @@ int four_bar_load_rocker_right(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* F (10): the force in the body frame */
     const double rocker_right_Fb_1 = F_1 * rocker_cos_phi + F_2 * rocker_sin_phi;
@@ -1836,8 +1931,8 @@ int four_bar_constraints(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /*
      * crank left (1): crank_left_r_2 = r = X + u at left, along e2; ...; crank_left_s_2 = Q r at
@@ -1859,8 +1954,8 @@ int four_bar_constraints(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /*
      * coupler left (1): coupler_left_r_2 = r = X + u at left, along e2; ...; coupler_left_s_2 = Q r
@@ -1886,8 +1981,8 @@ int four_bar_constraints(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /*
      * rocker left (1): rocker_left_r_2 = r = X + u at left, along e2; ...; rocker_left_s_2 = Q r at
@@ -1909,8 +2004,8 @@ int four_bar_constraints(
     g[0] = crank_c1 + crank_left_s_1;
     g[1] = crank_c2 + crank_left_s_2;
     const double t1 = (884279719003555.0 / 211106232532992.0) * t;
-    g[2] = crank_phi + (-15.0) * crank_alpha1 + 30.0 * crank_alpha2 + sin(t1) - 1.5707963267948966
-        - t1;
+    g[2] = crank_phi + (-15.0) * crank_alpha1 + 30.0 * crank_alpha2 + tisserand_sin(t1)
+        - 1.5707963267948966 - t1;
     g[3] = coupler_c1 + coupler_left_s_1 - crank_c1 - crank_right_s_1;
     g[4] = coupler_c2 + coupler_left_s_2 - crank_c2 - crank_right_s_2;
     g[5] = rocker_c1 + rocker_right_s_1 - coupler_c1 - coupler_right_s_1;
@@ -1957,8 +2052,8 @@ int four_bar_constraint_rates(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /*
      * crank left (1): crank_left_r_2 = r = X + u at left, along e2; ...; crank_left_sdot_2 = Q rdot
@@ -1984,8 +2079,8 @@ int four_bar_constraint_rates(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /*
      * coupler left (1): coupler_left_r_2 = r = X + u at left, along e2; ...; coupler_left_sdot_2 =
@@ -2015,8 +2110,8 @@ int four_bar_constraint_rates(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /*
      * rocker left (1): rocker_left_r_2 = r = X + u at left, along e2; ...; rocker_left_sdot_2 = Q
@@ -2042,7 +2137,7 @@ int four_bar_constraint_rates(
     gdot[0] = crank_c1dot - crank_left_rdot_2 * crank_sin_phi - crank_phidot * crank_left_s_2;
     gdot[1] = crank_c2dot + crank_left_sdot_2 + crank_phidot * crank_left_s_1;
     gdot[2] = crank_phidot + (-15.0) * crank_alpha1dot + 30.0 * crank_alpha2dot
-        + (884279719003555.0 / 211106232532992.0) * cos((884279719003555.0 / 211106232532992.0) * t)
+        + (884279719003555.0 / 211106232532992.0) * tisserand_cos((884279719003555.0 / 211106232532992.0) * t)
         - (884279719003555.0 / 211106232532992.0);
     gdot[3] = coupler_c1dot - coupler_left_rdot_2 * coupler_sin_phi + crank_phidot * crank_right_s_2
         - crank_c1dot + crank_right_rdot_2 * crank_sin_phi - coupler_phidot * coupler_left_s_2;
@@ -2080,8 +2175,8 @@ int four_bar_constraint_jacobian(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /*
      * crank left (1): crank_left_r_2 = r = X + u at left, along e2; ...; crank_left_s_2 = Q r at
@@ -2103,8 +2198,8 @@ int four_bar_constraint_jacobian(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /*
      * coupler left (1): coupler_left_r_2 = r = X + u at left, along e2; ...; coupler_left_s_2 = Q r
@@ -2130,8 +2225,8 @@ int four_bar_constraint_jacobian(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /*
      * rocker left (1): rocker_left_r_2 = r = X + u at left, along e2; ...; rocker_left_s_2 = Q r at
@@ -2238,8 +2333,8 @@ int four_bar_constraint_bias(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /*
      * crank left (1): crank_left_r_2 = r = X + u at left, along e2; ...; crank_left_sdot_2 = Q rdot
@@ -2265,8 +2360,8 @@ int four_bar_constraint_bias(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /*
      * coupler left (1): coupler_left_r_2 = r = X + u at left, along e2; ...; coupler_left_sdot_2 =
@@ -2296,8 +2391,8 @@ int four_bar_constraint_bias(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /*
      * rocker left (1): rocker_left_r_2 = r = X + u at left, along e2; ...; rocker_left_sdot_2 = Q
@@ -2324,7 +2419,7 @@ int four_bar_constraint_bias(
     const double t2 = 2.0 * crank_phidot;
     gamma[0] = t1 * crank_left_s_1 + t2 * crank_left_sdot_2;
     gamma[1] = t2 * (crank_left_rdot_2 * crank_sin_phi) + t1 * crank_left_s_2;
-    gamma[2] = 17.545963379714415 * sin((884279719003555.0 / 211106232532992.0) * t);
+    gamma[2] = 17.545963379714415 * tisserand_sin((884279719003555.0 / 211106232532992.0) * t);
     const double t3 = coupler_phidot * coupler_phidot;
     const double t4 = 2.0 * coupler_phidot;
     gamma[3] = -(t2 * crank_right_sdot_2 + t1 * crank_right_s_1 - t3 * coupler_left_s_1
@@ -2379,8 +2474,8 @@ int four_bar_solve(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
@@ -2414,8 +2509,8 @@ int four_bar_solve(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
@@ -2453,8 +2548,8 @@ int four_bar_solve(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
@@ -2657,7 +2752,8 @@ int four_bar_solve(
     const double t104 = crank_K_2_2 * crank_alpha2 - t101 * crank_D2_2;
     const double t105 = t4 * t104;
     const double t106 = t100 * inverse_crank_J;
-    const double t107 = 17.545963379714415 * sin((884279719003555.0 / 211106232532992.0) * t) + t106
+    const double t107 =
+        17.545963379714415 * tisserand_sin((884279719003555.0 / 211106232532992.0) * t) + t106
         + (-3750000000.0 / 12362167.0) * t102 + (10500000000.0 / 12362167.0) * t104;
     const double t108 = t1 * t100 - (t101 * crank_left_s_1 + t99 * crank_left_sdot_2) + t103 - t105
         - t8 * t107;
@@ -2796,8 +2892,8 @@ int four_bar_project_velocity(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
@@ -2827,8 +2923,8 @@ int four_bar_project_velocity(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
@@ -2862,8 +2958,8 @@ int four_bar_project_velocity(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
@@ -3217,8 +3313,8 @@ int four_bar_residual(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
@@ -3251,8 +3347,8 @@ int four_bar_residual(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
@@ -3290,8 +3386,8 @@ int four_bar_residual(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
@@ -3382,8 +3478,8 @@ int four_bar_residual(
     F[30] = crank_c1 + crank_left_s_1;
     F[31] = crank_c2 + crank_left_s_2;
     const double t15 = (884279719003555.0 / 211106232532992.0) * t;
-    F[32] = crank_phi + (-15.0) * crank_alpha1 + 30.0 * crank_alpha2 + sin(t15) - 1.5707963267948966
-        - t15;
+    F[32] = crank_phi + (-15.0) * crank_alpha1 + 30.0 * crank_alpha2 + tisserand_sin(t15)
+        - 1.5707963267948966 - t15;
     F[33] = coupler_c1 + coupler_left_s_1 - crank_c1 - crank_right_s_1;
     F[34] = coupler_c2 + coupler_left_s_2 - crank_c2 - crank_right_s_2;
     F[35] = rocker_c1 + rocker_right_s_1 - coupler_c1 - coupler_right_s_1;
@@ -3442,8 +3538,8 @@ int four_bar_jacobian(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
@@ -3476,8 +3572,8 @@ int four_bar_jacobian(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
@@ -3515,8 +3611,8 @@ int four_bar_jacobian(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
@@ -3877,8 +3973,8 @@ int four_bar_residual_ggl(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
@@ -3915,8 +4011,8 @@ int four_bar_residual_ggl(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
@@ -3958,8 +4054,8 @@ int four_bar_residual_ggl(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
@@ -4071,7 +4167,7 @@ int four_bar_residual_ggl(
     F[31] = crank_c2dot + crank_left_sdot_2 + crank_phidot * crank_left_s_1;
     const double t26 = (884279719003555.0 / 211106232532992.0) * t;
     F[32] = crank_phidot + (-15.0) * crank_alpha1dot + 30.0 * crank_alpha2dot
-        + (884279719003555.0 / 211106232532992.0) * cos(t26)
+        + (884279719003555.0 / 211106232532992.0) * tisserand_cos(t26)
         - (884279719003555.0 / 211106232532992.0);
     F[33] = coupler_c1dot - coupler_left_rdot_2 * coupler_sin_phi + crank_phidot * crank_right_s_2
         - crank_c1dot + crank_right_rdot_2 * crank_sin_phi - coupler_phidot * coupler_left_s_2;
@@ -4085,8 +4181,8 @@ int four_bar_residual_ggl(
     F[38] = rocker_c2dot + rocker_left_sdot_2 + rocker_phidot * rocker_left_s_1;
     F[39] = crank_c1 + crank_left_s_1;
     F[40] = crank_c2 + crank_left_s_2;
-    F[41] = crank_phi + (-15.0) * crank_alpha1 + 30.0 * crank_alpha2 + sin(t26) - 1.5707963267948966
-        - t26;
+    F[41] = crank_phi + (-15.0) * crank_alpha1 + 30.0 * crank_alpha2 + tisserand_sin(t26)
+        - 1.5707963267948966 - t26;
     F[42] = coupler_c1 + coupler_left_s_1 - crank_c1 - crank_right_s_1;
     F[43] = coupler_c2 + coupler_left_s_2 - crank_c2 - crank_right_s_2;
     F[44] = rocker_c1 + rocker_right_s_1 - coupler_c1 - coupler_right_s_1;
@@ -4153,8 +4249,8 @@ int four_bar_jacobian_ggl(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
@@ -4191,8 +4287,8 @@ int four_bar_jacobian_ggl(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
@@ -4234,8 +4330,8 @@ int four_bar_jacobian_ggl(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
@@ -4776,8 +4872,8 @@ int four_bar_residual_index1(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
@@ -4814,8 +4910,8 @@ int four_bar_residual_index1(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
@@ -4857,8 +4953,8 @@ int four_bar_residual_index1(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
@@ -4961,7 +5057,8 @@ int four_bar_residual_index1(
     const double t21 = crank_cos_phi * crank_alpha2ddot;
     F[31] = crank_c2ddot - (t1 * (crank_left_rdot_2 * crank_sin_phi) + t2 * crank_left_s_2)
         + crank_left_s_1 * crank_phiddot + t20 - t21;
-    F[32] = crank_phiddot - 17.545963379714415 * sin((884279719003555.0 / 211106232532992.0) * t)
+    F[32] = crank_phiddot
+        - 17.545963379714415 * tisserand_sin((884279719003555.0 / 211106232532992.0) * t)
         + (-15.0) * crank_alpha1ddot + 30.0 * crank_alpha2ddot;
     const double t22 = coupler_sin_phi * coupler_alpha1ddot;
     const double t23 = coupler_sin_phi * coupler_alpha2ddot;
@@ -5047,8 +5144,8 @@ int four_bar_jacobian_index1(
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
-    const double crank_cos_phi = cos(crank_phi);
-    const double crank_sin_phi = sin(crank_phi);
+    const double crank_cos_phi = tisserand_cos(crank_phi);
+    const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
@@ -5085,8 +5182,8 @@ int four_bar_jacobian_index1(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
-    const double coupler_cos_phi = cos(coupler_phi);
-    const double coupler_sin_phi = sin(coupler_phi);
+    const double coupler_cos_phi = tisserand_cos(coupler_phi);
+    const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
@@ -5128,8 +5225,8 @@ int four_bar_jacobian_index1(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
-    const double rocker_cos_phi = cos(rocker_phi);
-    const double rocker_sin_phi = sin(rocker_phi);
+    const double rocker_cos_phi = tisserand_cos(rocker_phi);
+    const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
@@ -5487,40 +5584,117 @@ int four_bar_jacobian_index1(
 
 #ifndef TISSERAND_WITHOUT_BATCHES
 
-/* The rows of a block that is not full: its last state is repeated. */
-static const double *four_bar_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
+/* The bits of a code, which are 0 for success. */
+TISSERAND_INLINE unsigned long long four_bar_block_bits(double code)
 {
-    for (int e = 0; e < rows; e++)
-        for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
-    return to;
+    unsigned long long bits;
+    memcpy(&bits, &code, sizeof bits);
+    return bits;
 }
 
-/* The rows of a block to their places among those of all states. */
-static inline void four_bar_block32_scatter(
-    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
+/* NaN for the states of a block that fail. */
+static void four_bar_block_nan(int count, ptrdiff_t all, int rows, const double *codes, double *to)
 {
-    for (int e = 0; e < rows; e++) {
-        double *row = to + e * all;
-        if (count == 32) {
-            for (int b = 0; b < 32; b++) row[b] = from[e][b];
-        } else {
-            for (int b = 0; b < 32; b++) {
-                if (b < count) row[b] = from[e][b];
-            }
-        }
-    }
-}
-
-/* NaN for the states that fail, and the code of the first of them. */
-static int four_bar_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
-{
-    int code = 0;
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
-        if (code == 0) code = (int) codes[b];
         for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
+}
+
+/* The code of the first state of a block that fails; there is one. */
+static int four_bar_block_code(const double *codes)
+{
+    while (*codes == 0.0) codes++;
+    return (int) *codes;
+}
+
+TISSERAND_INLINE void four_bar_mass_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M)
+{
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double crank_alpha1 = q[3 * all + b];
+        const double crank_alpha2 = q[4 * all + b];
+        const double coupler_alpha1 = q[8 * all + b];
+        const double coupler_alpha2 = q[9 * all + b];
+        const double rocker_alpha1 = q[13 * all + b];
+        const double rocker_alpha2 = q[14 * all + b];
+        const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+        const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
+        const double crank_J = (12362167.0 / 3750000000.0) + crank_D2_1 * crank_alpha1
+            + crank_D2_2 * crank_alpha2;
+        const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+        const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
+        const double coupler_J = (222519009.0 / 2500000000.0) + coupler_D2_1 * coupler_alpha1
+            + coupler_D2_2 * coupler_alpha2;
+        const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+        const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
+        const double rocker_J = (12362167.0 / 240000000.0) + rocker_D2_1 * rocker_alpha1
+            + rocker_D2_2 * rocker_alpha2;
+        M[b] = (12362167.0 / 50000000.0);
+        M[all + b] = (12362167.0 / 50000000.0);
+        M[2 * all + b] = crank_J;
+        M[3 * all + b] = (12362167.0 / 250000000.0);
+        M[4 * all + b] = (12362167.0 / 350000000.0);
+        M[5 * all + b] = (74173003.0 / 100000000.0);
+        M[6 * all + b] = (74173003.0 / 100000000.0);
+        M[7 * all + b] = coupler_J;
+        M[8 * all + b] = (74173003.0 / 500000000.0);
+        M[9 * all + b] = (74173003.0 / 700000000.0);
+        M[10 * all + b] = (12362167.0 / 20000000.0);
+        M[11 * all + b] = (12362167.0 / 20000000.0);
+        M[12 * all + b] = rocker_J;
+        M[13 * all + b] = (12362167.0 / 100000000.0);
+        M[14 * all + b] = (12362167.0 / 140000000.0);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int four_bar_mass_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    double q_b[480], M_b[480];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    code = four_bar_mass_batch(count, q_b, k, M_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
     return code;
+}
+
+TISSERAND_APART int four_bar_mass_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        four_bar_mass_states(8, 8, q, k, M);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        four_bar_mass_copied(32, all, q, k, M);
+        q += 32; M += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        four_bar_mass_states(8, all, q, k, M);
+        q += 8; M += 8;
+    }
+    if (left > 0) {
+        four_bar_mass_states(left, all, q, k, M);
+    }
+    return 0;
 }
 
 int four_bar_mass_batch(
@@ -5529,53 +5703,117 @@ int four_bar_mass_batch(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    (void) k;
-    double q_tail[480];
-    double M_block[15][32];
-    const ptrdiff_t all = n;
+    return n == 1 ? four_bar_mass(q, k, M) : four_bar_mass_blocks(n, q, k, M);
+}
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? four_bar_block32_pad(all, count, 15, q, q_tail) : q;
-        for (int b = 0; b < 32; b++) {
-            const double crank_alpha1 = q_block[3 * stride + b];
-            const double crank_alpha2 = q_block[4 * stride + b];
-            const double coupler_alpha1 = q_block[8 * stride + b];
-            const double coupler_alpha2 = q_block[9 * stride + b];
-            const double rocker_alpha1 = q_block[13 * stride + b];
-            const double rocker_alpha2 = q_block[14 * stride + b];
-            const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
-            const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
-            const double crank_J = (12362167.0 / 3750000000.0) + crank_D2_1 * crank_alpha1
-                + crank_D2_2 * crank_alpha2;
-            const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
-            const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
-            const double coupler_J = (222519009.0 / 2500000000.0) + coupler_D2_1 * coupler_alpha1
-                + coupler_D2_2 * coupler_alpha2;
-            const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
-            const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
-            const double rocker_J = (12362167.0 / 240000000.0) + rocker_D2_1 * rocker_alpha1
-                + rocker_D2_2 * rocker_alpha2;
-            M_block[0][b] = (12362167.0 / 50000000.0);
-            M_block[1][b] = (12362167.0 / 50000000.0);
-            M_block[2][b] = crank_J;
-            M_block[3][b] = (12362167.0 / 250000000.0);
-            M_block[4][b] = (12362167.0 / 350000000.0);
-            M_block[5][b] = (74173003.0 / 100000000.0);
-            M_block[6][b] = (74173003.0 / 100000000.0);
-            M_block[7][b] = coupler_J;
-            M_block[8][b] = (74173003.0 / 500000000.0);
-            M_block[9][b] = (74173003.0 / 700000000.0);
-            M_block[10][b] = (12362167.0 / 20000000.0);
-            M_block[11][b] = (12362167.0 / 20000000.0);
-            M_block[12][b] = rocker_J;
-            M_block[13][b] = (12362167.0 / 100000000.0);
-            M_block[14][b] = (12362167.0 / 140000000.0);
-        }
-        four_bar_block32_scatter(all, count, 15, M_block, M);
-        q += count;
-        M += count;
+TISSERAND_INLINE void four_bar_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT h)
+{
+    (void) t;
+    const double crank_K_1_1 = k[0];
+    const double crank_K_2_2 = k[1];
+    const double coupler_K_1_1 = k[2];
+    const double coupler_K_2_2 = k[3];
+    const double rocker_K_1_1 = k[4];
+    const double rocker_K_2_2 = k[5];
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double crank_alpha1 = q[3 * all + b];
+        const double crank_alpha2 = q[4 * all + b];
+        const double coupler_alpha1 = q[8 * all + b];
+        const double coupler_alpha2 = q[9 * all + b];
+        const double rocker_alpha1 = q[13 * all + b];
+        const double rocker_alpha2 = q[14 * all + b];
+        const double crank_phidot = v[2 * all + b];
+        const double crank_alpha1dot = v[3 * all + b];
+        const double crank_alpha2dot = v[4 * all + b];
+        const double coupler_phidot = v[7 * all + b];
+        const double coupler_alpha1dot = v[8 * all + b];
+        const double coupler_alpha2dot = v[9 * all + b];
+        const double rocker_phidot = v[12 * all + b];
+        const double rocker_alpha1dot = v[13 * all + b];
+        const double rocker_alpha2dot = v[14 * all + b];
+        const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+        const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
+        const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
+        const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+        const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
+        const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
+            + coupler_alpha2dot * coupler_D2_2;
+        const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+        const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
+        const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
+        h[b] = 0.0;
+        h[all + b] = 0.0;
+        h[2 * all + b] = 2.0 * crank_phidot * crank_D2dot;
+        const double t1 = crank_phidot * crank_phidot;
+        h[3 * all + b] = crank_K_1_1 * crank_alpha1 - t1 * crank_D2_1;
+        h[4 * all + b] = crank_K_2_2 * crank_alpha2 - t1 * crank_D2_2;
+        h[5 * all + b] = 0.0;
+        h[6 * all + b] = 0.0;
+        h[7 * all + b] = 2.0 * coupler_phidot * coupler_D2dot;
+        const double t2 = coupler_phidot * coupler_phidot;
+        h[8 * all + b] = coupler_K_1_1 * coupler_alpha1 - t2 * coupler_D2_1;
+        h[9 * all + b] = coupler_K_2_2 * coupler_alpha2 - t2 * coupler_D2_2;
+        h[10 * all + b] = 0.0;
+        h[11 * all + b] = 0.0;
+        h[12 * all + b] = 2.0 * rocker_phidot * rocker_D2dot;
+        const double t3 = rocker_phidot * rocker_phidot;
+        h[13 * all + b] = rocker_K_1_1 * rocker_alpha1 - t3 * rocker_D2_1;
+        h[14 * all + b] = rocker_K_2_2 * rocker_alpha2 - t3 * rocker_D2_2;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int four_bar_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    double q_b[480], v_b[480], h_b[480];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = four_bar_force_batch(count, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int four_bar_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        four_bar_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        four_bar_force_copied(32, all, t, q, v, k, h);
+        q += 32; v += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        four_bar_force_states(8, all, t, q, v, k, h);
+        q += 8; v += 8; h += 8;
+    }
+    if (left > 0) {
+        four_bar_force_states(left, all, t, q, v, k, h);
     }
     return 0;
 }
@@ -5588,6 +5826,19 @@ int four_bar_force_batch(
     const double *TISSERAND_RESTRICT k,
     double *h)
 {
+    return n == 1 ? four_bar_force(t, q, v, k, h) : four_bar_force_blocks(n, t, q, v, k, h);
+}
+
+TISSERAND_INLINE void four_bar_mass_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M,
+    double *TISSERAND_RESTRICT h)
+{
     (void) t;
     const double crank_K_1_1 = k[0];
     const double crank_K_2_2 = k[1];
@@ -5595,66 +5846,540 @@ int four_bar_force_batch(
     const double coupler_K_2_2 = k[3];
     const double rocker_K_1_1 = k[4];
     const double rocker_K_2_2 = k[5];
-    double q_tail[480], v_tail[480];
-    double h_block[15][32];
-    const ptrdiff_t all = n;
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? four_bar_block32_pad(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? four_bar_block32_pad(all, count, 15, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double crank_alpha1 = q_block[3 * stride + b];
-            const double crank_alpha2 = q_block[4 * stride + b];
-            const double coupler_alpha1 = q_block[8 * stride + b];
-            const double coupler_alpha2 = q_block[9 * stride + b];
-            const double rocker_alpha1 = q_block[13 * stride + b];
-            const double rocker_alpha2 = q_block[14 * stride + b];
-            const double crank_phidot = v_block[2 * stride + b];
-            const double crank_alpha1dot = v_block[3 * stride + b];
-            const double crank_alpha2dot = v_block[4 * stride + b];
-            const double coupler_phidot = v_block[7 * stride + b];
-            const double coupler_alpha1dot = v_block[8 * stride + b];
-            const double coupler_alpha2dot = v_block[9 * stride + b];
-            const double rocker_phidot = v_block[12 * stride + b];
-            const double rocker_alpha1dot = v_block[13 * stride + b];
-            const double rocker_alpha2dot = v_block[14 * stride + b];
-            const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
-            const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
-            const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
-            const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
-            const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
-            const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
-                + coupler_alpha2dot * coupler_D2_2;
-            const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
-            const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
-            const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
-            h_block[0][b] = 0.0;
-            h_block[1][b] = 0.0;
-            h_block[2][b] = 2.0 * crank_phidot * crank_D2dot;
-            const double t1 = crank_phidot * crank_phidot;
-            h_block[3][b] = crank_K_1_1 * crank_alpha1 - t1 * crank_D2_1;
-            h_block[4][b] = crank_K_2_2 * crank_alpha2 - t1 * crank_D2_2;
-            h_block[5][b] = 0.0;
-            h_block[6][b] = 0.0;
-            h_block[7][b] = 2.0 * coupler_phidot * coupler_D2dot;
-            const double t2 = coupler_phidot * coupler_phidot;
-            h_block[8][b] = coupler_K_1_1 * coupler_alpha1 - t2 * coupler_D2_1;
-            h_block[9][b] = coupler_K_2_2 * coupler_alpha2 - t2 * coupler_D2_2;
-            h_block[10][b] = 0.0;
-            h_block[11][b] = 0.0;
-            h_block[12][b] = 2.0 * rocker_phidot * rocker_D2dot;
-            const double t3 = rocker_phidot * rocker_phidot;
-            h_block[13][b] = rocker_K_1_1 * rocker_alpha1 - t3 * rocker_D2_1;
-            h_block[14][b] = rocker_K_2_2 * rocker_alpha2 - t3 * rocker_D2_2;
-        }
-        four_bar_block32_scatter(all, count, 15, h_block, h);
-        q += count;
-        v += count;
-        h += count;
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double crank_alpha1 = q[3 * all + b];
+        const double crank_alpha2 = q[4 * all + b];
+        const double coupler_alpha1 = q[8 * all + b];
+        const double coupler_alpha2 = q[9 * all + b];
+        const double rocker_alpha1 = q[13 * all + b];
+        const double rocker_alpha2 = q[14 * all + b];
+        const double crank_phidot = v[2 * all + b];
+        const double crank_alpha1dot = v[3 * all + b];
+        const double crank_alpha2dot = v[4 * all + b];
+        const double coupler_phidot = v[7 * all + b];
+        const double coupler_alpha1dot = v[8 * all + b];
+        const double coupler_alpha2dot = v[9 * all + b];
+        const double rocker_phidot = v[12 * all + b];
+        const double rocker_alpha1dot = v[13 * all + b];
+        const double rocker_alpha2dot = v[14 * all + b];
+        const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+        const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
+        const double t1 = rocker_phidot * rocker_phidot;
+        h[14 * all + b] = rocker_K_2_2 * rocker_alpha2 - t1 * rocker_D2_2;
+        M[14 * all + b] = (12362167.0 / 140000000.0);
+        h[13 * all + b] = rocker_K_1_1 * rocker_alpha1 - t1 * rocker_D2_1;
+        M[13 * all + b] = (12362167.0 / 100000000.0);
+        const double rocker_J = (12362167.0 / 240000000.0) + rocker_D2_1 * rocker_alpha1
+            + rocker_D2_2 * rocker_alpha2;
+        const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
+        h[12 * all + b] = 2.0 * rocker_phidot * rocker_D2dot;
+        M[12 * all + b] = rocker_J;
+        h[11 * all + b] = 0.0;
+        M[11 * all + b] = (12362167.0 / 20000000.0);
+        h[10 * all + b] = 0.0;
+        M[10 * all + b] = (12362167.0 / 20000000.0);
+        const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+        const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
+        const double t2 = coupler_phidot * coupler_phidot;
+        h[9 * all + b] = coupler_K_2_2 * coupler_alpha2 - t2 * coupler_D2_2;
+        M[9 * all + b] = (74173003.0 / 700000000.0);
+        h[8 * all + b] = coupler_K_1_1 * coupler_alpha1 - t2 * coupler_D2_1;
+        M[8 * all + b] = (74173003.0 / 500000000.0);
+        const double coupler_J = (222519009.0 / 2500000000.0) + coupler_D2_1 * coupler_alpha1
+            + coupler_D2_2 * coupler_alpha2;
+        const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
+            + coupler_alpha2dot * coupler_D2_2;
+        h[7 * all + b] = 2.0 * coupler_phidot * coupler_D2dot;
+        M[7 * all + b] = coupler_J;
+        h[6 * all + b] = 0.0;
+        M[6 * all + b] = (74173003.0 / 100000000.0);
+        h[5 * all + b] = 0.0;
+        M[5 * all + b] = (74173003.0 / 100000000.0);
+        const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+        const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
+        const double t3 = crank_phidot * crank_phidot;
+        h[4 * all + b] = crank_K_2_2 * crank_alpha2 - t3 * crank_D2_2;
+        M[4 * all + b] = (12362167.0 / 350000000.0);
+        h[3 * all + b] = crank_K_1_1 * crank_alpha1 - t3 * crank_D2_1;
+        M[3 * all + b] = (12362167.0 / 250000000.0);
+        const double crank_J = (12362167.0 / 3750000000.0) + crank_D2_1 * crank_alpha1
+            + crank_D2_2 * crank_alpha2;
+        const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
+        h[2 * all + b] = 2.0 * crank_phidot * crank_D2dot;
+        M[2 * all + b] = crank_J;
+        h[all + b] = 0.0;
+        M[all + b] = (12362167.0 / 50000000.0);
+        h[b] = 0.0;
+        M[b] = (12362167.0 / 50000000.0);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int four_bar_mass_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    double q_b[480], v_b[480], M_b[480], h_b[480];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = four_bar_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int four_bar_mass_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        four_bar_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        four_bar_mass_force_copied(32, all, t, q, v, k, M, h);
+        q += 32; v += 32; M += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        four_bar_mass_force_states(8, all, t, q, v, k, M, h);
+        q += 8; v += 8; M += 8; h += 8;
+    }
+    if (left > 0) {
+        four_bar_mass_force_states(left, all, t, q, v, k, M, h);
     }
     return 0;
+}
+
+int four_bar_mass_force_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    return n == 1 ? four_bar_mass_force(t, q, v, k, M, h) : four_bar_mass_force_blocks(n, t, q, v, k, M, h);
+}
+
+TISSERAND_INLINE int four_bar_accel_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT vdot)
+{
+    (void) t;
+    const double crank_K_1_1 = k[0];
+    const double crank_K_2_2 = k[1];
+    const double coupler_K_1_1 = k[2];
+    const double coupler_K_2_2 = k[3];
+    const double rocker_K_1_1 = k[4];
+    const double rocker_K_2_2 = k[5];
+    double sin_1_6[8], angle_1_0_3[8], cosine_1_0_3[8], crank_cos_phi[8], crank_sin_phi[8];
+    double rocker_cos_phi[8], rocker_sin_phi[8], coupler_cos_phi[8], coupler_sin_phi[8];
+    double codes[8];
+    unsigned long long failures = 0;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        angle_1_0_3[b] = (884279719003555.0 / 211106232532992.0) * t;
+    }
+    tisserand_sines(count, q + 2 * all, crank_sin_phi, crank_cos_phi);
+    tisserand_sines(count, q + 7 * all, coupler_sin_phi, coupler_cos_phi);
+    tisserand_sines(count, q + 12 * all, rocker_sin_phi, rocker_cos_phi);
+    tisserand_sines(count, angle_1_0_3, sin_1_6, cosine_1_0_3);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double crank_alpha1 = q[3 * all + b];
+        const double crank_alpha2 = q[4 * all + b];
+        const double coupler_alpha1 = q[8 * all + b];
+        const double coupler_alpha2 = q[9 * all + b];
+        const double rocker_alpha1 = q[13 * all + b];
+        const double rocker_alpha2 = q[14 * all + b];
+        const double crank_phidot = v[2 * all + b];
+        const double crank_alpha1dot = v[3 * all + b];
+        const double crank_alpha2dot = v[4 * all + b];
+        const double coupler_phidot = v[7 * all + b];
+        const double coupler_alpha1dot = v[8 * all + b];
+        const double coupler_alpha2dot = v[9 * all + b];
+        const double rocker_phidot = v[12 * all + b];
+        const double rocker_alpha1dot = v[13 * all + b];
+        const double rocker_alpha2dot = v[14 * all + b];
+        const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+        const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
+        const double crank_J = (12362167.0 / 3750000000.0) + crank_D2_1 * crank_alpha1
+            + crank_D2_2 * crank_alpha2;
+        const double crank_left_r_2 = crank_alpha1 - crank_alpha2;
+        const double crank_left_rdot_2 = crank_alpha1dot - crank_alpha2dot;
+        const double crank_left_s_1 = (-1.0 / 5.0) * crank_cos_phi[b]
+            - crank_left_r_2 * crank_sin_phi[b];
+        const double crank_left_s_2 = (-1.0 / 5.0) * crank_sin_phi[b]
+            + crank_left_r_2 * crank_cos_phi[b];
+        const double crank_left_sdot_2 = crank_left_rdot_2 * crank_cos_phi[b];
+        const double crank_right_r_2 = crank_alpha1 + crank_alpha2;
+        const double crank_right_rdot_2 = crank_alpha1dot + crank_alpha2dot;
+        const double crank_right_s_1 = (1.0 / 5.0) * crank_cos_phi[b]
+            - crank_right_r_2 * crank_sin_phi[b];
+        const double crank_right_s_2 = (1.0 / 5.0) * crank_sin_phi[b]
+            + crank_right_r_2 * crank_cos_phi[b];
+        const double crank_right_sdot_2 = crank_right_rdot_2 * crank_cos_phi[b];
+        const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+        const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
+        const double coupler_J = (222519009.0 / 2500000000.0) + coupler_D2_1 * coupler_alpha1
+            + coupler_D2_2 * coupler_alpha2;
+        const double coupler_left_r_2 = coupler_alpha1 - coupler_alpha2;
+        const double coupler_left_rdot_2 = coupler_alpha1dot - coupler_alpha2dot;
+        const double coupler_left_s_1 = (-3.0 / 5.0) * coupler_cos_phi[b]
+            - coupler_left_r_2 * coupler_sin_phi[b];
+        const double coupler_left_s_2 = (-3.0 / 5.0) * coupler_sin_phi[b]
+            + coupler_left_r_2 * coupler_cos_phi[b];
+        const double coupler_left_sdot_2 = coupler_left_rdot_2 * coupler_cos_phi[b];
+        const double coupler_right_r_2 = coupler_alpha1 + coupler_alpha2;
+        const double coupler_right_rdot_2 = coupler_alpha1dot + coupler_alpha2dot;
+        const double coupler_right_s_1 = (3.0 / 5.0) * coupler_cos_phi[b]
+            - coupler_right_r_2 * coupler_sin_phi[b];
+        const double coupler_right_s_2 = (3.0 / 5.0) * coupler_sin_phi[b]
+            + coupler_right_r_2 * coupler_cos_phi[b];
+        const double coupler_right_sdot_2 = coupler_right_rdot_2 * coupler_cos_phi[b];
+        const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+        const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
+        const double rocker_J = (12362167.0 / 240000000.0) + rocker_D2_1 * rocker_alpha1
+            + rocker_D2_2 * rocker_alpha2;
+        const double rocker_left_r_2 = rocker_alpha1 - rocker_alpha2;
+        const double rocker_left_rdot_2 = rocker_alpha1dot - rocker_alpha2dot;
+        const double rocker_left_s_1 = (-0.5) * rocker_cos_phi[b] - rocker_left_r_2 * rocker_sin_phi[b];
+        const double rocker_left_s_2 = (-0.5) * rocker_sin_phi[b] + rocker_left_r_2 * rocker_cos_phi[b];
+        const double rocker_left_sdot_2 = rocker_left_rdot_2 * rocker_cos_phi[b];
+        const double rocker_right_r_2 = rocker_alpha1 + rocker_alpha2;
+        const double rocker_right_rdot_2 = rocker_alpha1dot + rocker_alpha2dot;
+        const double rocker_right_s_1 = 0.5 * rocker_cos_phi[b] - rocker_right_r_2 * rocker_sin_phi[b];
+        const double rocker_right_s_2 = 0.5 * rocker_sin_phi[b] + rocker_right_r_2 * rocker_cos_phi[b];
+        const double rocker_right_sdot_2 = rocker_right_rdot_2 * rocker_cos_phi[b];
+        const double inverse_crank_J = 1.0 / crank_J;
+        const double t1 = crank_left_s_2 * inverse_crank_J;
+        const double t2 = crank_sin_phi[b] / (12362167.0 / 250000000.0);
+        const double t3 = (-15.0) * t2;
+        const double t4 = crank_sin_phi[b] / (12362167.0 / 350000000.0);
+        const double t5 = 30.0 * t4;
+        const double t6 = t1 + t3 - t5;
+        const double t7 = inverse_crank_J + (56250000000.0 / 12362167.0)
+            + (315000000000.0 / 12362167.0);
+        const double inverse_t7 = 1.0 / t7;
+        const double t8 = t6 * inverse_t7;
+        const double t9 = t2 * crank_sin_phi[b];
+        const double t10 = t4 * crank_sin_phi[b];
+        const double t11 = (50000000.0 / 12362167.0) + t1 * crank_left_s_2 + t9 + t10;
+        const double pivot_shaft_1 = t8 * t6 - t11;
+        const double t12 = crank_cos_phi[b] / (12362167.0 / 350000000.0);
+        const double t13 = 30.0 * t12;
+        const double t14 = crank_left_s_1 * inverse_crank_J;
+        const double t15 = crank_cos_phi[b] / (12362167.0 / 250000000.0);
+        const double t16 = (-15.0) * t15;
+        const double t17 = t13 - (t14 + t16);
+        const double t18 = t17 * inverse_t7;
+        const double t19 = t15 * crank_sin_phi[b];
+        const double t20 = t12 * crank_sin_phi[b];
+        const double t21 = t14 * crank_left_s_2 + t19 + t20 + t18 * t6;
+        const double inverse_pivot_shaft_1 = 1.0 / pivot_shaft_1;
+        const double t22 = t21 * inverse_pivot_shaft_1;
+        const double t23 = t15 * crank_cos_phi[b];
+        const double t24 = t12 * crank_cos_phi[b];
+        const double t25 = (50000000.0 / 12362167.0) + t14 * crank_left_s_1 + t23 + t24;
+        const double pivot_shaft_2 = t18 * t17 - t22 * t21 - t25;
+        const double t26 = rocker_cos_phi[b] / (12362167.0 / 100000000.0);
+        const double t27 = t26 * rocker_sin_phi[b];
+        const double t28 = rocker_cos_phi[b] / (12362167.0 / 140000000.0);
+        const double t29 = t28 * rocker_sin_phi[b];
+        const double t30 = t27 + t29;
+        const double inverse_rocker_J = 1.0 / rocker_J;
+        const double t31 = rocker_left_s_1 * inverse_rocker_J;
+        const double t32 = t30 + t31 * rocker_left_s_2;
+        const double t33 = rocker_sin_phi[b] / (12362167.0 / 100000000.0);
+        const double t34 = t33 * rocker_sin_phi[b];
+        const double t35 = (20000000.0 / 12362167.0) + t34;
+        const double t36 = rocker_sin_phi[b] / (12362167.0 / 140000000.0);
+        const double t37 = t36 * rocker_sin_phi[b];
+        const double t38 = rocker_left_s_2 * inverse_rocker_J;
+        const double t39 = t35 + t37 + t38 * rocker_left_s_2;
+        const double inverse_t39 = 1.0 / t39;
+        const double t40 = t32 * inverse_t39;
+        const double t41 = t26 * rocker_cos_phi[b];
+        const double t42 = (20000000.0 / 12362167.0) + t41;
+        const double t43 = t28 * rocker_cos_phi[b];
+        const double t44 = t42 + t43 + t31 * rocker_left_s_1;
+        const double pivot_pivot_2 = t40 * t32 - t44;
+        const double t45 = crank_right_s_2 * inverse_crank_J;
+        const double t46 = t45 + t3 + t5;
+        const double t47 = t46 * inverse_t7;
+        const double t48 = (50000000.0 / 12362167.0) + t45 * crank_left_s_2 + t9 - t10 - t47 * t6;
+        const double t49 = t48 * inverse_pivot_shaft_1;
+        const double t50 = t4 * crank_cos_phi[b] - (t45 * crank_left_s_1 + t2 * crank_cos_phi[b])
+            - t47 * t17 - t49 * t21;
+        const double inverse_pivot_shaft_2 = 1.0 / pivot_shaft_2;
+        const double t51 = t50 * inverse_pivot_shaft_2;
+        const double t52 = coupler_sin_phi[b] / (74173003.0 / 700000000.0);
+        const double t53 = t52 * coupler_sin_phi[b];
+        const double inverse_coupler_J = 1.0 / coupler_J;
+        const double t54 = coupler_left_s_2 * inverse_coupler_J;
+        const double t55 = coupler_sin_phi[b] / (74173003.0 / 500000000.0);
+        const double t56 = t55 * coupler_sin_phi[b];
+        const double t57 = (50000000.0 / 12362167.0) + t45 * crank_right_s_2 + t9 + t10
+            + (100000000.0 / 74173003.0) + t53 + t54 * coupler_left_s_2 + t56;
+        const double pivot_crank_pin_1 = t47 * t46 - t49 * t48 - t51 * t50 - t57;
+        const double t58 = crank_right_s_1 * inverse_crank_J;
+        const double t59 = t58 + t16 + t13;
+        const double t60 = t59 * inverse_t7;
+        const double t61 = t20 - (t58 * crank_left_s_2 + t19) + t60 * t6;
+        const double t62 = t61 * inverse_pivot_shaft_1;
+        const double t63 = (50000000.0 / 12362167.0) + t58 * crank_left_s_1 + t23 - t24 + t60 * t17
+            - t62 * t21;
+        const double t64 = t63 * inverse_pivot_shaft_2;
+        const double t65 = coupler_cos_phi[b] / (74173003.0 / 700000000.0);
+        const double t66 = t65 * coupler_sin_phi[b];
+        const double t67 = coupler_left_s_1 * inverse_coupler_J;
+        const double t68 = coupler_cos_phi[b] / (74173003.0 / 500000000.0);
+        const double t69 = t68 * coupler_sin_phi[b];
+        const double t70 = t58 * crank_right_s_2 + t19 + t20 - t60 * t46 - t62 * t48 - t64 * t50 + t66
+            + t67 * coupler_left_s_2 + t69;
+        const double inverse_pivot_crank_pin_1 = 1.0 / pivot_crank_pin_1;
+        const double t71 = t70 * inverse_pivot_crank_pin_1;
+        const double t72 = t65 * coupler_cos_phi[b];
+        const double t73 = t68 * coupler_cos_phi[b];
+        const double t74 = (50000000.0 / 12362167.0) + t58 * crank_right_s_1 + t23 + t24
+            + (100000000.0 / 74173003.0) + t72 + t67 * coupler_left_s_1 + t73;
+        const double pivot_crank_pin_2 = t60 * t59 - t62 * t61 - t64 * t63 - t71 * t70 - t74;
+        const double t75 = rocker_right_s_2 * inverse_rocker_J;
+        const double t76 = t37 - t35 - t75 * rocker_left_s_2;
+        const double t77 = t76 * inverse_t39;
+        const double t78 = t33 * rocker_cos_phi[b] - t36 * rocker_cos_phi[b] + t75 * rocker_left_s_1
+            + t77 * t32;
+        const double inverse_pivot_pivot_2 = 1.0 / pivot_pivot_2;
+        const double t79 = t78 * inverse_pivot_pivot_2;
+        const double t80 = coupler_right_s_2 * inverse_coupler_J;
+        const double t81 = (100000000.0 / 74173003.0) - t53 + t80 * coupler_left_s_2 + t56;
+        const double t82 = t81 * inverse_pivot_crank_pin_1;
+        const double t83 = t52 * coupler_cos_phi[b] - t80 * coupler_left_s_1 - t55 * coupler_cos_phi[b]
+            - t82 * t70;
+        const double inverse_pivot_crank_pin_2 = 1.0 / pivot_crank_pin_2;
+        const double t84 = t83 * inverse_pivot_crank_pin_2;
+        const double t85 = (2719676760000000.0 / 916939049977501.0) + t34 + t37 + t75 * rocker_right_s_2
+            + t53 + t80 * coupler_right_s_2 + t56;
+        const double pivot_rocker_pin_1 = t77 * t76 - t79 * t78 - t82 * t81 - t84 * t83 - t85;
+        const double t86 = rocker_right_s_1 * inverse_rocker_J;
+        const double t87 = t27 - t29 + t86 * rocker_left_s_2;
+        const double t88 = t87 * inverse_t39;
+        const double t89 = t43 - t42 - t86 * rocker_left_s_1 + t88 * t32;
+        const double t90 = t89 * inverse_pivot_pivot_2;
+        const double t91 = coupler_right_s_1 * inverse_coupler_J;
+        const double t92 = t66 - t91 * coupler_left_s_2 - t69;
+        const double t93 = t92 * inverse_pivot_crank_pin_1;
+        const double t94 = (100000000.0 / 74173003.0) - t72 + t91 * coupler_left_s_1 + t73 - t93 * t70;
+        const double t95 = t94 * inverse_pivot_crank_pin_2;
+        const double t96 = t30 + t86 * rocker_right_s_2 + t88 * t76 - t90 * t78 + t66
+            + t91 * coupler_right_s_2 + t69 - t93 * t81 - t95 * t83;
+        const double inverse_pivot_rocker_pin_1 = 1.0 / pivot_rocker_pin_1;
+        const double t97 = t96 * inverse_pivot_rocker_pin_1;
+        const double t98 = (2719676760000000.0 / 916939049977501.0) + t41 + t43 + t86 * rocker_right_s_1
+            + t72 + t91 * coupler_right_s_1 + t73;
+        const double pivot_rocker_pin_2 = t88 * t87 - t90 * t89 - t93 * t92 - t95 * t94 - t97 * t96
+            - t98;
+        const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
+        const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
+            + coupler_alpha2dot * coupler_D2_2;
+        const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
+        const double t99 = 2.0 * crank_phidot;
+        const double t100 = t99 * crank_D2dot;
+        const double t101 = crank_phidot * crank_phidot;
+        const double t102 = crank_K_1_1 * crank_alpha1 - t101 * crank_D2_1;
+        const double t103 = t2 * t102;
+        const double t104 = crank_K_2_2 * crank_alpha2 - t101 * crank_D2_2;
+        const double t105 = t4 * t104;
+        const double t106 = t100 * inverse_crank_J;
+        const double t107 = 17.545963379714415 * sin_1_6[b] + t106 + (-3750000000.0 / 12362167.0) * t102
+            + (10500000000.0 / 12362167.0) * t104;
+        const double t108 = t1 * t100 - (t101 * crank_left_s_1 + t99 * crank_left_sdot_2) + t103 - t105
+            - t8 * t107;
+        const double t109 = t12 * t104;
+        const double t110 = t15 * t102;
+        const double t111 = t109 - (t99 * (crank_left_rdot_2 * crank_sin_phi[b]) + t101 * crank_left_s_2
+            + t14 * t100 + t110) - t18 * t107 - t22 * t108;
+        const double t112 = coupler_phidot * coupler_phidot;
+        const double t113 = 2.0 * coupler_phidot;
+        const double t114 = coupler_K_2_2 * coupler_alpha2 - t112 * coupler_D2_2;
+        const double t115 = t52 * t114;
+        const double t116 = t113 * coupler_D2dot;
+        const double t117 = coupler_K_1_1 * coupler_alpha1 - t112 * coupler_D2_1;
+        const double t118 = t55 * t117;
+        const double t119 = t99 * crank_right_sdot_2 + t101 * crank_right_s_1 - t112 * coupler_left_s_1
+            - t113 * coupler_left_sdot_2 - t45 * t100 - t103 - t105 + t47 * t107 - t49 * t108
+            - t51 * t111 - t115 + t54 * t116 + t118;
+        const double t120 = t65 * t114;
+        const double t121 = t68 * t117;
+        const double t122 = t101 * crank_right_s_2 - t113 * (coupler_left_rdot_2 * coupler_sin_phi[b])
+            - t112 * coupler_left_s_2 + t99 * (crank_right_rdot_2 * crank_sin_phi[b]) + t58 * t100
+            + t110 + t109 - t60 * t107 - t62 * t108 - t64 * t111 + t120 - t67 * t116 - t121
+            - t71 * t119;
+        const double t123 = 2.0 * rocker_phidot;
+        const double t124 = rocker_phidot * rocker_phidot;
+        const double t125 = rocker_K_1_1 * rocker_alpha1 - t124 * rocker_D2_1;
+        const double t126 = t33 * t125;
+        const double t127 = rocker_K_2_2 * rocker_alpha2 - t124 * rocker_D2_2;
+        const double t128 = t36 * t127;
+        const double t129 = t123 * rocker_D2dot;
+        const double t130 = t126 - (t124 * rocker_left_s_1 + t123 * rocker_left_sdot_2) - t128
+            + t38 * t129;
+        const double t131 = t28 * t127;
+        const double t132 = t26 * t125;
+        const double t133 = t131 - (t123 * (rocker_left_rdot_2 * rocker_sin_phi[b])
+            + t124 * rocker_left_s_2 + t132) - t31 * t129 + t40 * t130;
+        const double t134 = t113 * coupler_right_sdot_2 + t112 * coupler_right_s_1
+            - t123 * rocker_right_sdot_2 - t124 * rocker_right_s_1 + t126 + t128 + t75 * t129
+            + t77 * t130 - t79 * t133 - t115 - t80 * t116 - t118 - t82 * t119 - t84 * t122;
+        const double t135 = (t112 * coupler_right_s_2 - t123 * (rocker_right_rdot_2 * rocker_sin_phi[b])
+            + t113 * (coupler_right_rdot_2 * coupler_sin_phi[b]) - t124 * rocker_right_s_2 - t132 - t131
+            - t86 * t129 + t88 * t130 - t90 * t133 + t120 + t91 * t116 + t121 - t93 * t119 - t95 * t122
+            - t97 * t134) / pivot_rocker_pin_2;
+        const double t136 = t134 * inverse_pivot_rocker_pin_1 - t97 * t135;
+        const double t137 = t122 * inverse_pivot_crank_pin_2 - t84 * t136 - t95 * t135;
+        const double t138 = t119 * inverse_pivot_crank_pin_1 - t71 * t137 - t82 * t136 - t93 * t135;
+        const double t139 = t111 * inverse_pivot_shaft_2 - t51 * t138 - t64 * t137;
+        const double t140 = t108 * inverse_pivot_shaft_1 - t22 * t139 - t49 * t138 - t62 * t137;
+        const double t141 = t140 / (12362167.0 / 50000000.0) - t138 / (12362167.0 / 50000000.0);
+        vdot[b] = t141;
+        const double t142 = t139 / (12362167.0 / 50000000.0) - t137 / (12362167.0 / 50000000.0);
+        vdot[all + b] = t142;
+        const double t143 = t107 * inverse_t7 + t8 * t140 + t18 * t139 - t47 * t138 + t60 * t137;
+        const double t144 = t143 * inverse_crank_J - t106 - t1 * t140 + t14 * t139 + t45 * t138
+            - t58 * t137;
+        vdot[2 * all + b] = t144;
+        const double t145 = (-3750000000.0 / 12362167.0) * t143 - t102 / (12362167.0 / 250000000.0)
+            - t2 * t140 + t15 * t139 + t2 * t138 - t15 * t137;
+        vdot[3 * all + b] = t145;
+        const double t146 = (10500000000.0 / 12362167.0) * t143 - t104 / (12362167.0 / 350000000.0)
+            + t4 * t140 - t12 * t139 + t4 * t138 - t12 * t137;
+        vdot[4 * all + b] = t146;
+        const double t147 = t138 / (74173003.0 / 100000000.0) - t136 / (74173003.0 / 100000000.0);
+        vdot[5 * all + b] = t147;
+        const double t148 = t137 / (74173003.0 / 100000000.0) - t135 / (74173003.0 / 100000000.0);
+        vdot[6 * all + b] = t148;
+        const double t149 = t67 * t137 - (t116 * inverse_coupler_J + t54 * t138) + t80 * t136
+            - t91 * t135;
+        vdot[7 * all + b] = t149;
+        const double t150 = t68 * t137 - (t117 / (74173003.0 / 500000000.0) + t55 * t138) + t55 * t136
+            - t68 * t135;
+        vdot[8 * all + b] = t150;
+        const double t151 = t52 * t138 - t114 / (74173003.0 / 700000000.0) - t65 * t137 + t52 * t136
+            - t65 * t135;
+        vdot[9 * all + b] = t151;
+        const double t152 = t133 * inverse_pivot_pivot_2 - t79 * t136 - t90 * t135;
+        const double t153 = t40 * t152 - t130 * inverse_t39 + t77 * t136 + t88 * t135;
+        const double t154 = t153 / (12362167.0 / 20000000.0) + t136 / (12362167.0 / 20000000.0);
+        vdot[10 * all + b] = t154;
+        const double t155 = t152 / (12362167.0 / 20000000.0) + t135 / (12362167.0 / 20000000.0);
+        vdot[11 * all + b] = t155;
+        const double t156 = t31 * t152 - (t129 * inverse_rocker_J + t38 * t153) - t75 * t136
+            + t86 * t135;
+        vdot[12 * all + b] = t156;
+        const double t157 = t26 * t152 - (t125 / (12362167.0 / 100000000.0) + t33 * t153) - t33 * t136
+            + t26 * t135;
+        vdot[13 * all + b] = t157;
+        const double t158 = t36 * t153 - t127 / (12362167.0 / 140000000.0) - t28 * t152 - t36 * t136
+            + t28 * t135;
+        vdot[14 * all + b] = t158;
+        double code = 0.0;
+        const double finite = t141 + t142 + t144 + t145 + t146 + t147 + t148 + t149 + t150 + t151 + t154
+            + t155 + t156 + t157 + t158;
+        code = finite - finite == 0.0 ? code : 2.0; /* a result is not finite */
+        code = -(pivot_rocker_pin_2
+            + 5.684341886080802e-14 * t98) > 0.0 ? code : 1.0; /* the pivot of rocker_pin_2 vanished */
+        code = -(pivot_rocker_pin_1
+            + 5.684341886080802e-14 * t85) > 0.0 ? code : 1.0; /* the pivot of rocker_pin_1 vanished */
+        code = -(pivot_crank_pin_2
+            + 5.684341886080802e-14 * t74) > 0.0 ? code : 1.0; /* the pivot of crank_pin_2 vanished */
+        code = -(pivot_crank_pin_1
+            + 5.684341886080802e-14 * t57) > 0.0 ? code : 1.0; /* the pivot of crank_pin_1 vanished */
+        code = coupler_J > 0.0 ? code : 1.0; /* the pivot of coupler_phi vanished */
+        code = -(pivot_pivot_2
+            + 5.684341886080802e-14 * t44) > 0.0 ? code : 1.0; /* the pivot of pivot_2 vanished */
+        code = t39 > 0.0 ? code : 1.0; /* the pivot of pivot_1 vanished */
+        code = rocker_J > 0.0 ? code : 1.0; /* the pivot of rocker_phi vanished */
+        code = -(pivot_shaft_2
+            + 5.684341886080802e-14 * t25) > 0.0 ? code : 1.0; /* the pivot of shaft_2 vanished */
+        code = -(pivot_shaft_1
+            + 5.684341886080802e-14 * t11) > 0.0 ? code : 1.0; /* the pivot of shaft_1 vanished */
+        code = t7 > 0.0 ? code : 1.0; /* the pivot of motor vanished */
+        code = crank_J > 0.0 ? code : 1.0; /* the pivot of crank_phi vanished */
+        codes[b] = code;
+        failures |= four_bar_block_bits(code);
+    }
+    if (!failures) return 0;
+    four_bar_block_nan(count, all, 15, codes, vdot);
+    return four_bar_block_code(codes);
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int four_bar_accel_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[480], v_b[480], vdot_b[480];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = four_bar_accel_batch(count, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int four_bar_accel_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    const ptrdiff_t all = n;
+    int left = n, code = 0;
+
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        const int failed = four_bar_accel_copied(32, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 32; v += 32; vdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        const int failed = four_bar_accel_states(8, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 8; v += 8; vdot += 8;
+    }
+    for (; left > 0; left--) {
+        const int failed = four_bar_accel_copied(1, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 1; v += 1; vdot += 1;
+    }
+    return code;
 }
 
 int four_bar_accel_batch(
@@ -5665,367 +6390,355 @@ int four_bar_accel_batch(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-    (void) t;
+    if (n == 1) {
+        const int code = four_bar_accel(t, q, v, k, vdot);
+for (int e = 0; code && e < 15; e++) vdot[e] = (double) NAN;
+        return code;
+    }
+    return four_bar_accel_blocks(n, t, q, v, k, vdot);
+}
+
+TISSERAND_INLINE void four_bar_energy_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT energy)
+{
     const double crank_K_1_1 = k[0];
     const double crank_K_2_2 = k[1];
     const double coupler_K_1_1 = k[2];
     const double coupler_K_2_2 = k[3];
     const double rocker_K_1_1 = k[4];
     const double rocker_K_2_2 = k[5];
-    double q_tail[480], v_tail[480];
-    double sin_1_6[32], crank_cos_phi[32], crank_sin_phi[32], rocker_cos_phi[32];
-    double rocker_sin_phi[32], coupler_cos_phi[32], coupler_sin_phi[32], codes[32];
-    double vdot_block[15][32];
-    const ptrdiff_t all = n;
-    int code = 0;
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? four_bar_block32_pad(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? four_bar_block32_pad(all, count, 15, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double crank_phi = q_block[2 * stride + b];
-            const double coupler_phi = q_block[7 * stride + b];
-            const double rocker_phi = q_block[12 * stride + b];
-            crank_cos_phi[b] = cos(crank_phi);
-            crank_sin_phi[b] = sin(crank_phi);
-            coupler_cos_phi[b] = cos(coupler_phi);
-            coupler_sin_phi[b] = sin(coupler_phi);
-            rocker_cos_phi[b] = cos(rocker_phi);
-            rocker_sin_phi[b] = sin(rocker_phi);
-            sin_1_6[b] = sin((884279719003555.0 / 211106232532992.0) * t);
-        }
-        for (int b = 0; b < 32; b++) {
-            const double crank_alpha1 = q_block[3 * stride + b];
-            const double crank_alpha2 = q_block[4 * stride + b];
-            const double coupler_alpha1 = q_block[8 * stride + b];
-            const double coupler_alpha2 = q_block[9 * stride + b];
-            const double rocker_alpha1 = q_block[13 * stride + b];
-            const double rocker_alpha2 = q_block[14 * stride + b];
-            const double crank_phidot = v_block[2 * stride + b];
-            const double crank_alpha1dot = v_block[3 * stride + b];
-            const double crank_alpha2dot = v_block[4 * stride + b];
-            const double coupler_phidot = v_block[7 * stride + b];
-            const double coupler_alpha1dot = v_block[8 * stride + b];
-            const double coupler_alpha2dot = v_block[9 * stride + b];
-            const double rocker_phidot = v_block[12 * stride + b];
-            const double rocker_alpha1dot = v_block[13 * stride + b];
-            const double rocker_alpha2dot = v_block[14 * stride + b];
-            const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
-            const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
-            const double crank_J = (12362167.0 / 3750000000.0) + crank_D2_1 * crank_alpha1
-                + crank_D2_2 * crank_alpha2;
-            const double crank_left_r_2 = crank_alpha1 - crank_alpha2;
-            const double crank_left_rdot_2 = crank_alpha1dot - crank_alpha2dot;
-            const double crank_left_s_1 = (-1.0 / 5.0) * crank_cos_phi[b]
-                - crank_left_r_2 * crank_sin_phi[b];
-            const double crank_left_s_2 = (-1.0 / 5.0) * crank_sin_phi[b]
-                + crank_left_r_2 * crank_cos_phi[b];
-            const double crank_left_sdot_2 = crank_left_rdot_2 * crank_cos_phi[b];
-            const double crank_right_r_2 = crank_alpha1 + crank_alpha2;
-            const double crank_right_rdot_2 = crank_alpha1dot + crank_alpha2dot;
-            const double crank_right_s_1 = (1.0 / 5.0) * crank_cos_phi[b]
-                - crank_right_r_2 * crank_sin_phi[b];
-            const double crank_right_s_2 = (1.0 / 5.0) * crank_sin_phi[b]
-                + crank_right_r_2 * crank_cos_phi[b];
-            const double crank_right_sdot_2 = crank_right_rdot_2 * crank_cos_phi[b];
-            const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
-            const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
-            const double coupler_J = (222519009.0 / 2500000000.0) + coupler_D2_1 * coupler_alpha1
-                + coupler_D2_2 * coupler_alpha2;
-            const double coupler_left_r_2 = coupler_alpha1 - coupler_alpha2;
-            const double coupler_left_rdot_2 = coupler_alpha1dot - coupler_alpha2dot;
-            const double coupler_left_s_1 = (-3.0 / 5.0) * coupler_cos_phi[b]
-                - coupler_left_r_2 * coupler_sin_phi[b];
-            const double coupler_left_s_2 = (-3.0 / 5.0) * coupler_sin_phi[b]
-                + coupler_left_r_2 * coupler_cos_phi[b];
-            const double coupler_left_sdot_2 = coupler_left_rdot_2 * coupler_cos_phi[b];
-            const double coupler_right_r_2 = coupler_alpha1 + coupler_alpha2;
-            const double coupler_right_rdot_2 = coupler_alpha1dot + coupler_alpha2dot;
-            const double coupler_right_s_1 = (3.0 / 5.0) * coupler_cos_phi[b]
-                - coupler_right_r_2 * coupler_sin_phi[b];
-            const double coupler_right_s_2 = (3.0 / 5.0) * coupler_sin_phi[b]
-                + coupler_right_r_2 * coupler_cos_phi[b];
-            const double coupler_right_sdot_2 = coupler_right_rdot_2 * coupler_cos_phi[b];
-            const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
-            const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
-            const double rocker_J = (12362167.0 / 240000000.0) + rocker_D2_1 * rocker_alpha1
-                + rocker_D2_2 * rocker_alpha2;
-            const double rocker_left_r_2 = rocker_alpha1 - rocker_alpha2;
-            const double rocker_left_rdot_2 = rocker_alpha1dot - rocker_alpha2dot;
-            const double rocker_left_s_1 = (-0.5) * rocker_cos_phi[b] - rocker_left_r_2 * rocker_sin_phi[b];
-            const double rocker_left_s_2 = (-0.5) * rocker_sin_phi[b] + rocker_left_r_2 * rocker_cos_phi[b];
-            const double rocker_left_sdot_2 = rocker_left_rdot_2 * rocker_cos_phi[b];
-            const double rocker_right_r_2 = rocker_alpha1 + rocker_alpha2;
-            const double rocker_right_rdot_2 = rocker_alpha1dot + rocker_alpha2dot;
-            const double rocker_right_s_1 = 0.5 * rocker_cos_phi[b] - rocker_right_r_2 * rocker_sin_phi[b];
-            const double rocker_right_s_2 = 0.5 * rocker_sin_phi[b] + rocker_right_r_2 * rocker_cos_phi[b];
-            const double rocker_right_sdot_2 = rocker_right_rdot_2 * rocker_cos_phi[b];
-            const double inverse_crank_J = 1.0 / crank_J;
-            const double t1 = crank_left_s_2 * inverse_crank_J;
-            const double t2 = crank_sin_phi[b] / (12362167.0 / 250000000.0);
-            const double t3 = (-15.0) * t2;
-            const double t4 = crank_sin_phi[b] / (12362167.0 / 350000000.0);
-            const double t5 = 30.0 * t4;
-            const double t6 = t1 + t3 - t5;
-            const double t7 = inverse_crank_J + (56250000000.0 / 12362167.0)
-                + (315000000000.0 / 12362167.0);
-            const double inverse_t7 = 1.0 / t7;
-            const double t8 = t6 * inverse_t7;
-            const double t9 = t2 * crank_sin_phi[b];
-            const double t10 = t4 * crank_sin_phi[b];
-            const double t11 = (50000000.0 / 12362167.0) + t1 * crank_left_s_2 + t9 + t10;
-            const double pivot_shaft_1 = t8 * t6 - t11;
-            const double t12 = crank_cos_phi[b] / (12362167.0 / 350000000.0);
-            const double t13 = 30.0 * t12;
-            const double t14 = crank_left_s_1 * inverse_crank_J;
-            const double t15 = crank_cos_phi[b] / (12362167.0 / 250000000.0);
-            const double t16 = (-15.0) * t15;
-            const double t17 = t13 - (t14 + t16);
-            const double t18 = t17 * inverse_t7;
-            const double t19 = t15 * crank_sin_phi[b];
-            const double t20 = t12 * crank_sin_phi[b];
-            const double t21 = t14 * crank_left_s_2 + t19 + t20 + t18 * t6;
-            const double inverse_pivot_shaft_1 = 1.0 / pivot_shaft_1;
-            const double t22 = t21 * inverse_pivot_shaft_1;
-            const double t23 = t15 * crank_cos_phi[b];
-            const double t24 = t12 * crank_cos_phi[b];
-            const double t25 = (50000000.0 / 12362167.0) + t14 * crank_left_s_1 + t23 + t24;
-            const double pivot_shaft_2 = t18 * t17 - t22 * t21 - t25;
-            const double t26 = rocker_cos_phi[b] / (12362167.0 / 100000000.0);
-            const double t27 = t26 * rocker_sin_phi[b];
-            const double t28 = rocker_cos_phi[b] / (12362167.0 / 140000000.0);
-            const double t29 = t28 * rocker_sin_phi[b];
-            const double t30 = t27 + t29;
-            const double inverse_rocker_J = 1.0 / rocker_J;
-            const double t31 = rocker_left_s_1 * inverse_rocker_J;
-            const double t32 = t30 + t31 * rocker_left_s_2;
-            const double t33 = rocker_sin_phi[b] / (12362167.0 / 100000000.0);
-            const double t34 = t33 * rocker_sin_phi[b];
-            const double t35 = (20000000.0 / 12362167.0) + t34;
-            const double t36 = rocker_sin_phi[b] / (12362167.0 / 140000000.0);
-            const double t37 = t36 * rocker_sin_phi[b];
-            const double t38 = rocker_left_s_2 * inverse_rocker_J;
-            const double t39 = t35 + t37 + t38 * rocker_left_s_2;
-            const double inverse_t39 = 1.0 / t39;
-            const double t40 = t32 * inverse_t39;
-            const double t41 = t26 * rocker_cos_phi[b];
-            const double t42 = (20000000.0 / 12362167.0) + t41;
-            const double t43 = t28 * rocker_cos_phi[b];
-            const double t44 = t42 + t43 + t31 * rocker_left_s_1;
-            const double pivot_pivot_2 = t40 * t32 - t44;
-            const double t45 = crank_right_s_2 * inverse_crank_J;
-            const double t46 = t45 + t3 + t5;
-            const double t47 = t46 * inverse_t7;
-            const double t48 = (50000000.0 / 12362167.0) + t45 * crank_left_s_2 + t9 - t10 - t47 * t6;
-            const double t49 = t48 * inverse_pivot_shaft_1;
-            const double t50 = t4 * crank_cos_phi[b] - (t45 * crank_left_s_1 + t2 * crank_cos_phi[b])
-                - t47 * t17 - t49 * t21;
-            const double inverse_pivot_shaft_2 = 1.0 / pivot_shaft_2;
-            const double t51 = t50 * inverse_pivot_shaft_2;
-            const double t52 = coupler_sin_phi[b] / (74173003.0 / 700000000.0);
-            const double t53 = t52 * coupler_sin_phi[b];
-            const double inverse_coupler_J = 1.0 / coupler_J;
-            const double t54 = coupler_left_s_2 * inverse_coupler_J;
-            const double t55 = coupler_sin_phi[b] / (74173003.0 / 500000000.0);
-            const double t56 = t55 * coupler_sin_phi[b];
-            const double t57 = (50000000.0 / 12362167.0) + t45 * crank_right_s_2 + t9 + t10
-                + (100000000.0 / 74173003.0) + t53 + t54 * coupler_left_s_2 + t56;
-            const double pivot_crank_pin_1 = t47 * t46 - t49 * t48 - t51 * t50 - t57;
-            const double t58 = crank_right_s_1 * inverse_crank_J;
-            const double t59 = t58 + t16 + t13;
-            const double t60 = t59 * inverse_t7;
-            const double t61 = t20 - (t58 * crank_left_s_2 + t19) + t60 * t6;
-            const double t62 = t61 * inverse_pivot_shaft_1;
-            const double t63 = (50000000.0 / 12362167.0) + t58 * crank_left_s_1 + t23 - t24 + t60 * t17
-                - t62 * t21;
-            const double t64 = t63 * inverse_pivot_shaft_2;
-            const double t65 = coupler_cos_phi[b] / (74173003.0 / 700000000.0);
-            const double t66 = t65 * coupler_sin_phi[b];
-            const double t67 = coupler_left_s_1 * inverse_coupler_J;
-            const double t68 = coupler_cos_phi[b] / (74173003.0 / 500000000.0);
-            const double t69 = t68 * coupler_sin_phi[b];
-            const double t70 = t58 * crank_right_s_2 + t19 + t20 - t60 * t46 - t62 * t48 - t64 * t50 + t66
-                + t67 * coupler_left_s_2 + t69;
-            const double inverse_pivot_crank_pin_1 = 1.0 / pivot_crank_pin_1;
-            const double t71 = t70 * inverse_pivot_crank_pin_1;
-            const double t72 = t65 * coupler_cos_phi[b];
-            const double t73 = t68 * coupler_cos_phi[b];
-            const double t74 = (50000000.0 / 12362167.0) + t58 * crank_right_s_1 + t23 + t24
-                + (100000000.0 / 74173003.0) + t72 + t67 * coupler_left_s_1 + t73;
-            const double pivot_crank_pin_2 = t60 * t59 - t62 * t61 - t64 * t63 - t71 * t70 - t74;
-            const double t75 = rocker_right_s_2 * inverse_rocker_J;
-            const double t76 = t37 - t35 - t75 * rocker_left_s_2;
-            const double t77 = t76 * inverse_t39;
-            const double t78 = t33 * rocker_cos_phi[b] - t36 * rocker_cos_phi[b] + t75 * rocker_left_s_1
-                + t77 * t32;
-            const double inverse_pivot_pivot_2 = 1.0 / pivot_pivot_2;
-            const double t79 = t78 * inverse_pivot_pivot_2;
-            const double t80 = coupler_right_s_2 * inverse_coupler_J;
-            const double t81 = (100000000.0 / 74173003.0) - t53 + t80 * coupler_left_s_2 + t56;
-            const double t82 = t81 * inverse_pivot_crank_pin_1;
-            const double t83 = t52 * coupler_cos_phi[b] - t80 * coupler_left_s_1 - t55 * coupler_cos_phi[b]
-                - t82 * t70;
-            const double inverse_pivot_crank_pin_2 = 1.0 / pivot_crank_pin_2;
-            const double t84 = t83 * inverse_pivot_crank_pin_2;
-            const double t85 = (2719676760000000.0 / 916939049977501.0) + t34 + t37 + t75 * rocker_right_s_2
-                + t53 + t80 * coupler_right_s_2 + t56;
-            const double pivot_rocker_pin_1 = t77 * t76 - t79 * t78 - t82 * t81 - t84 * t83 - t85;
-            const double t86 = rocker_right_s_1 * inverse_rocker_J;
-            const double t87 = t27 - t29 + t86 * rocker_left_s_2;
-            const double t88 = t87 * inverse_t39;
-            const double t89 = t43 - t42 - t86 * rocker_left_s_1 + t88 * t32;
-            const double t90 = t89 * inverse_pivot_pivot_2;
-            const double t91 = coupler_right_s_1 * inverse_coupler_J;
-            const double t92 = t66 - t91 * coupler_left_s_2 - t69;
-            const double t93 = t92 * inverse_pivot_crank_pin_1;
-            const double t94 = (100000000.0 / 74173003.0) - t72 + t91 * coupler_left_s_1 + t73 - t93 * t70;
-            const double t95 = t94 * inverse_pivot_crank_pin_2;
-            const double t96 = t30 + t86 * rocker_right_s_2 + t88 * t76 - t90 * t78 + t66
-                + t91 * coupler_right_s_2 + t69 - t93 * t81 - t95 * t83;
-            const double inverse_pivot_rocker_pin_1 = 1.0 / pivot_rocker_pin_1;
-            const double t97 = t96 * inverse_pivot_rocker_pin_1;
-            const double t98 = (2719676760000000.0 / 916939049977501.0) + t41 + t43 + t86 * rocker_right_s_1
-                + t72 + t91 * coupler_right_s_1 + t73;
-            const double pivot_rocker_pin_2 = t88 * t87 - t90 * t89 - t93 * t92 - t95 * t94 - t97 * t96
-                - t98;
-            const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
-            const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
-                + coupler_alpha2dot * coupler_D2_2;
-            const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
-            const double t99 = 2.0 * crank_phidot;
-            const double t100 = t99 * crank_D2dot;
-            const double t101 = crank_phidot * crank_phidot;
-            const double t102 = crank_K_1_1 * crank_alpha1 - t101 * crank_D2_1;
-            const double t103 = t2 * t102;
-            const double t104 = crank_K_2_2 * crank_alpha2 - t101 * crank_D2_2;
-            const double t105 = t4 * t104;
-            const double t106 = t100 * inverse_crank_J;
-            const double t107 = 17.545963379714415 * sin_1_6[b] + t106 + (-3750000000.0 / 12362167.0) * t102
-                + (10500000000.0 / 12362167.0) * t104;
-            const double t108 = t1 * t100 - (t101 * crank_left_s_1 + t99 * crank_left_sdot_2) + t103 - t105
-                - t8 * t107;
-            const double t109 = t12 * t104;
-            const double t110 = t15 * t102;
-            const double t111 = t109 - (t99 * (crank_left_rdot_2 * crank_sin_phi[b]) + t101 * crank_left_s_2
-                + t14 * t100 + t110) - t18 * t107 - t22 * t108;
-            const double t112 = coupler_phidot * coupler_phidot;
-            const double t113 = 2.0 * coupler_phidot;
-            const double t114 = coupler_K_2_2 * coupler_alpha2 - t112 * coupler_D2_2;
-            const double t115 = t52 * t114;
-            const double t116 = t113 * coupler_D2dot;
-            const double t117 = coupler_K_1_1 * coupler_alpha1 - t112 * coupler_D2_1;
-            const double t118 = t55 * t117;
-            const double t119 = t99 * crank_right_sdot_2 + t101 * crank_right_s_1 - t112 * coupler_left_s_1
-                - t113 * coupler_left_sdot_2 - t45 * t100 - t103 - t105 + t47 * t107 - t49 * t108
-                - t51 * t111 - t115 + t54 * t116 + t118;
-            const double t120 = t65 * t114;
-            const double t121 = t68 * t117;
-            const double t122 = t101 * crank_right_s_2 - t113 * (coupler_left_rdot_2 * coupler_sin_phi[b])
-                - t112 * coupler_left_s_2 + t99 * (crank_right_rdot_2 * crank_sin_phi[b]) + t58 * t100
-                + t110 + t109 - t60 * t107 - t62 * t108 - t64 * t111 + t120 - t67 * t116 - t121
-                - t71 * t119;
-            const double t123 = 2.0 * rocker_phidot;
-            const double t124 = rocker_phidot * rocker_phidot;
-            const double t125 = rocker_K_1_1 * rocker_alpha1 - t124 * rocker_D2_1;
-            const double t126 = t33 * t125;
-            const double t127 = rocker_K_2_2 * rocker_alpha2 - t124 * rocker_D2_2;
-            const double t128 = t36 * t127;
-            const double t129 = t123 * rocker_D2dot;
-            const double t130 = t126 - (t124 * rocker_left_s_1 + t123 * rocker_left_sdot_2) - t128
-                + t38 * t129;
-            const double t131 = t28 * t127;
-            const double t132 = t26 * t125;
-            const double t133 = t131 - (t123 * (rocker_left_rdot_2 * rocker_sin_phi[b])
-                + t124 * rocker_left_s_2 + t132) - t31 * t129 + t40 * t130;
-            const double t134 = t113 * coupler_right_sdot_2 + t112 * coupler_right_s_1
-                - t123 * rocker_right_sdot_2 - t124 * rocker_right_s_1 + t126 + t128 + t75 * t129
-                + t77 * t130 - t79 * t133 - t115 - t80 * t116 - t118 - t82 * t119 - t84 * t122;
-            const double t135 = (t112 * coupler_right_s_2 - t123 * (rocker_right_rdot_2 * rocker_sin_phi[b])
-                + t113 * (coupler_right_rdot_2 * coupler_sin_phi[b]) - t124 * rocker_right_s_2 - t132 - t131
-                - t86 * t129 + t88 * t130 - t90 * t133 + t120 + t91 * t116 + t121 - t93 * t119 - t95 * t122
-                - t97 * t134) / pivot_rocker_pin_2;
-            const double t136 = t134 * inverse_pivot_rocker_pin_1 - t97 * t135;
-            const double t137 = t122 * inverse_pivot_crank_pin_2 - t84 * t136 - t95 * t135;
-            const double t138 = t119 * inverse_pivot_crank_pin_1 - t71 * t137 - t82 * t136 - t93 * t135;
-            const double t139 = t111 * inverse_pivot_shaft_2 - t51 * t138 - t64 * t137;
-            const double t140 = t108 * inverse_pivot_shaft_1 - t22 * t139 - t49 * t138 - t62 * t137;
-            const double t141 = t140 / (12362167.0 / 50000000.0) - t138 / (12362167.0 / 50000000.0);
-            vdot_block[0][b] = t141;
-            const double t142 = t139 / (12362167.0 / 50000000.0) - t137 / (12362167.0 / 50000000.0);
-            vdot_block[1][b] = t142;
-            const double t143 = t107 * inverse_t7 + t8 * t140 + t18 * t139 - t47 * t138 + t60 * t137;
-            const double t144 = t143 * inverse_crank_J - t106 - t1 * t140 + t14 * t139 + t45 * t138
-                - t58 * t137;
-            vdot_block[2][b] = t144;
-            const double t145 = (-3750000000.0 / 12362167.0) * t143 - t102 / (12362167.0 / 250000000.0)
-                - t2 * t140 + t15 * t139 + t2 * t138 - t15 * t137;
-            vdot_block[3][b] = t145;
-            const double t146 = (10500000000.0 / 12362167.0) * t143 - t104 / (12362167.0 / 350000000.0)
-                + t4 * t140 - t12 * t139 + t4 * t138 - t12 * t137;
-            vdot_block[4][b] = t146;
-            const double t147 = t138 / (74173003.0 / 100000000.0) - t136 / (74173003.0 / 100000000.0);
-            vdot_block[5][b] = t147;
-            const double t148 = t137 / (74173003.0 / 100000000.0) - t135 / (74173003.0 / 100000000.0);
-            vdot_block[6][b] = t148;
-            const double t149 = t67 * t137 - (t116 * inverse_coupler_J + t54 * t138) + t80 * t136
-                - t91 * t135;
-            vdot_block[7][b] = t149;
-            const double t150 = t68 * t137 - (t117 / (74173003.0 / 500000000.0) + t55 * t138) + t55 * t136
-                - t68 * t135;
-            vdot_block[8][b] = t150;
-            const double t151 = t52 * t138 - t114 / (74173003.0 / 700000000.0) - t65 * t137 + t52 * t136
-                - t65 * t135;
-            vdot_block[9][b] = t151;
-            const double t152 = t133 * inverse_pivot_pivot_2 - t79 * t136 - t90 * t135;
-            const double t153 = t40 * t152 - t130 * inverse_t39 + t77 * t136 + t88 * t135;
-            const double t154 = t153 / (12362167.0 / 20000000.0) + t136 / (12362167.0 / 20000000.0);
-            vdot_block[10][b] = t154;
-            const double t155 = t152 / (12362167.0 / 20000000.0) + t135 / (12362167.0 / 20000000.0);
-            vdot_block[11][b] = t155;
-            const double t156 = t31 * t152 - (t129 * inverse_rocker_J + t38 * t153) - t75 * t136
-                + t86 * t135;
-            vdot_block[12][b] = t156;
-            const double t157 = t26 * t152 - (t125 / (12362167.0 / 100000000.0) + t33 * t153) - t33 * t136
-                + t26 * t135;
-            vdot_block[13][b] = t157;
-            const double t158 = t36 * t153 - t127 / (12362167.0 / 140000000.0) - t28 * t152 - t36 * t136
-                + t28 * t135;
-            vdot_block[14][b] = t158;
-            double code_b = 0.0;
-            const double finite = t141 + t142 + t144 + t145 + t146 + t147 + t148 + t149 + t150 + t151 + t154
-                + t155 + t156 + t157 + t158;
-            code_b = finite - finite == 0.0 ? code_b : 2.0; /* a result is not finite */
-            code_b = -(pivot_rocker_pin_2
-                + 5.684341886080802e-14 * t98) > 0.0 ? code_b : 1.0; /* the pivot of rocker_pin_2 vanished */
-            code_b = -(pivot_rocker_pin_1
-                + 5.684341886080802e-14 * t85) > 0.0 ? code_b : 1.0; /* the pivot of rocker_pin_1 vanished */
-            code_b = -(pivot_crank_pin_2
-                + 5.684341886080802e-14 * t74) > 0.0 ? code_b : 1.0; /* the pivot of crank_pin_2 vanished */
-            code_b = -(pivot_crank_pin_1
-                + 5.684341886080802e-14 * t57) > 0.0 ? code_b : 1.0; /* the pivot of crank_pin_1 vanished */
-            code_b = coupler_J > 0.0 ? code_b : 1.0; /* the pivot of coupler_phi vanished */
-            code_b = -(pivot_pivot_2
-                + 5.684341886080802e-14 * t44) > 0.0 ? code_b : 1.0; /* the pivot of pivot_2 vanished */
-            code_b = t39 > 0.0 ? code_b : 1.0; /* the pivot of pivot_1 vanished */
-            code_b = rocker_J > 0.0 ? code_b : 1.0; /* the pivot of rocker_phi vanished */
-            code_b = -(pivot_shaft_2
-                + 5.684341886080802e-14 * t25) > 0.0 ? code_b : 1.0; /* the pivot of shaft_2 vanished */
-            code_b = -(pivot_shaft_1
-                + 5.684341886080802e-14 * t11) > 0.0 ? code_b : 1.0; /* the pivot of shaft_1 vanished */
-            code_b = t7 > 0.0 ? code_b : 1.0; /* the pivot of motor vanished */
-            code_b = crank_J > 0.0 ? code_b : 1.0; /* the pivot of crank_phi vanished */
-            codes[b] = code_b;
-        }
-        four_bar_block32_scatter(all, count, 15, vdot_block, vdot);
-        const int failed = four_bar_block_fail(all, count, 15, codes, vdot);
-        if (code == 0) code = failed;
-        q += count;
-        v += count;
-        vdot += count;
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double crank_alpha1 = q[3 * all + b];
+        const double crank_alpha2 = q[4 * all + b];
+        const double coupler_alpha1 = q[8 * all + b];
+        const double coupler_alpha2 = q[9 * all + b];
+        const double rocker_alpha1 = q[13 * all + b];
+        const double rocker_alpha2 = q[14 * all + b];
+        const double crank_c1dot = v[b];
+        const double crank_c2dot = v[all + b];
+        const double crank_phidot = v[2 * all + b];
+        const double crank_alpha1dot = v[3 * all + b];
+        const double crank_alpha2dot = v[4 * all + b];
+        const double coupler_c1dot = v[5 * all + b];
+        const double coupler_c2dot = v[6 * all + b];
+        const double coupler_phidot = v[7 * all + b];
+        const double coupler_alpha1dot = v[8 * all + b];
+        const double coupler_alpha2dot = v[9 * all + b];
+        const double rocker_c1dot = v[10 * all + b];
+        const double rocker_c2dot = v[11 * all + b];
+        const double rocker_phidot = v[12 * all + b];
+        const double rocker_alpha1dot = v[13 * all + b];
+        const double rocker_alpha2dot = v[14 * all + b];
+        const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+        const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
+        const double crank_J = (12362167.0 / 3750000000.0) + crank_D2_1 * crank_alpha1
+            + crank_D2_2 * crank_alpha2;
+        const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+        const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
+        const double coupler_J = (222519009.0 / 2500000000.0) + coupler_D2_1 * coupler_alpha1
+            + coupler_D2_2 * coupler_alpha2;
+        const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+        const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
+        const double rocker_J = (12362167.0 / 240000000.0) + rocker_D2_1 * rocker_alpha1
+            + rocker_D2_2 * rocker_alpha2;
+        energy[b] = 0.5 * (coupler_phidot * coupler_phidot * coupler_J
+            + (74173003.0 / 500000000.0) * (coupler_alpha1dot * coupler_alpha1dot)
+            + (74173003.0 / 700000000.0) * (coupler_alpha2dot * coupler_alpha2dot)
+            + (74173003.0 / 100000000.0) * (coupler_c1dot * coupler_c1dot)
+            + (74173003.0 / 100000000.0) * (coupler_c2dot * coupler_c2dot)
+            + crank_phidot * crank_phidot * crank_J
+            + (12362167.0 / 250000000.0) * (crank_alpha1dot * crank_alpha1dot)
+            + (12362167.0 / 350000000.0) * (crank_alpha2dot * crank_alpha2dot)
+            + (12362167.0 / 50000000.0) * (crank_c1dot * crank_c1dot)
+            + (12362167.0 / 50000000.0) * (crank_c2dot * crank_c2dot)
+            + rocker_phidot * rocker_phidot * rocker_J
+            + (12362167.0 / 100000000.0) * (rocker_alpha1dot * rocker_alpha1dot)
+            + (12362167.0 / 140000000.0) * (rocker_alpha2dot * rocker_alpha2dot)
+            + (12362167.0 / 20000000.0) * (rocker_c1dot * rocker_c1dot)
+            + (12362167.0 / 20000000.0) * (rocker_c2dot * rocker_c2dot));
+        energy[all + b] = 0.5 * (coupler_K_1_1 * coupler_alpha1 * coupler_alpha1
+            + coupler_K_2_2 * coupler_alpha2 * coupler_alpha2
+            + crank_K_1_1 * crank_alpha1 * crank_alpha1 + crank_K_2_2 * crank_alpha2 * crank_alpha2
+            + rocker_K_1_1 * rocker_alpha1 * rocker_alpha1
+            + rocker_K_2_2 * rocker_alpha2 * rocker_alpha2);
     }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int four_bar_energy_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    double q_b[480], v_b[480], energy_b[64];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = four_bar_energy_batch(count, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
     return code;
+}
+
+TISSERAND_APART int four_bar_energy_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        four_bar_energy_states(8, 8, q, v, k, energy);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        four_bar_energy_copied(32, all, q, v, k, energy);
+        q += 32; v += 32; energy += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        four_bar_energy_states(8, all, q, v, k, energy);
+        q += 8; v += 8; energy += 8;
+    }
+    if (left > 0) {
+        four_bar_energy_states(left, all, q, v, k, energy);
+    }
+    return 0;
+}
+
+int four_bar_energy_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    return n == 1 ? four_bar_energy(q, v, k, energy) : four_bar_energy_blocks(n, q, v, k, energy);
+}
+
+TISSERAND_INLINE void four_bar_momentum_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT momentum)
+{
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double crank_c1 = q[b];
+        const double crank_c2 = q[all + b];
+        const double crank_alpha1 = q[3 * all + b];
+        const double crank_alpha2 = q[4 * all + b];
+        const double coupler_c1 = q[5 * all + b];
+        const double coupler_c2 = q[6 * all + b];
+        const double coupler_alpha1 = q[8 * all + b];
+        const double coupler_alpha2 = q[9 * all + b];
+        const double rocker_c1 = q[10 * all + b];
+        const double rocker_c2 = q[11 * all + b];
+        const double rocker_alpha1 = q[13 * all + b];
+        const double rocker_alpha2 = q[14 * all + b];
+        const double crank_c1dot = v[b];
+        const double crank_c2dot = v[all + b];
+        const double crank_phidot = v[2 * all + b];
+        const double coupler_c1dot = v[5 * all + b];
+        const double coupler_c2dot = v[6 * all + b];
+        const double coupler_phidot = v[7 * all + b];
+        const double rocker_c1dot = v[10 * all + b];
+        const double rocker_c2dot = v[11 * all + b];
+        const double rocker_phidot = v[12 * all + b];
+        const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+        const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
+        const double crank_J = (12362167.0 / 3750000000.0) + crank_D2_1 * crank_alpha1
+            + crank_D2_2 * crank_alpha2;
+        const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+        const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
+        const double coupler_J = (222519009.0 / 2500000000.0) + coupler_D2_1 * coupler_alpha1
+            + coupler_D2_2 * coupler_alpha2;
+        const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+        const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
+        const double rocker_J = (12362167.0 / 240000000.0) + rocker_D2_1 * rocker_alpha1
+            + rocker_D2_2 * rocker_alpha2;
+        momentum[b] = (74173003.0 / 100000000.0) * coupler_c1dot
+            + (12362167.0 / 50000000.0) * crank_c1dot + (12362167.0 / 20000000.0) * rocker_c1dot;
+        momentum[all + b] = (74173003.0 / 100000000.0) * coupler_c2dot
+            + (12362167.0 / 50000000.0) * crank_c2dot + (12362167.0 / 20000000.0) * rocker_c2dot;
+        momentum[2 * all + b] = coupler_phidot * coupler_J + crank_phidot * crank_J
+            + rocker_phidot * rocker_J + (74173003.0 / 100000000.0) * (coupler_c2dot * coupler_c1)
+            + (12362167.0 / 50000000.0) * (crank_c2dot * crank_c1)
+            + (12362167.0 / 20000000.0) * (rocker_c2dot * rocker_c1)
+            - (74173003.0 / 100000000.0) * (coupler_c1dot * coupler_c2)
+            - (12362167.0 / 50000000.0) * (crank_c1dot * crank_c2)
+            - (12362167.0 / 20000000.0) * (rocker_c1dot * rocker_c2);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int four_bar_momentum_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    double q_b[480], v_b[480], momentum_b[96];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = four_bar_momentum_batch(count, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int four_bar_momentum_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        four_bar_momentum_states(8, 8, q, v, k, momentum);
+        return 0;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        four_bar_momentum_copied(32, all, q, v, k, momentum);
+        q += 32; v += 32; momentum += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        four_bar_momentum_states(8, all, q, v, k, momentum);
+        q += 8; v += 8; momentum += 8;
+    }
+    if (left > 0) {
+        four_bar_momentum_states(left, all, q, v, k, momentum);
+    }
+    return 0;
+}
+
+int four_bar_momentum_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    return n == 1 ? four_bar_momentum(q, v, k, momentum) : four_bar_momentum_blocks(n, q, v, k, momentum);
+}
+
+TISSERAND_INLINE void four_bar_rates_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT qdot)
+{
+    (void) q;
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double crank_c1dot = v[b];
+        const double crank_c2dot = v[all + b];
+        const double crank_phidot = v[2 * all + b];
+        const double crank_alpha1dot = v[3 * all + b];
+        const double crank_alpha2dot = v[4 * all + b];
+        const double coupler_c1dot = v[5 * all + b];
+        const double coupler_c2dot = v[6 * all + b];
+        const double coupler_phidot = v[7 * all + b];
+        const double coupler_alpha1dot = v[8 * all + b];
+        const double coupler_alpha2dot = v[9 * all + b];
+        const double rocker_c1dot = v[10 * all + b];
+        const double rocker_c2dot = v[11 * all + b];
+        const double rocker_phidot = v[12 * all + b];
+        const double rocker_alpha1dot = v[13 * all + b];
+        const double rocker_alpha2dot = v[14 * all + b];
+        qdot[b] = crank_c1dot;
+        qdot[all + b] = crank_c2dot;
+        qdot[2 * all + b] = crank_phidot;
+        qdot[3 * all + b] = crank_alpha1dot;
+        qdot[4 * all + b] = crank_alpha2dot;
+        qdot[5 * all + b] = coupler_c1dot;
+        qdot[6 * all + b] = coupler_c2dot;
+        qdot[7 * all + b] = coupler_phidot;
+        qdot[8 * all + b] = coupler_alpha1dot;
+        qdot[9 * all + b] = coupler_alpha2dot;
+        qdot[10 * all + b] = rocker_c1dot;
+        qdot[11 * all + b] = rocker_c2dot;
+        qdot[12 * all + b] = rocker_phidot;
+        qdot[13 * all + b] = rocker_alpha1dot;
+        qdot[14 * all + b] = rocker_alpha2dot;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int four_bar_rates_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    double q_b[480], v_b[480], qdot_b[480];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = four_bar_rates_batch(count, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int four_bar_rates_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        four_bar_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        four_bar_rates_copied(32, all, q, v, k, qdot);
+        q += 32; v += 32; qdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        four_bar_rates_states(8, all, q, v, k, qdot);
+        q += 8; v += 8; qdot += 8;
+    }
+    if (left > 0) {
+        four_bar_rates_states(left, all, q, v, k, qdot);
+    }
+    return 0;
+}
+
+int four_bar_rates_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    return n == 1 ? four_bar_rates(q, v, k, qdot) : four_bar_rates_blocks(n, q, v, k, qdot);
 }
 
 #endif
@@ -6430,7 +7143,7 @@ static const tisserand_scene four_bar_scene = {
 };
 
 static const tisserand_model four_bar_descriptor = {
-    7,
+    8,
     "four_bar",
     FOUR_BAR_HASH,
     FOUR_BAR_NQ,
@@ -6467,8 +7180,16 @@ static const tisserand_model four_bar_descriptor = {
 #ifndef TISSERAND_WITHOUT_BATCHES
     four_bar_mass_batch,
     four_bar_force_batch,
+    four_bar_mass_force_batch,
     four_bar_accel_batch,
+    four_bar_energy_batch,
+    four_bar_momentum_batch,
+    four_bar_rates_batch,
 #else
+    0,
+    0,
+    0,
+    0,
     0,
     0,
     0,

@@ -12,13 +12,111 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
+<<<<<<< HEAD
 #ifndef FREE_BEAM_POINT_HASH_f1a1ba5f21c3a2c7
+=======
+#ifndef FREE_BEAM_POINT_HASH_c9906232bb0f09af
+>>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
+/* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
+   and then make no vectors of it. */
+#if defined(__clang__)
+#  pragma clang diagnostic ignored "-Wpass-failed"
+#  define TISSERAND_STATES _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__) && __GNUC__ >= 8
+#  define TISSERAND_STATES _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
+#else
+#  define TISSERAND_STATES
+#endif
+
+/* INLINE: functions that are compiled anew wherever they are called, for the number of states that is given there.
+   APART: functions that are not, so that what calls them last needs no stack. */
+#if defined(__GNUC__)
+#  define TISSERAND_INLINE static inline __attribute__((always_inline, unused))
+#  define TISSERAND_APART static __attribute__((noinline))
+#else
+#  define TISSERAND_INLINE static inline
+#  define TISSERAND_APART static
+#endif
+
+/* ---- sine and cosine: the same operations for one state and for the states of a batch, so that their bits are equal ----
+
+   |x| <= 1e5: x - n pi/2, where pi/2 is the sum of three numbers (Cody and Waite); the first two have so few digits that
+   their products with n are exact. Then polynomials of minimax error on [-pi/4, pi/4]. The error is below 0.9 units in the
+   last place (0.5 is the least that rounding leaves). Other numbers, and NaN, are left to the C library, and so is everything
+   where compilers may reorder sums or compute with more digits than doubles have. */
+#ifndef TISSERAND_SINE
+#define TISSERAND_SINE
+/* The sine s and cosine c of x. The first bit of the result is set where they are those of another number: |x| > 1e5, NaN. */
+TISSERAND_INLINE unsigned long long tisserand_sine_core(double x, double *s, double *c)
+{
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || (defined(__ASSOCIATIVE_MATH__) && __ASSOCIATIVE_MATH__) \
+    || (defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD > 1))
+    *s = *c = x;
+    return ~0ull;
+#else
+    const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to an integer, which the last bits then hold */
+    const double shifted = x * 0.6366197723675814 + shift, n = shifted - shift;
+    const double left = x - n * 1.5707963267923333, middle = n * 2.5633441515839558e-12;
+    const double first = left - middle, rest = n * 1.0562999066987428e-23 - ((left - first) - middle);
+    const double r = first - rest, d = rest - (first - r); /* the reduced angle is r - d */
+    const double z = r * r, zz = z * z;
+    const double f = (-0.1666666666666663 + z * 0.00833333333332184)
+        + zz * ((-0.0001984126982935851 + z * 2.7557313538498483e-06)
+        + zz * (-2.5050734385276395e-08 + z * 1.5895432973634774e-10));
+    const double g = (0.041666666666666595 - z * 0.0013888888888873342)
+        + zz * ((2.4801587289002076e-05 - z * 2.755731421703596e-07)
+        + zz * (2.0875705395290323e-09 - z * 1.1358749181413732e-11));
+    const double half = 0.5 * z, most = 1.0 - half;
+    const double sine = r - (d - z * r * f);
+    const double cosine = most + (((1.0 - most) - half) + (zz * g + r * d));
+    unsigned long long of_x, of_s, of_c, quadrant, exchanged;
+    memcpy(&of_x, &x, sizeof of_x);
+    memcpy(&quadrant, &shifted, sizeof quadrant);
+    memcpy(&of_s, &sine, sizeof of_s);
+    memcpy(&of_c, &cosine, sizeof of_c);
+    exchanged = (of_s ^ of_c) & (0ull - (quadrant & 1));
+    of_s ^= exchanged ^ ((quadrant & 2) << 62);
+    of_c ^= exchanged ^ (((quadrant + 1) & 2) << 62);
+    memcpy(s, &of_s, sizeof of_s);
+    memcpy(c, &of_c, sizeof of_c);
+    return 0x40f86a0000000000ull - (of_x & 0x7fffffffffffffffull); /* bits of positive numbers have the order of the numbers */
+#endif
+}
+
+TISSERAND_INLINE double tisserand_sin(double x)
+{
+    double s, c;
+    return tisserand_sine_core(x, &s, &c) >> 63 ? sin(x) : s;
+}
+
+TISSERAND_INLINE double tisserand_cos(double x)
+{
+    double s, c;
+    return tisserand_sine_core(x, &s, &c) >> 63 ? cos(x) : c;
+}
+
+/* Sines s and cosines c of the angles x of some states. The first loop has no branch, so that compilers make vectors of it. */
+TISSERAND_INLINE void tisserand_sines(
+    int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
+{
+    unsigned long long outside = 0;
+    TISSERAND_STATES for (int b = 0; b < count; b++) outside |= tisserand_sine_core(x[b], s + b, c + b);
+    if (outside >> 63) {
+        for (int b = 0; b < count; b++) {
+            s[b] = tisserand_sin(x[b]);
+            c[b] = tisserand_cos(x[b]);
+        }
+    }
+}
+#endif
 int free_beam_point_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -119,8 +217,8 @@ int free_beam_point_mass(
     const double minus_c2_1_2 = k[17];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
+    const double cos_phi = tisserand_cos(phi);
+    const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
@@ -167,8 +265,8 @@ int free_beam_point_force(
     const double K_2_2 = k[7];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
+    const double cos_phi = tisserand_cos(phi);
+    const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
@@ -247,8 +345,8 @@ int free_beam_point_mass_force(
     M[7] = c6_2;
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
+    const double cos_phi = tisserand_cos(phi);
+    const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
@@ -297,8 +395,8 @@ int free_beam_point_accel(
     const double coupling_alpha2 = k[16];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
+    const double cos_phi = tisserand_cos(phi);
+    const double sin_phi = tisserand_sin(phi);
 
     /* pivot (LDL^T): translations x in the body frame; eliminate x1, x2, alpha1, alpha2, phi */
     const double t1 = inertia_phi_alpha1_alpha1 * alpha1;
@@ -352,8 +450,8 @@ int free_beam_point_energy(
     const double K_2_2 = k[7];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
+    const double cos_phi = tisserand_cos(phi);
+    const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
@@ -404,8 +502,8 @@ int free_beam_point_momentum(
     const double c8_2_2 = k[5];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
+    const double cos_phi = tisserand_cos(phi);
+    const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
@@ -481,8 +579,8 @@ int free_beam_point_marker_left(
     const double rdot_2 = alpha1dot - alpha2dot;
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
+    const double cos_phi = tisserand_cos(phi);
+    const double sin_phi = tisserand_sin(phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     const double t1 = X_left * cos_phi;
@@ -555,8 +653,8 @@ int free_beam_point_marker_right(
     const double rdot_2 = alpha1dot + alpha2dot;
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
+    const double cos_phi = tisserand_cos(phi);
+    const double sin_phi = tisserand_sin(phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     const double t1 = X_right * cos_phi;
@@ -595,8 +693,8 @@ int free_beam_point_load_left(
     const double X_left = k[8];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
+    const double cos_phi = tisserand_cos(phi);
+    const double sin_phi = tisserand_sin(phi);
 
     /* F (10): the force in the body frame */
     const double Fb_1 = F_1 * cos_phi + F_2 * sin_phi;
@@ -648,8 +746,8 @@ int free_beam_point_load_right(
     const double X_right = k[9];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
+    const double cos_phi = tisserand_cos(phi);
+    const double sin_phi = tisserand_sin(phi);
 
     /* F (10): the force in the body frame */
     const double Fb_1 = F_1 * cos_phi + F_2 * sin_phi;
@@ -703,8 +801,8 @@ int free_beam_point_residual(
     const double K_2_2 = k[7];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
+    const double cos_phi = tisserand_cos(phi);
+    const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
@@ -772,8 +870,8 @@ int free_beam_point_jacobian(
     const double K_2_2 = k[7];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
+    const double cos_phi = tisserand_cos(phi);
+    const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
@@ -854,40 +952,116 @@ int free_beam_point_jacobian(
 
 #ifndef TISSERAND_WITHOUT_BATCHES
 
-/* The rows of a block that is not full: its last state is repeated. */
-static const double *free_beam_point_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
+/* The bits of a code, which are 0 for success. */
+TISSERAND_INLINE unsigned long long free_beam_point_block_bits(double code)
 {
-    for (int e = 0; e < rows; e++)
-        for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
-    return to;
+    unsigned long long bits;
+    memcpy(&bits, &code, sizeof bits);
+    return bits;
 }
 
-/* The rows of a block to their places among those of all states. */
-static inline void free_beam_point_block32_scatter(
-    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
+/* NaN for the states of a block that fail. */
+static void free_beam_point_block_nan(int count, ptrdiff_t all, int rows, const double *codes, double *to)
 {
-    for (int e = 0; e < rows; e++) {
-        double *row = to + e * all;
-        if (count == 32) {
-            for (int b = 0; b < 32; b++) row[b] = from[e][b];
-        } else {
-            for (int b = 0; b < 32; b++) {
-                if (b < count) row[b] = from[e][b];
-            }
-        }
-    }
-}
-
-/* NaN for the states that fail, and the code of the first of them. */
-static int free_beam_point_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
-{
-    int code = 0;
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
-        if (code == 0) code = (int) codes[b];
         for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
+}
+
+/* The code of the first state of a block that fails; there is one. */
+static int free_beam_point_block_code(const double *codes)
+{
+    while (*codes == 0.0) codes++;
+    return (int) *codes;
+}
+
+TISSERAND_INLINE void free_beam_point_mass_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M)
+{
+    const double mass = k[0];
+    const double c2_1_2 = k[1];
+    const double C3 = k[2];
+    const double c6_2 = k[3];
+    const double c8_1_1 = k[4];
+    const double c8_2_2 = k[5];
+<<<<<<< HEAD
+    const double minus_c2_1_2 = k[17];
+    double q_tail[160];
+    double cos_phi[32], sin_phi[32];
+    double M_block[10][32];
+    const ptrdiff_t all = n;
+=======
+    const double minus_c2_1_2 = k[18];
+    double cos_phi[8], sin_phi[8];
+>>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+
+    tisserand_sines(count, q + 2 * all, sin_phi, cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[3 * all + b];
+        const double alpha2 = q[4 * all + b];
+        const double d1_2 = alpha1 * c2_1_2;
+        const double D2_1 = alpha1 * c8_1_1;
+        const double D2_2 = alpha2 * c8_2_2;
+        const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+        M[b] = mass;
+        M[all + b] = -(d1_2 * cos_phi[b]);
+        M[2 * all + b] = minus_c2_1_2 * sin_phi[b];
+        M[3 * all + b] = mass;
+        M[4 * all + b] = -(d1_2 * sin_phi[b]);
+        M[5 * all + b] = c2_1_2 * cos_phi[b];
+        M[6 * all + b] = J;
+        M[7 * all + b] = c6_2;
+        M[8 * all + b] = c8_1_1;
+        M[9 * all + b] = c8_2_2;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int free_beam_point_mass_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    double q_b[160], M_b[320];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    code = free_beam_point_mass_batch(count, q_b, k, M_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
     return code;
+}
+
+TISSERAND_APART int free_beam_point_mass_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        free_beam_point_mass_states(8, 8, q, k, M);
+        return 0;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        free_beam_point_mass_copied(32, all, q, k, M);
+        q += 32; M += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        free_beam_point_mass_states(8, all, q, k, M);
+        q += 8; M += 8;
+    }
+    if (left > 0) {
+        free_beam_point_mass_states(left, all, q, k, M);
+    }
+    return 0;
 }
 
 int free_beam_point_mass_batch(
@@ -896,48 +1070,94 @@ int free_beam_point_mass_batch(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    const double mass = k[0];
+    return n == 1 ? free_beam_point_mass(q, k, M) : free_beam_point_mass_blocks(n, q, k, M);
+}
+
+TISSERAND_INLINE void free_beam_point_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT h)
+{
+    (void) t;
     const double c2_1_2 = k[1];
-    const double C3 = k[2];
-    const double c6_2 = k[3];
     const double c8_1_1 = k[4];
     const double c8_2_2 = k[5];
-    const double minus_c2_1_2 = k[17];
-    double q_tail[160];
-    double cos_phi[32], sin_phi[32];
-    double M_block[10][32];
-    const ptrdiff_t all = n;
+    const double K_1_1 = k[6];
+    const double K_2_2 = k[7];
+    double cos_phi[8], sin_phi[8];
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_point_block32_pad(all, count, 5, q, q_tail) : q;
-        for (int b = 0; b < 32; b++) {
-            const double phi = q_block[2 * stride + b];
-            cos_phi[b] = cos(phi);
-            sin_phi[b] = sin(phi);
-        }
-        for (int b = 0; b < 32; b++) {
-            const double alpha1 = q_block[3 * stride + b];
-            const double alpha2 = q_block[4 * stride + b];
-            const double d1_2 = alpha1 * c2_1_2;
-            const double D2_1 = alpha1 * c8_1_1;
-            const double D2_2 = alpha2 * c8_2_2;
-            const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
-            M_block[0][b] = mass;
-            M_block[1][b] = -(d1_2 * cos_phi[b]);
-            M_block[2][b] = minus_c2_1_2 * sin_phi[b];
-            M_block[3][b] = mass;
-            M_block[4][b] = -(d1_2 * sin_phi[b]);
-            M_block[5][b] = c2_1_2 * cos_phi[b];
-            M_block[6][b] = J;
-            M_block[7][b] = c6_2;
-            M_block[8][b] = c8_1_1;
-            M_block[9][b] = c8_2_2;
-        }
-        free_beam_point_block32_scatter(all, count, 10, M_block, M);
-        q += count;
-        M += count;
+    tisserand_sines(count, q + 2 * all, sin_phi, cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[3 * all + b];
+        const double alpha2 = q[4 * all + b];
+        const double phidot = v[2 * all + b];
+        const double alpha1dot = v[3 * all + b];
+        const double alpha2dot = v[4 * all + b];
+        const double d1_2 = alpha1 * c2_1_2;
+        const double d1dot_2 = alpha1dot * c2_1_2;
+        const double D2_1 = alpha1 * c8_1_1;
+        const double D2_2 = alpha2 * c8_2_2;
+        const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
+        const double t1 = phidot * phidot;
+        const double t2 = t1 * d1_2;
+        const double t3 = 2.0 * phidot;
+        const double t4 = t3 * d1dot_2;
+        h[b] = t2 * sin_phi[b] - t4 * cos_phi[b];
+        h[all + b] = -(t2 * cos_phi[b]) - t4 * sin_phi[b];
+        h[2 * all + b] = t3 * D2dot;
+        h[3 * all + b] = K_1_1 * alpha1 - t1 * D2_1;
+        h[4 * all + b] = K_2_2 * alpha2 - t1 * D2_2;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int free_beam_point_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    double q_b[160], v_b[160], h_b[160];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = free_beam_point_force_batch(count, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int free_beam_point_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        free_beam_point_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        free_beam_point_force_copied(32, all, t, q, v, k, h);
+        q += 32; v += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        free_beam_point_force_states(8, all, t, q, v, k, h);
+        q += 8; v += 8; h += 8;
+    }
+    if (left > 0) {
+        free_beam_point_force_states(left, all, t, q, v, k, h);
     }
     return 0;
 }
@@ -950,63 +1170,137 @@ int free_beam_point_force_batch(
     const double *TISSERAND_RESTRICT k,
     double *h)
 {
+    return n == 1 ? free_beam_point_force(t, q, v, k, h) : free_beam_point_force_blocks(n, t, q, v, k, h);
+}
+
+TISSERAND_INLINE void free_beam_point_mass_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M,
+    double *TISSERAND_RESTRICT h)
+{
     (void) t;
+    const double mass = k[0];
     const double c2_1_2 = k[1];
+    const double C3 = k[2];
+    const double c6_2 = k[3];
     const double c8_1_1 = k[4];
     const double c8_2_2 = k[5];
     const double K_1_1 = k[6];
     const double K_2_2 = k[7];
-    double q_tail[160], v_tail[160];
-    double cos_phi[32], sin_phi[32];
-    double h_block[5][32];
-    const ptrdiff_t all = n;
+    const double minus_c2_1_2 = k[18];
+    double cos_phi[8], sin_phi[8];
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_point_block32_pad(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? free_beam_point_block32_pad(all, count, 5, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double phi = q_block[2 * stride + b];
-            cos_phi[b] = cos(phi);
-            sin_phi[b] = sin(phi);
-        }
-        for (int b = 0; b < 32; b++) {
-            const double alpha1 = q_block[3 * stride + b];
-            const double alpha2 = q_block[4 * stride + b];
-            const double phidot = v_block[2 * stride + b];
-            const double alpha1dot = v_block[3 * stride + b];
-            const double alpha2dot = v_block[4 * stride + b];
-            const double d1_2 = alpha1 * c2_1_2;
-            const double d1dot_2 = alpha1dot * c2_1_2;
-            const double D2_1 = alpha1 * c8_1_1;
-            const double D2_2 = alpha2 * c8_2_2;
-            const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
-            const double t1 = phidot * phidot;
-            const double t2 = t1 * d1_2;
-            const double t3 = 2.0 * phidot;
-            const double t4 = t3 * d1dot_2;
-            h_block[0][b] = t2 * sin_phi[b] - t4 * cos_phi[b];
-            h_block[1][b] = -(t2 * cos_phi[b]) - t4 * sin_phi[b];
-            h_block[2][b] = t3 * D2dot;
-            h_block[3][b] = K_1_1 * alpha1 - t1 * D2_1;
-            h_block[4][b] = K_2_2 * alpha2 - t1 * D2_2;
-        }
-        free_beam_point_block32_scatter(all, count, 5, h_block, h);
-        q += count;
-        v += count;
-        h += count;
+    tisserand_sines(count, q + 2 * all, sin_phi, cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[3 * all + b];
+        const double alpha2 = q[4 * all + b];
+        const double phidot = v[2 * all + b];
+        const double alpha1dot = v[3 * all + b];
+        const double alpha2dot = v[4 * all + b];
+        const double D2_1 = alpha1 * c8_1_1;
+        const double D2_2 = alpha2 * c8_2_2;
+        const double t1 = phidot * phidot;
+        h[4 * all + b] = K_2_2 * alpha2 - t1 * D2_2;
+        M[9 * all + b] = c8_2_2;
+        h[3 * all + b] = K_1_1 * alpha1 - t1 * D2_1;
+        M[8 * all + b] = c8_1_1;
+        const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+        const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
+        const double t2 = 2.0 * phidot;
+        h[2 * all + b] = t2 * D2dot;
+        M[6 * all + b] = J;
+        M[7 * all + b] = c6_2;
+        const double d1_2 = alpha1 * c2_1_2;
+        const double d1dot_2 = alpha1dot * c2_1_2;
+        const double t3 = t1 * d1_2;
+        const double t4 = t2 * d1dot_2;
+        h[all + b] = -(t3 * cos_phi[b]) - t4 * sin_phi[b];
+        M[3 * all + b] = mass;
+        M[4 * all + b] = -(d1_2 * sin_phi[b]);
+        M[5 * all + b] = c2_1_2 * cos_phi[b];
+        h[b] = t3 * sin_phi[b] - t4 * cos_phi[b];
+        M[b] = mass;
+        M[all + b] = -(d1_2 * cos_phi[b]);
+        M[2 * all + b] = minus_c2_1_2 * sin_phi[b];
     }
-    return 0;
 }
 
-int free_beam_point_accel_batch(
+/* States in arrays of their own. */
+TISSERAND_APART int free_beam_point_mass_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    double q_b[160], v_b[160], M_b[320], h_b[160];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = free_beam_point_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int free_beam_point_mass_force_blocks(
     int n,
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *vdot)
+    double *M,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        free_beam_point_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        free_beam_point_mass_force_copied(32, all, t, q, v, k, M, h);
+        q += 32; v += 32; M += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        free_beam_point_mass_force_states(8, all, t, q, v, k, M, h);
+        q += 8; v += 8; M += 8; h += 8;
+    }
+    if (left > 0) {
+        free_beam_point_mass_force_states(left, all, t, q, v, k, M, h);
+    }
+    return 0;
+}
+
+int free_beam_point_mass_force_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    return n == 1 ? free_beam_point_mass_force(t, q, v, k, M, h) : free_beam_point_mass_force_blocks(n, t, q, v, k, M, h);
+}
+
+TISSERAND_INLINE int free_beam_point_accel_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT vdot)
 {
     (void) t;
     const double c6_2 = k[3];
@@ -1018,6 +1312,7 @@ int free_beam_point_accel_batch(
     const double free_alpha1_alpha1 = k[14];
     const double free_alpha2_alpha2 = k[15];
     const double coupling_alpha2 = k[16];
+<<<<<<< HEAD
     double q_tail[160], v_tail[160];
     double cos_phi[32], sin_phi[32], codes[32];
     double vdot_block[5][32];
@@ -1066,12 +1361,394 @@ int free_beam_point_accel_batch(
         }
         free_beam_point_block32_scatter(all, count, 5, vdot_block, vdot);
         const int failed = free_beam_point_block_fail(all, count, 5, codes, vdot);
+=======
+    const double eliminated_phi = k[17];
+    double cos_phi[8], sin_phi[8];
+    double codes[8];
+    unsigned long long failures = 0;
+
+    tisserand_sines(count, q + 2 * all, sin_phi, cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[3 * all + b];
+        const double alpha2 = q[4 * all + b];
+        const double phidot = v[2 * all + b];
+        const double alpha1dot = v[3 * all + b];
+        const double alpha2dot = v[4 * all + b];
+        const double t1 = inertia_phi_alpha1_alpha1 * alpha1;
+        const double t2 = c8_2_2 * alpha2;
+        const double pivot_phi = alpha1 * t1 + alpha2 * t2 + inertia_phi;
+        const double t3 = (1.0 / 3.0) * alpha1;
+        const double t4 = phidot * phidot;
+        const double t5 = ((force_phi_alpha2 - t4 * c6_2) * alpha2 - 2.0 * phidot * (alpha1dot * t1
+            + alpha2dot * t2)) / pivot_phi;
+        const double t6 = (2.0 / 3.0) * (phidot * alpha1dot) + t3 * t5;
+        const double t7 = free_x2_alpha1 * alpha1;
+        const double t8 = t6 * cos_phi[b] - t7 * sin_phi[b];
+        vdot[b] = t8;
+        const double t9 = t7 * cos_phi[b] + t6 * sin_phi[b];
+        vdot[all + b] = t9;
+        vdot[2 * all + b] = t5;
+        const double t10 = (t4 - free_alpha1_alpha1) * alpha1;
+        vdot[3 * all + b] = t10;
+        const double t11 = (t4 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t5;
+        vdot[4 * all + b] = t11;
+        double code = 0.0;
+        const double finite = t8 + t9 + (t5 + (t10 + t11));
+        code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
+        code = pivot_phi - 5.684341886080802e-14 * (eliminated_phi
+            + mass * (t3 * t3)) > 0.0 ? code : 1.0; /* the pivot of phi vanished */
+        codes[b] = code;
+        failures |= free_beam_point_block_bits(code);
+    }
+    if (!failures) return 0;
+    free_beam_point_block_nan(count, all, 5, codes, vdot);
+    return free_beam_point_block_code(codes);
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int free_beam_point_accel_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[160], v_b[160], vdot_b[160];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = free_beam_point_accel_batch(count, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int free_beam_point_accel_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    const ptrdiff_t all = n;
+    int left = n, code = 0;
+
+    if (n == 8) {
+        const int failed = free_beam_point_accel_states(8, 8, t, q, v, k, vdot);
         if (code == 0) code = failed;
-        q += count;
-        v += count;
-        vdot += count;
+        return code;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        const int failed = free_beam_point_accel_copied(32, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 32; v += 32; vdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        const int failed = free_beam_point_accel_states(8, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 8; v += 8; vdot += 8;
+    }
+    if (left > 0) {
+        const int failed = free_beam_point_accel_states(left, all, t, q, v, k, vdot);
+>>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+        if (code == 0) code = failed;
     }
     return code;
+}
+
+int free_beam_point_accel_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    if (n == 1) {
+        const int code = free_beam_point_accel(t, q, v, k, vdot);
+for (int e = 0; code && e < 5; e++) vdot[e] = (double) NAN;
+        return code;
+    }
+    return free_beam_point_accel_blocks(n, t, q, v, k, vdot);
+}
+
+TISSERAND_INLINE void free_beam_point_energy_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT energy)
+{
+    const double mass = k[0];
+    const double c2_1_2 = k[1];
+    const double C3 = k[2];
+    const double c6_2 = k[3];
+    const double c8_1_1 = k[4];
+    const double c8_2_2 = k[5];
+    const double K_1_1 = k[6];
+    const double K_2_2 = k[7];
+    double cos_phi[8], sin_phi[8];
+
+    tisserand_sines(count, q + 2 * all, sin_phi, cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[3 * all + b];
+        const double alpha2 = q[4 * all + b];
+        const double c1dot = v[b];
+        const double c2dot = v[all + b];
+        const double phidot = v[2 * all + b];
+        const double alpha1dot = v[3 * all + b];
+        const double alpha2dot = v[4 * all + b];
+        const double d1_2 = alpha1 * c2_1_2;
+        const double d1dot_2 = alpha1dot * c2_1_2;
+        const double D2_1 = alpha1 * c8_1_1;
+        const double D2_2 = alpha2 * c8_2_2;
+        const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+        const double d3dot = alpha2dot * c6_2;
+        energy[b] = 0.5 * (phidot * phidot * J + alpha1dot * alpha1dot * c8_1_1
+            + alpha2dot * alpha2dot * c8_2_2 + c1dot * c1dot * mass + c2dot * c2dot * mass
+            + (2.0 * c2dot * d1dot_2 - 2.0 * (c1dot * phidot) * d1_2) * cos_phi[b]
+            + 2.0 * phidot * d3dot - (2.0 * c1dot * d1dot_2
+            + 2.0 * (c2dot * phidot) * d1_2) * sin_phi[b]);
+        energy[all + b] = 0.5 * (K_1_1 * alpha1 * alpha1 + K_2_2 * alpha2 * alpha2);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int free_beam_point_energy_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    double q_b[160], v_b[160], energy_b[64];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = free_beam_point_energy_batch(count, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int free_beam_point_energy_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        free_beam_point_energy_states(8, 8, q, v, k, energy);
+        return 0;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        free_beam_point_energy_copied(32, all, q, v, k, energy);
+        q += 32; v += 32; energy += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        free_beam_point_energy_states(8, all, q, v, k, energy);
+        q += 8; v += 8; energy += 8;
+    }
+    if (left > 0) {
+        free_beam_point_energy_states(left, all, q, v, k, energy);
+    }
+    return 0;
+}
+
+int free_beam_point_energy_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    return n == 1 ? free_beam_point_energy(q, v, k, energy) : free_beam_point_energy_blocks(n, q, v, k, energy);
+}
+
+TISSERAND_INLINE void free_beam_point_momentum_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT momentum)
+{
+    const double mass = k[0];
+    const double c2_1_2 = k[1];
+    const double C3 = k[2];
+    const double c6_2 = k[3];
+    const double c8_1_1 = k[4];
+    const double c8_2_2 = k[5];
+    double cos_phi[8], sin_phi[8];
+
+    tisserand_sines(count, q + 2 * all, sin_phi, cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double c1 = q[b];
+        const double c2 = q[all + b];
+        const double alpha1 = q[3 * all + b];
+        const double alpha2 = q[4 * all + b];
+        const double c1dot = v[b];
+        const double c2dot = v[all + b];
+        const double phidot = v[2 * all + b];
+        const double alpha1dot = v[3 * all + b];
+        const double alpha2dot = v[4 * all + b];
+        const double d1_2 = alpha1 * c2_1_2;
+        const double d1dot_2 = alpha1dot * c2_1_2;
+        const double D2_1 = alpha1 * c8_1_1;
+        const double D2_2 = alpha2 * c8_2_2;
+        const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+        const double d3dot = alpha2dot * c6_2;
+        const double t1 = phidot * d1_2;
+        momentum[b] = c1dot * mass - d1dot_2 * sin_phi[b] - t1 * cos_phi[b];
+        momentum[all + b] = c2dot * mass + d1dot_2 * cos_phi[b] - t1 * sin_phi[b];
+        momentum[2 * all + b] = d3dot + phidot * J + (c1 * d1dot_2 + phidot * c2 * d1_2
+            - c1dot * d1_2) * cos_phi[b] + (c2 * d1dot_2 - c2dot * d1_2
+            - phidot * c1 * d1_2) * sin_phi[b] + c2dot * c1 * mass - c1dot * c2 * mass;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int free_beam_point_momentum_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    double q_b[160], v_b[160], momentum_b[96];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = free_beam_point_momentum_batch(count, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int free_beam_point_momentum_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        free_beam_point_momentum_states(8, 8, q, v, k, momentum);
+        return 0;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        free_beam_point_momentum_copied(32, all, q, v, k, momentum);
+        q += 32; v += 32; momentum += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        free_beam_point_momentum_states(8, all, q, v, k, momentum);
+        q += 8; v += 8; momentum += 8;
+    }
+    if (left > 0) {
+        free_beam_point_momentum_states(left, all, q, v, k, momentum);
+    }
+    return 0;
+}
+
+int free_beam_point_momentum_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    return n == 1 ? free_beam_point_momentum(q, v, k, momentum) : free_beam_point_momentum_blocks(n, q, v, k, momentum);
+}
+
+TISSERAND_INLINE void free_beam_point_rates_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT qdot)
+{
+    (void) q;
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double c1dot = v[b];
+        const double c2dot = v[all + b];
+        const double phidot = v[2 * all + b];
+        const double alpha1dot = v[3 * all + b];
+        const double alpha2dot = v[4 * all + b];
+        qdot[b] = c1dot;
+        qdot[all + b] = c2dot;
+        qdot[2 * all + b] = phidot;
+        qdot[3 * all + b] = alpha1dot;
+        qdot[4 * all + b] = alpha2dot;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int free_beam_point_rates_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    double q_b[160], v_b[160], qdot_b[160];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = free_beam_point_rates_batch(count, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int free_beam_point_rates_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        free_beam_point_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        free_beam_point_rates_copied(32, all, q, v, k, qdot);
+        q += 32; v += 32; qdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        free_beam_point_rates_states(8, all, q, v, k, qdot);
+        q += 8; v += 8; qdot += 8;
+    }
+    if (left > 0) {
+        free_beam_point_rates_states(left, all, q, v, k, qdot);
+    }
+    return 0;
+}
+
+int free_beam_point_rates_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    return n == 1 ? free_beam_point_rates(q, v, k, qdot) : free_beam_point_rates_blocks(n, q, v, k, qdot);
 }
 
 #endif
@@ -1223,7 +1900,7 @@ static const tisserand_marker free_beam_point_table_markers[] = {
 };
 
 static const tisserand_model free_beam_point_descriptor = {
-    7,
+    8,
     "free_beam_point",
     FREE_BEAM_POINT_HASH,
     FREE_BEAM_POINT_NQ,
@@ -1260,8 +1937,16 @@ static const tisserand_model free_beam_point_descriptor = {
 #ifndef TISSERAND_WITHOUT_BATCHES
     free_beam_point_mass_batch,
     free_beam_point_force_batch,
+    free_beam_point_mass_force_batch,
     free_beam_point_accel_batch,
+    free_beam_point_energy_batch,
+    free_beam_point_momentum_batch,
+    free_beam_point_rates_batch,
 #else
+    0,
+    0,
+    0,
+    0,
     0,
     0,
     0,

@@ -12,13 +12,39 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
+<<<<<<< HEAD
 #ifndef SOLID_BEAM_HASH_bcb6e95b05c0be5c
+=======
+#ifndef SOLID_BEAM_HASH_93651fd73b9f2387
+>>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
+/* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
+   and then make no vectors of it. */
+#if defined(__clang__)
+#  pragma clang diagnostic ignored "-Wpass-failed"
+#  define TISSERAND_STATES _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__) && __GNUC__ >= 8
+#  define TISSERAND_STATES _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
+#else
+#  define TISSERAND_STATES
+#endif
+
+/* INLINE: functions that are compiled anew wherever they are called, for the number of states that is given there.
+   APART: functions that are not, so that what calls them last needs no stack. */
+#if defined(__GNUC__)
+#  define TISSERAND_INLINE static inline __attribute__((always_inline, unused))
+#  define TISSERAND_APART static __attribute__((noinline))
+#else
+#  define TISSERAND_INLINE static inline
+#  define TISSERAND_APART static
+#endif
 int solid_beam_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -2899,40 +2925,179 @@ int solid_beam_jacobian(
 
 #ifndef TISSERAND_WITHOUT_BATCHES
 
-/* The rows of a block that is not full: its last state is repeated. */
-static const double *solid_beam_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
+/* The bits of a code, which are 0 for success. */
+TISSERAND_INLINE unsigned long long solid_beam_block_bits(double code)
 {
-    for (int e = 0; e < rows; e++)
-        for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
-    return to;
+    unsigned long long bits;
+    memcpy(&bits, &code, sizeof bits);
+    return bits;
 }
 
-/* The rows of a block to their places among those of all states. */
-static inline void solid_beam_block32_scatter(
-    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
+/* NaN for the states of a block that fail. */
+static void solid_beam_block_nan(int count, ptrdiff_t all, int rows, const double *codes, double *to)
 {
-    for (int e = 0; e < rows; e++) {
-        double *row = to + e * all;
-        if (count == 32) {
-            for (int b = 0; b < 32; b++) row[b] = from[e][b];
-        } else {
-            for (int b = 0; b < 32; b++) {
-                if (b < count) row[b] = from[e][b];
-            }
-        }
-    }
-}
-
-/* NaN for the states that fail, and the code of the first of them. */
-static int solid_beam_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
-{
-    int code = 0;
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
-        if (code == 0) code = (int) codes[b];
         for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
+}
+
+/* The code of the first state of a block that fails; there is one. */
+static int solid_beam_block_code(const double *codes)
+{
+    while (*codes == 0.0) codes++;
+    return (int) *codes;
+}
+
+TISSERAND_INLINE void solid_beam_mass_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M)
+{
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[7 * all + b];
+        const double alpha2 = q[8 * all + b];
+        const double alpha3 = q[9 * all + b];
+        const double alpha4 = q[10 * all + b];
+        const double alpha5 = q[11 * all + b];
+        const double alpha6 = q[12 * all + b];
+        const double alpha7 = q[13 * all + b];
+        const double alpha8 = q[14 * all + b];
+        const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
+            + (-0.0006121400052571096) * alpha8;
+        const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
+            + 0.0902649376065483 * alpha8;
+        const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
+        const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
+            + 0.09087707761334646 * alpha8;
+        const double S_2_11 = 0.9967112149765225 * alpha2 + (-0.0023458735832320252) * alpha7;
+        const double S_2_22 = (-3.0450102697552275) * alpha2 + 0.5911378590347115 * alpha7;
+        const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
+            + 0.00042276975451642734 * alpha8;
+        const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+        const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
+        const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+        const double S_3_23 = (-0.49814985724483174) * alpha5;
+        const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
+        const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
+            + (-0.0013107320248151129) * alpha8;
+        const double S_4_22 = 0.5868474096495008 * alpha1 + (-10.312447658094197) * alpha4
+            + 3.750869608173889 * alpha8;
+        const double S_4_23 = 0.0004590138828816031 * alpha2 + (-0.49684476625656726) * alpha7;
+        const double S_4_33 = 0.5874379854589185 * alpha1 + (-11.30934080619178) * alpha4
+            + 3.752180340202319 * alpha8;
+        const double S_5_11 = 0.9927986189759623 * alpha5;
+        const double S_5_22 = (-6.3829810941819485) * alpha5;
+        const double S_5_23 = (-0.49814985724483174) * alpha3 + 0.0008347844213729173 * alpha6;
+        const double S_5_33 = (-5.390182475205362) * alpha5;
+        const double S_6_11 = (-0.000963473158974635) * alpha3 + 0.9952767091853663 * alpha6;
+        const double S_6_22 = 1.8591274175401598 * alpha3 + (-16.87712375896818) * alpha6;
+        const double S_6_23 = 0.0008347844213729173 * alpha5;
+        const double S_6_33 = 1.860090890701248 * alpha3 + (-17.872400468149774) * alpha6;
+        const double S_7_11 = (-0.0023458735832320252) * alpha2 + 0.9877492668287293 * alpha7;
+        const double S_7_22 = 0.5911378590347115 * alpha2 + (-11.293256830686499) * alpha7;
+        const double S_7_23 = 0.000746338321407394 * alpha1 + (-0.49684476625656726) * alpha4
+            + 0.001234085501770041 * alpha8;
+        const double S_7_33 = 0.5887919854520037 * alpha2 + (-10.305507563856533) * alpha7;
+        const double S_8_11 = (-0.0006121400052571096) * alpha1 + (-0.0013107320248151129) * alpha4
+            + 0.9933453628144564 * alpha8;
+        const double S_8_22 = 0.0902649376065483 * alpha1 + 3.750869608173889 * alpha4
+            + (-25.078985697725145) * alpha8;
+        const double S_8_23 = 0.00042276975451642734 * alpha2 + 0.001234085501770041 * alpha7;
+        const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
+            + (-26.07233106053395) * alpha8;
+        const double d3_1_1 = 0.9989715125102133 * alpha2 - 0.001022720796073422 * alpha7;
+        const double d3_2_1 = (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
+            - (-0.00035665596750676827) * alpha8;
+        const double d3_3_1 = 0.9977452135227736 * alpha5;
+        const double d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7;
+        const double d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6;
+        const double d3_6_1 = (-0.0009021519745269716) * alpha5;
+        const double d3_7_1 = 0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
+            - (-0.0014284685858196025) * alpha8;
+        const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
+        const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
+            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
+        const double t1 = (-2.450382831544825e-05) * alpha3;
+        const double t2 = (-2.4535069205936762e-05) * alpha6;
+        const double J_13 = t1 + t2 + t1 + t2;
+        const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
+            + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
+            + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
+            + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        M[b] = 0.5400000000000003;
+        M[all + b] = 0.5400000000000003;
+        M[2 * all + b] = 0.5400000000000003;
+        M[3 * all + b] = J_11;
+        M[4 * all + b] = J_12;
+        M[5 * all + b] = J_13;
+        M[6 * all + b] = d3_1_1;
+        M[7 * all + b] = d3_2_1;
+        M[8 * all + b] = d3_3_1;
+        M[9 * all + b] = d3_4_1;
+        M[10 * all + b] = d3_5_1;
+        M[11 * all + b] = d3_6_1;
+        M[12 * all + b] = d3_7_1;
+        M[13 * all + b] = d3_8_1;
+        M[14 * all + b] = J_22;
+        M[15 * all + b] = J_23;
+        M[16 * all + b] = J_33;
+        M[17 * all + b] = 1.0;
+        M[18 * all + b] = 1.0;
+        M[19 * all + b] = 1.0;
+        M[20 * all + b] = 1.0;
+        M[21 * all + b] = 1.0;
+        M[22 * all + b] = 1.0;
+        M[23 * all + b] = 1.0;
+        M[24 * all + b] = 1.0;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int solid_beam_mass_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    double q_b[480], M_b[800];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    code = solid_beam_mass_batch(count, q_b, k, M_b);
+    for (int e = 0; e < 25; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
     return code;
+}
+
+TISSERAND_APART int solid_beam_mass_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        solid_beam_mass_copied(32, all, q, k, M);
+        q += 32; M += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        solid_beam_mass_states(8, all, q, k, M);
+        q += 8; M += 8;
+    }
+    for (; left > 0; left--) {
+        solid_beam_mass_copied(1, all, q, k, M);
+        q += 1; M += 1;
+    }
+    return 0;
 }
 
 int solid_beam_mass_batch(
@@ -2941,118 +3106,204 @@ int solid_beam_mass_batch(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    (void) k;
-    double q_tail[480];
-    double M_block[25][32];
-    const ptrdiff_t all = n;
+    return n == 1 ? solid_beam_mass(q, k, M) : solid_beam_mass_blocks(n, q, k, M);
+}
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? solid_beam_block32_pad(all, count, 15, q, q_tail) : q;
-        for (int b = 0; b < 32; b++) {
-            const double alpha1 = q_block[7 * stride + b];
-            const double alpha2 = q_block[8 * stride + b];
-            const double alpha3 = q_block[9 * stride + b];
-            const double alpha4 = q_block[10 * stride + b];
-            const double alpha5 = q_block[11 * stride + b];
-            const double alpha6 = q_block[12 * stride + b];
-            const double alpha7 = q_block[13 * stride + b];
-            const double alpha8 = q_block[14 * stride + b];
-            const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
-                + (-0.0006121400052571096) * alpha8;
-            const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
-                + 0.0902649376065483 * alpha8;
-            const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
-            const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
-                + 0.09087707761334646 * alpha8;
-            const double S_2_11 = 0.9967112149765225 * alpha2 + (-0.0023458735832320252) * alpha7;
-            const double S_2_22 = (-3.0450102697552275) * alpha2 + 0.5911378590347115 * alpha7;
-            const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
-                + 0.00042276975451642734 * alpha8;
-            const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
-            const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
-            const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
-            const double S_3_23 = (-0.49814985724483174) * alpha5;
-            const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
-            const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
-                + (-0.0013107320248151129) * alpha8;
-            const double S_4_22 = 0.5868474096495008 * alpha1 + (-10.312447658094197) * alpha4
-                + 3.750869608173889 * alpha8;
-            const double S_4_23 = 0.0004590138828816031 * alpha2 + (-0.49684476625656726) * alpha7;
-            const double S_4_33 = 0.5874379854589185 * alpha1 + (-11.30934080619178) * alpha4
-                + 3.752180340202319 * alpha8;
-            const double S_5_11 = 0.9927986189759623 * alpha5;
-            const double S_5_22 = (-6.3829810941819485) * alpha5;
-            const double S_5_23 = (-0.49814985724483174) * alpha3 + 0.0008347844213729173 * alpha6;
-            const double S_5_33 = (-5.390182475205362) * alpha5;
-            const double S_6_11 = (-0.000963473158974635) * alpha3 + 0.9952767091853663 * alpha6;
-            const double S_6_22 = 1.8591274175401598 * alpha3 + (-16.87712375896818) * alpha6;
-            const double S_6_23 = 0.0008347844213729173 * alpha5;
-            const double S_6_33 = 1.860090890701248 * alpha3 + (-17.872400468149774) * alpha6;
-            const double S_7_11 = (-0.0023458735832320252) * alpha2 + 0.9877492668287293 * alpha7;
-            const double S_7_22 = 0.5911378590347115 * alpha2 + (-11.293256830686499) * alpha7;
-            const double S_7_23 = 0.000746338321407394 * alpha1 + (-0.49684476625656726) * alpha4
-                + 0.001234085501770041 * alpha8;
-            const double S_7_33 = 0.5887919854520037 * alpha2 + (-10.305507563856533) * alpha7;
-            const double S_8_11 = (-0.0006121400052571096) * alpha1 + (-0.0013107320248151129) * alpha4
-                + 0.9933453628144564 * alpha8;
-            const double S_8_22 = 0.0902649376065483 * alpha1 + 3.750869608173889 * alpha4
-                + (-25.078985697725145) * alpha8;
-            const double S_8_23 = 0.00042276975451642734 * alpha2 + 0.001234085501770041 * alpha7;
-            const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
-                + (-26.07233106053395) * alpha8;
-            const double d3_1_1 = 0.9989715125102133 * alpha2 - 0.001022720796073422 * alpha7;
-            const double d3_2_1 = (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
-                - (-0.00035665596750676827) * alpha8;
-            const double d3_3_1 = 0.9977452135227736 * alpha5;
-            const double d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7;
-            const double d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6;
-            const double d3_6_1 = (-0.0009021519745269716) * alpha5;
-            const double d3_7_1 = 0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
-                - (-0.0014284685858196025) * alpha8;
-            const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
-            const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-                + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
-            const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
-            const double t1 = (-2.450382831544825e-05) * alpha3;
-            const double t2 = (-2.4535069205936762e-05) * alpha6;
-            const double J_13 = t1 + t2 + t1 + t2;
-            const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-                + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
-            const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
-                + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
-            const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-                + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
-            M_block[0][b] = 0.5400000000000003;
-            M_block[1][b] = 0.5400000000000003;
-            M_block[2][b] = 0.5400000000000003;
-            M_block[3][b] = J_11;
-            M_block[4][b] = J_12;
-            M_block[5][b] = J_13;
-            M_block[6][b] = d3_1_1;
-            M_block[7][b] = d3_2_1;
-            M_block[8][b] = d3_3_1;
-            M_block[9][b] = d3_4_1;
-            M_block[10][b] = d3_5_1;
-            M_block[11][b] = d3_6_1;
-            M_block[12][b] = d3_7_1;
-            M_block[13][b] = d3_8_1;
-            M_block[14][b] = J_22;
-            M_block[15][b] = J_23;
-            M_block[16][b] = J_33;
-            M_block[17][b] = 1.0;
-            M_block[18][b] = 1.0;
-            M_block[19][b] = 1.0;
-            M_block[20][b] = 1.0;
-            M_block[21][b] = 1.0;
-            M_block[22][b] = 1.0;
-            M_block[23][b] = 1.0;
-            M_block[24][b] = 1.0;
-        }
-        solid_beam_block32_scatter(all, count, 25, M_block, M);
-        q += count;
-        M += count;
+TISSERAND_INLINE void solid_beam_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT h)
+{
+    (void) t;
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[7 * all + b];
+        const double alpha2 = q[8 * all + b];
+        const double alpha3 = q[9 * all + b];
+        const double alpha4 = q[10 * all + b];
+        const double alpha5 = q[11 * all + b];
+        const double alpha6 = q[12 * all + b];
+        const double alpha7 = q[13 * all + b];
+        const double alpha8 = q[14 * all + b];
+        const double omega1 = v[3 * all + b];
+        const double omega2 = v[4 * all + b];
+        const double omega3 = v[5 * all + b];
+        const double alpha1dot = v[6 * all + b];
+        const double alpha2dot = v[7 * all + b];
+        const double alpha3dot = v[8 * all + b];
+        const double alpha4dot = v[9 * all + b];
+        const double alpha5dot = v[10 * all + b];
+        const double alpha6dot = v[11 * all + b];
+        const double alpha7dot = v[12 * all + b];
+        const double alpha8dot = v[13 * all + b];
+        const double oo_11 = omega1 * omega1;
+        const double oo_12 = omega1 * omega2;
+        const double oo_13 = omega1 * omega3;
+        const double oo_22 = omega2 * omega2;
+        const double oo_23 = omega2 * omega3;
+        const double oo_33 = omega3 * omega3;
+        const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
+            + (-0.0006121400052571096) * alpha8;
+        const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
+            + 0.0902649376065483 * alpha8;
+        const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
+        const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
+            + 0.09087707761334646 * alpha8;
+        const double S_2_11 = 0.9967112149765225 * alpha2 + (-0.0023458735832320252) * alpha7;
+        const double S_2_22 = (-3.0450102697552275) * alpha2 + 0.5911378590347115 * alpha7;
+        const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
+            + 0.00042276975451642734 * alpha8;
+        const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+        const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
+        const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+        const double S_3_23 = (-0.49814985724483174) * alpha5;
+        const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
+        const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
+            + (-0.0013107320248151129) * alpha8;
+        const double S_4_22 = 0.5868474096495008 * alpha1 + (-10.312447658094197) * alpha4
+            + 3.750869608173889 * alpha8;
+        const double S_4_23 = 0.0004590138828816031 * alpha2 + (-0.49684476625656726) * alpha7;
+        const double S_4_33 = 0.5874379854589185 * alpha1 + (-11.30934080619178) * alpha4
+            + 3.752180340202319 * alpha8;
+        const double S_5_11 = 0.9927986189759623 * alpha5;
+        const double S_5_22 = (-6.3829810941819485) * alpha5;
+        const double S_5_23 = (-0.49814985724483174) * alpha3 + 0.0008347844213729173 * alpha6;
+        const double S_5_33 = (-5.390182475205362) * alpha5;
+        const double S_6_11 = (-0.000963473158974635) * alpha3 + 0.9952767091853663 * alpha6;
+        const double S_6_22 = 1.8591274175401598 * alpha3 + (-16.87712375896818) * alpha6;
+        const double S_6_23 = 0.0008347844213729173 * alpha5;
+        const double S_6_33 = 1.860090890701248 * alpha3 + (-17.872400468149774) * alpha6;
+        const double S_7_11 = (-0.0023458735832320252) * alpha2 + 0.9877492668287293 * alpha7;
+        const double S_7_22 = 0.5911378590347115 * alpha2 + (-11.293256830686499) * alpha7;
+        const double S_7_23 = 0.000746338321407394 * alpha1 + (-0.49684476625656726) * alpha4
+            + 0.001234085501770041 * alpha8;
+        const double S_7_33 = 0.5887919854520037 * alpha2 + (-10.305507563856533) * alpha7;
+        const double S_8_11 = (-0.0006121400052571096) * alpha1 + (-0.0013107320248151129) * alpha4
+            + 0.9933453628144564 * alpha8;
+        const double S_8_22 = 0.0902649376065483 * alpha1 + 3.750869608173889 * alpha4
+            + (-25.078985697725145) * alpha8;
+        const double S_8_23 = 0.00042276975451642734 * alpha2 + 0.001234085501770041 * alpha7;
+        const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
+            + (-26.07233106053395) * alpha8;
+        const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
+            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
+        const double t1 = (-2.450382831544825e-05) * alpha3;
+        const double t2 = (-2.4535069205936762e-05) * alpha6;
+        const double J_13 = t1 + t2 + t1 + t2;
+        const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
+            + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
+            + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
+            + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+            + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+            + alpha8dot * S_8_11;
+        const double Sdot_12 = (-9.776696810269744e-05) * alpha5dot;
+        const double Sdot_13 = (-2.450382831544825e-05) * alpha3dot
+            + (-2.4535069205936762e-05) * alpha6dot;
+        const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+            + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+            + alpha8dot * S_8_22;
+        const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha3dot * S_3_23
+            + alpha4dot * S_4_23 + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23
+            + alpha8dot * S_8_23;
+        const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+            + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+            + alpha8dot * S_8_33;
+        const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
+        const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
+            + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
+        const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
+        const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
+            - (-0.0004463527015693379) * alpha2dot;
+        const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
+            - (-0.9977452135227736) * alpha3dot;
+        const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
+            - (-0.9961572772245384) * alpha4dot;
+        const double t3 = (-0.0009021519745269716) * alpha5dot;
+        const double t4 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
+        const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+            + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t3 + alpha7 * c7dot_7_1 - alpha8 * t4;
+        h[b] = 0.0;
+        h[all + b] = 0.0;
+        h[2 * all + b] = 0.0;
+        const double t5 = 2.0 * omega1;
+        const double t6 = 2.0 * omega2;
+        const double t7 = 2.0 * omega3;
+        h[3 * all + b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t5 * Sdot_11 + t6 * Sdot_12
+            + t7 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33;
+        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t5 * Sdot_12 + t6 * Sdot_22
+            + t7 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
+        h[5 * all + b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t5 * Sdot_13 + t6 * Sdot_23
+            + t7 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
+        h[6 * all + b] = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
+            - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t5 * c7dot_1_1;
+        h[7 * all + b] = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22
+            - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t5 * c7dot_2_1;
+        h[8 * all + b] = 823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
+            - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t5 * c7dot_3_1;
+        h[9 * all + b] = 3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22
+            - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t5 * c7dot_4_1;
+        h[10 * all + b] = 3271803.550599345 * alpha5 - S_5_11 * oo_11
+            - (-0.00019553393620539488) * oo_12 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33
+            - t5 * c7dot_5_1;
+        h[11 * all + b] = 8721662.73758154 * alpha6 - S_6_11 * oo_11 - (-4.9070138411873525e-05) * oo_13
+            - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33 + t5 * t3;
+        h[12 * all + b] = 12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22
+            - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t5 * c7dot_7_1;
+        h[13 * all + b] = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22
+            - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t5 * t4;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int solid_beam_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    double q_b[480], v_b[448], h_b[448];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = solid_beam_force_batch(count, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int solid_beam_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        solid_beam_force_copied(32, all, t, q, v, k, h);
+        q += 32; v += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        solid_beam_force_states(8, all, t, q, v, k, h);
+        q += 8; v += 8; h += 8;
+    }
+    for (; left > 0; left--) {
+        solid_beam_force_copied(1, all, t, q, v, k, h);
+        q += 1; v += 1; h += 1;
     }
     return 0;
 }
@@ -3065,162 +3316,520 @@ int solid_beam_force_batch(
     const double *TISSERAND_RESTRICT k,
     double *h)
 {
+    return n == 1 ? solid_beam_force(t, q, v, k, h) : solid_beam_force_blocks(n, t, q, v, k, h);
+}
+
+TISSERAND_INLINE void solid_beam_mass_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M,
+    double *TISSERAND_RESTRICT h)
+{
     (void) t;
     (void) k;
-    double q_tail[480], v_tail[448];
-    double h_block[14][32];
-    const ptrdiff_t all = n;
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? solid_beam_block32_pad(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? solid_beam_block32_pad(all, count, 14, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double alpha1 = q_block[7 * stride + b];
-            const double alpha2 = q_block[8 * stride + b];
-            const double alpha3 = q_block[9 * stride + b];
-            const double alpha4 = q_block[10 * stride + b];
-            const double alpha5 = q_block[11 * stride + b];
-            const double alpha6 = q_block[12 * stride + b];
-            const double alpha7 = q_block[13 * stride + b];
-            const double alpha8 = q_block[14 * stride + b];
-            const double omega1 = v_block[3 * stride + b];
-            const double omega2 = v_block[4 * stride + b];
-            const double omega3 = v_block[5 * stride + b];
-            const double alpha1dot = v_block[6 * stride + b];
-            const double alpha2dot = v_block[7 * stride + b];
-            const double alpha3dot = v_block[8 * stride + b];
-            const double alpha4dot = v_block[9 * stride + b];
-            const double alpha5dot = v_block[10 * stride + b];
-            const double alpha6dot = v_block[11 * stride + b];
-            const double alpha7dot = v_block[12 * stride + b];
-            const double alpha8dot = v_block[13 * stride + b];
-            const double oo_11 = omega1 * omega1;
-            const double oo_12 = omega1 * omega2;
-            const double oo_13 = omega1 * omega3;
-            const double oo_22 = omega2 * omega2;
-            const double oo_23 = omega2 * omega3;
-            const double oo_33 = omega3 * omega3;
-            const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
-                + (-0.0006121400052571096) * alpha8;
-            const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
-                + 0.0902649376065483 * alpha8;
-            const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
-            const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
-                + 0.09087707761334646 * alpha8;
-            const double S_2_11 = 0.9967112149765225 * alpha2 + (-0.0023458735832320252) * alpha7;
-            const double S_2_22 = (-3.0450102697552275) * alpha2 + 0.5911378590347115 * alpha7;
-            const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
-                + 0.00042276975451642734 * alpha8;
-            const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
-            const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
-            const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
-            const double S_3_23 = (-0.49814985724483174) * alpha5;
-            const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
-            const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
-                + (-0.0013107320248151129) * alpha8;
-            const double S_4_22 = 0.5868474096495008 * alpha1 + (-10.312447658094197) * alpha4
-                + 3.750869608173889 * alpha8;
-            const double S_4_23 = 0.0004590138828816031 * alpha2 + (-0.49684476625656726) * alpha7;
-            const double S_4_33 = 0.5874379854589185 * alpha1 + (-11.30934080619178) * alpha4
-                + 3.752180340202319 * alpha8;
-            const double S_5_11 = 0.9927986189759623 * alpha5;
-            const double S_5_22 = (-6.3829810941819485) * alpha5;
-            const double S_5_23 = (-0.49814985724483174) * alpha3 + 0.0008347844213729173 * alpha6;
-            const double S_5_33 = (-5.390182475205362) * alpha5;
-            const double S_6_11 = (-0.000963473158974635) * alpha3 + 0.9952767091853663 * alpha6;
-            const double S_6_22 = 1.8591274175401598 * alpha3 + (-16.87712375896818) * alpha6;
-            const double S_6_23 = 0.0008347844213729173 * alpha5;
-            const double S_6_33 = 1.860090890701248 * alpha3 + (-17.872400468149774) * alpha6;
-            const double S_7_11 = (-0.0023458735832320252) * alpha2 + 0.9877492668287293 * alpha7;
-            const double S_7_22 = 0.5911378590347115 * alpha2 + (-11.293256830686499) * alpha7;
-            const double S_7_23 = 0.000746338321407394 * alpha1 + (-0.49684476625656726) * alpha4
-                + 0.001234085501770041 * alpha8;
-            const double S_7_33 = 0.5887919854520037 * alpha2 + (-10.305507563856533) * alpha7;
-            const double S_8_11 = (-0.0006121400052571096) * alpha1 + (-0.0013107320248151129) * alpha4
-                + 0.9933453628144564 * alpha8;
-            const double S_8_22 = 0.0902649376065483 * alpha1 + 3.750869608173889 * alpha4
-                + (-25.078985697725145) * alpha8;
-            const double S_8_23 = 0.00042276975451642734 * alpha2 + 0.001234085501770041 * alpha7;
-            const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
-                + (-26.07233106053395) * alpha8;
-            const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-                + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
-            const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
-            const double t1 = (-2.450382831544825e-05) * alpha3;
-            const double t2 = (-2.4535069205936762e-05) * alpha6;
-            const double J_13 = t1 + t2 + t1 + t2;
-            const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-                + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
-            const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
-                + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
-            const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-                + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
-            const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
-                + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
-                + alpha8dot * S_8_11;
-            const double Sdot_12 = (-9.776696810269744e-05) * alpha5dot;
-            const double Sdot_13 = (-2.450382831544825e-05) * alpha3dot
-                + (-2.4535069205936762e-05) * alpha6dot;
-            const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
-                + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
-                + alpha8dot * S_8_22;
-            const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha3dot * S_3_23
-                + alpha4dot * S_4_23 + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23
-                + alpha8dot * S_8_23;
-            const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
-                + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
-                + alpha8dot * S_8_33;
-            const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
-            const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
-                + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
-            const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
-            const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
-                - (-0.0004463527015693379) * alpha2dot;
-            const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
-                - (-0.9977452135227736) * alpha3dot;
-            const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
-                - (-0.9961572772245384) * alpha4dot;
-            const double t3 = (-0.0009021519745269716) * alpha5dot;
-            const double t4 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
-            const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
-                + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t3 + alpha7 * c7dot_7_1 - alpha8 * t4;
-            h_block[0][b] = 0.0;
-            h_block[1][b] = 0.0;
-            h_block[2][b] = 0.0;
-            const double t5 = 2.0 * omega1;
-            const double t6 = 2.0 * omega2;
-            const double t7 = 2.0 * omega3;
-            h_block[3][b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t5 * Sdot_11 + t6 * Sdot_12
-                + t7 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33;
-            h_block[4][b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t5 * Sdot_12 + t6 * Sdot_22
-                + t7 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
-            h_block[5][b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t5 * Sdot_13 + t6 * Sdot_23
-                + t7 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
-            h_block[6][b] = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
-                - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t5 * c7dot_1_1;
-            h_block[7][b] = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22
-                - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t5 * c7dot_2_1;
-            h_block[8][b] = 823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
-                - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t5 * c7dot_3_1;
-            h_block[9][b] = 3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22
-                - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t5 * c7dot_4_1;
-            h_block[10][b] = 3271803.550599345 * alpha5 - S_5_11 * oo_11 - (-0.00019553393620539488) * oo_12
-                - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 - t5 * c7dot_5_1;
-            h_block[11][b] = 8721662.73758154 * alpha6 - S_6_11 * oo_11 - (-4.9070138411873525e-05) * oo_13
-                - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33 + t5 * t3;
-            h_block[12][b] = 12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22
-                - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t5 * c7dot_7_1;
-            h_block[13][b] = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22
-                - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t5 * t4;
-        }
-        solid_beam_block32_scatter(all, count, 14, h_block, h);
-        q += count;
-        v += count;
-        h += count;
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[7 * all + b];
+        const double alpha2 = q[8 * all + b];
+        const double alpha3 = q[9 * all + b];
+        const double alpha4 = q[10 * all + b];
+        const double alpha5 = q[11 * all + b];
+        const double alpha6 = q[12 * all + b];
+        const double alpha7 = q[13 * all + b];
+        const double alpha8 = q[14 * all + b];
+        const double omega1 = v[3 * all + b];
+        const double omega2 = v[4 * all + b];
+        const double omega3 = v[5 * all + b];
+        const double alpha1dot = v[6 * all + b];
+        const double alpha2dot = v[7 * all + b];
+        const double alpha3dot = v[8 * all + b];
+        const double alpha4dot = v[9 * all + b];
+        const double alpha5dot = v[10 * all + b];
+        const double alpha6dot = v[11 * all + b];
+        const double alpha7dot = v[12 * all + b];
+        const double alpha8dot = v[13 * all + b];
+        const double oo_11 = omega1 * omega1;
+        const double oo_12 = omega1 * omega2;
+        const double oo_13 = omega1 * omega3;
+        const double oo_22 = omega2 * omega2;
+        const double oo_23 = omega2 * omega3;
+        const double oo_33 = omega3 * omega3;
+        const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
+            + (-0.0006121400052571096) * alpha8;
+        const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
+            + 0.0902649376065483 * alpha8;
+        const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
+        const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
+            + 0.09087707761334646 * alpha8;
+        const double S_2_11 = 0.9967112149765225 * alpha2 + (-0.0023458735832320252) * alpha7;
+        const double S_2_22 = (-3.0450102697552275) * alpha2 + 0.5911378590347115 * alpha7;
+        const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
+            + 0.00042276975451642734 * alpha8;
+        const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+        const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
+        const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+        const double S_3_23 = (-0.49814985724483174) * alpha5;
+        const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
+        const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
+            + (-0.0013107320248151129) * alpha8;
+        const double S_4_22 = 0.5868474096495008 * alpha1 + (-10.312447658094197) * alpha4
+            + 3.750869608173889 * alpha8;
+        const double S_4_23 = 0.0004590138828816031 * alpha2 + (-0.49684476625656726) * alpha7;
+        const double S_4_33 = 0.5874379854589185 * alpha1 + (-11.30934080619178) * alpha4
+            + 3.752180340202319 * alpha8;
+        const double S_5_11 = 0.9927986189759623 * alpha5;
+        const double S_5_22 = (-6.3829810941819485) * alpha5;
+        const double S_5_23 = (-0.49814985724483174) * alpha3 + 0.0008347844213729173 * alpha6;
+        const double S_5_33 = (-5.390182475205362) * alpha5;
+        const double S_6_11 = (-0.000963473158974635) * alpha3 + 0.9952767091853663 * alpha6;
+        const double S_6_22 = 1.8591274175401598 * alpha3 + (-16.87712375896818) * alpha6;
+        const double S_6_23 = 0.0008347844213729173 * alpha5;
+        const double S_6_33 = 1.860090890701248 * alpha3 + (-17.872400468149774) * alpha6;
+        const double S_7_11 = (-0.0023458735832320252) * alpha2 + 0.9877492668287293 * alpha7;
+        const double S_7_22 = 0.5911378590347115 * alpha2 + (-11.293256830686499) * alpha7;
+        const double S_7_23 = 0.000746338321407394 * alpha1 + (-0.49684476625656726) * alpha4
+            + 0.001234085501770041 * alpha8;
+        const double S_7_33 = 0.5887919854520037 * alpha2 + (-10.305507563856533) * alpha7;
+        const double S_8_11 = (-0.0006121400052571096) * alpha1 + (-0.0013107320248151129) * alpha4
+            + 0.9933453628144564 * alpha8;
+        const double S_8_22 = 0.0902649376065483 * alpha1 + 3.750869608173889 * alpha4
+            + (-25.078985697725145) * alpha8;
+        const double S_8_23 = 0.00042276975451642734 * alpha2 + 0.001234085501770041 * alpha7;
+        const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
+            + (-26.07233106053395) * alpha8;
+        const double t1 = 2.0 * omega1;
+        const double t2 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
+        h[13 * all + b] = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22
+            - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t1 * t2;
+        M[24 * all + b] = 1.0;
+        const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
+        const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
+            + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
+        const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
+        const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
+            - (-0.0004463527015693379) * alpha2dot;
+        const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
+            - (-0.9977452135227736) * alpha3dot;
+        const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
+            - (-0.9961572772245384) * alpha4dot;
+        h[12 * all + b] = 12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22
+            - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t1 * c7dot_7_1;
+        M[23 * all + b] = 1.0;
+        const double t3 = (-0.0009021519745269716) * alpha5dot;
+        h[11 * all + b] = 8721662.73758154 * alpha6 - S_6_11 * oo_11 - (-4.9070138411873525e-05) * oo_13
+            - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33 + t1 * t3;
+        M[22 * all + b] = 1.0;
+        h[10 * all + b] = 3271803.550599345 * alpha5 - S_5_11 * oo_11
+            - (-0.00019553393620539488) * oo_12 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33
+            - t1 * c7dot_5_1;
+        M[21 * all + b] = 1.0;
+        h[9 * all + b] = 3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22
+            - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t1 * c7dot_4_1;
+        M[20 * all + b] = 1.0;
+        h[8 * all + b] = 823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
+            - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t1 * c7dot_3_1;
+        M[19 * all + b] = 1.0;
+        h[7 * all + b] = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22
+            - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t1 * c7dot_2_1;
+        M[18 * all + b] = 1.0;
+        h[6 * all + b] = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
+            - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t1 * c7dot_1_1;
+        M[17 * all + b] = 1.0;
+        const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
+            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
+        const double t4 = (-2.450382831544825e-05) * alpha3;
+        const double t5 = (-2.4535069205936762e-05) * alpha6;
+        const double J_13 = t4 + t5 + t4 + t5;
+        const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
+            + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
+            + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
+            + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+            + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+            + alpha8dot * S_8_11;
+        const double Sdot_12 = (-9.776696810269744e-05) * alpha5dot;
+        const double Sdot_13 = (-2.450382831544825e-05) * alpha3dot
+            + (-2.4535069205936762e-05) * alpha6dot;
+        const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+            + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+            + alpha8dot * S_8_22;
+        const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha3dot * S_3_23
+            + alpha4dot * S_4_23 + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23
+            + alpha8dot * S_8_23;
+        const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+            + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+            + alpha8dot * S_8_33;
+        const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+            + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t3 + alpha7 * c7dot_7_1 - alpha8 * t2;
+        const double t6 = 2.0 * omega2;
+        const double t7 = 2.0 * omega3;
+        h[5 * all + b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23
+            + t7 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
+        M[16 * all + b] = J_33;
+        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * Sdot_12 + t6 * Sdot_22
+            + t7 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
+        M[14 * all + b] = J_22;
+        M[15 * all + b] = J_23;
+        const double d3_1_1 = 0.9989715125102133 * alpha2 - 0.001022720796073422 * alpha7;
+        const double d3_2_1 = (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
+            - (-0.00035665596750676827) * alpha8;
+        const double d3_3_1 = 0.9977452135227736 * alpha5;
+        const double d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7;
+        const double d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6;
+        const double d3_6_1 = (-0.0009021519745269716) * alpha5;
+        const double d3_7_1 = 0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
+            - (-0.0014284685858196025) * alpha8;
+        const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
+        h[3 * all + b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12
+            + t7 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33;
+        M[3 * all + b] = J_11;
+        M[4 * all + b] = J_12;
+        M[5 * all + b] = J_13;
+        M[6 * all + b] = d3_1_1;
+        M[7 * all + b] = d3_2_1;
+        M[8 * all + b] = d3_3_1;
+        M[9 * all + b] = d3_4_1;
+        M[10 * all + b] = d3_5_1;
+        M[11 * all + b] = d3_6_1;
+        M[12 * all + b] = d3_7_1;
+        M[13 * all + b] = d3_8_1;
+        h[2 * all + b] = 0.0;
+        M[2 * all + b] = 0.5400000000000003;
+        h[all + b] = 0.0;
+        M[all + b] = 0.5400000000000003;
+        h[b] = 0.0;
+        M[b] = 0.5400000000000003;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int solid_beam_mass_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    double q_b[480], v_b[448], M_b[800], h_b[448];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = solid_beam_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 25; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int solid_beam_mass_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    for (; n % 64 == 0 && left > 0; left -= 32) {
+        solid_beam_mass_force_copied(32, all, t, q, v, k, M, h);
+        q += 32; v += 32; M += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        solid_beam_mass_force_states(8, all, t, q, v, k, M, h);
+        q += 8; v += 8; M += 8; h += 8;
+    }
+    for (; left > 0; left--) {
+        solid_beam_mass_force_copied(1, all, t, q, v, k, M, h);
+        q += 1; v += 1; M += 1; h += 1;
     }
     return 0;
+}
+
+int solid_beam_mass_force_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    return n == 1 ? solid_beam_mass_force(t, q, v, k, M, h) : solid_beam_mass_force_blocks(n, t, q, v, k, M, h);
+}
+
+TISSERAND_INLINE int solid_beam_accel_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT vdot)
+{
+    (void) t;
+    (void) k;
+    double codes[8];
+    unsigned long long failures = 0;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[7 * all + b];
+        const double alpha2 = q[8 * all + b];
+        const double alpha3 = q[9 * all + b];
+        const double alpha4 = q[10 * all + b];
+        const double alpha5 = q[11 * all + b];
+        const double alpha6 = q[12 * all + b];
+        const double alpha7 = q[13 * all + b];
+        const double alpha8 = q[14 * all + b];
+        const double omega1 = v[3 * all + b];
+        const double omega2 = v[4 * all + b];
+        const double omega3 = v[5 * all + b];
+        const double alpha1dot = v[6 * all + b];
+        const double alpha2dot = v[7 * all + b];
+        const double alpha3dot = v[8 * all + b];
+        const double alpha4dot = v[9 * all + b];
+        const double alpha5dot = v[10 * all + b];
+        const double alpha6dot = v[11 * all + b];
+        const double alpha7dot = v[12 * all + b];
+        const double alpha8dot = v[13 * all + b];
+        const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
+            + (-0.0006121400052571096) * alpha8;
+        const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
+            + 0.0902649376065483 * alpha8;
+        const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
+        const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
+            + 0.09087707761334646 * alpha8;
+        const double S_2_11 = 0.9967112149765225 * alpha2 + (-0.0023458735832320252) * alpha7;
+        const double S_2_22 = (-3.0450102697552275) * alpha2 + 0.5911378590347115 * alpha7;
+        const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
+            + 0.00042276975451642734 * alpha8;
+        const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+        const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
+        const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+        const double S_3_23 = (-0.49814985724483174) * alpha5;
+        const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
+        const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
+            + (-0.0013107320248151129) * alpha8;
+        const double S_4_22 = 0.5868474096495008 * alpha1 + (-10.312447658094197) * alpha4
+            + 3.750869608173889 * alpha8;
+        const double S_4_23 = 0.0004590138828816031 * alpha2 + (-0.49684476625656726) * alpha7;
+        const double S_4_33 = 0.5874379854589185 * alpha1 + (-11.30934080619178) * alpha4
+            + 3.752180340202319 * alpha8;
+        const double S_5_11 = 0.9927986189759623 * alpha5;
+        const double S_5_22 = (-6.3829810941819485) * alpha5;
+        const double S_5_23 = (-0.49814985724483174) * alpha3 + 0.0008347844213729173 * alpha6;
+        const double S_5_33 = (-5.390182475205362) * alpha5;
+        const double S_6_11 = (-0.000963473158974635) * alpha3 + 0.9952767091853663 * alpha6;
+        const double S_6_22 = 1.8591274175401598 * alpha3 + (-16.87712375896818) * alpha6;
+        const double S_6_23 = 0.0008347844213729173 * alpha5;
+        const double S_6_33 = 1.860090890701248 * alpha3 + (-17.872400468149774) * alpha6;
+        const double S_7_11 = (-0.0023458735832320252) * alpha2 + 0.9877492668287293 * alpha7;
+        const double S_7_22 = 0.5911378590347115 * alpha2 + (-11.293256830686499) * alpha7;
+        const double S_7_23 = 0.000746338321407394 * alpha1 + (-0.49684476625656726) * alpha4
+            + 0.001234085501770041 * alpha8;
+        const double S_7_33 = 0.5887919854520037 * alpha2 + (-10.305507563856533) * alpha7;
+        const double S_8_11 = (-0.0006121400052571096) * alpha1 + (-0.0013107320248151129) * alpha4
+            + 0.9933453628144564 * alpha8;
+        const double S_8_22 = 0.0902649376065483 * alpha1 + 3.750869608173889 * alpha4
+            + (-25.078985697725145) * alpha8;
+        const double S_8_23 = 0.00042276975451642734 * alpha2 + 0.001234085501770041 * alpha7;
+        const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
+            + (-26.07233106053395) * alpha8;
+        const double d3_2_1 = (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
+            - (-0.00035665596750676827) * alpha8;
+        const double d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7;
+        const double d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6;
+        const double d3_6_1 = (-0.0009021519745269716) * alpha5;
+        const double d3_7_1 = 0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
+            - (-0.0014284685858196025) * alpha8;
+        const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
+        const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
+            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
+        const double t1 = (-2.450382831544825e-05) * alpha3;
+        const double t2 = (-2.4535069205936762e-05) * alpha6;
+        const double J_13 = t1 + t2 + t1 + t2;
+        const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
+            + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
+            + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
+            + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        const double inverse_J_22 = 1.0 / J_22;
+        const double t3 = J_23 * inverse_J_22;
+        const double pivot_pi3 = J_33 - t3 * J_23;
+        const double t4 = (-0.9977452135227736) * alpha5;
+        const double t5 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7;
+        const double t6 = J_12 * inverse_J_22;
+        const double t7 = J_13 - t6 * J_23;
+        const double inverse_pivot_pi3 = 1.0 / pivot_pi3;
+        const double t8 = t7 * inverse_pivot_pi3;
+        const double pivot_pi1 = J_11 - d3_8_1 * d3_8_1 - d3_7_1 * d3_7_1 - d3_6_1 * d3_6_1
+            - d3_5_1 * d3_5_1 - d3_4_1 * d3_4_1 - t4 * t4 - d3_2_1 * d3_2_1 - t5 * t5 - t6 * J_12
+            - t8 * t7;
+        const double oo_11 = omega1 * omega1;
+        const double oo_12 = omega1 * omega2;
+        const double oo_13 = omega1 * omega3;
+        const double oo_22 = omega2 * omega2;
+        const double oo_23 = omega2 * omega3;
+        const double oo_33 = omega3 * omega3;
+        const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+            + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+            + alpha8dot * S_8_11;
+        const double Sdot_12 = (-9.776696810269744e-05) * alpha5dot;
+        const double Sdot_13 = (-2.450382831544825e-05) * alpha3dot
+            + (-2.4535069205936762e-05) * alpha6dot;
+        const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+            + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+            + alpha8dot * S_8_22;
+        const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha3dot * S_3_23
+            + alpha4dot * S_4_23 + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23
+            + alpha8dot * S_8_23;
+        const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+            + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+            + alpha8dot * S_8_33;
+        const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
+        const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
+            + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
+        const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
+        const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
+            - (-0.0004463527015693379) * alpha2dot;
+        const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
+            - (-0.9977452135227736) * alpha3dot;
+        const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
+            - (-0.9961572772245384) * alpha4dot;
+        const double t9 = (-0.0009021519745269716) * alpha5dot;
+        const double t10 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
+        const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+            + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t9 + alpha7 * c7dot_7_1 - alpha8 * t10;
+        vdot[b] = 0.0;
+        vdot[all + b] = 0.0;
+        vdot[2 * all + b] = 0.0;
+        const double t11 = 2.0 * omega1;
+        const double t12 = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22
+            - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t11 * t10;
+        const double t13 = 2.0 * omega2;
+        const double t14 = 2.0 * omega3;
+        const double t15 = 12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22
+            - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t11 * c7dot_7_1;
+        const double t16 = 8721662.73758154 * alpha6 - S_6_11 * oo_11
+            - (-4.9070138411873525e-05) * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
+            + t11 * t9;
+        const double t17 = 3271803.550599345 * alpha5 - S_5_11 * oo_11
+            - (-0.00019553393620539488) * oo_12 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33
+            - t11 * c7dot_5_1;
+        const double t18 = 3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22
+            - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t11 * c7dot_4_1;
+        const double t19 = 823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
+            - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t11 * c7dot_3_1;
+        const double t20 = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22
+            - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t11 * c7dot_2_1;
+        const double t21 = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
+            - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t11 * c7dot_1_1;
+        const double t22 = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t11 * Sdot_12 + t13 * Sdot_22
+            + t14 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
+        const double t23 = t3 * t22 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t11 * Sdot_13
+            + t13 * Sdot_23 + t14 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+            - omega2 * d3dot_1);
+        const double t24 = (d3_8_1 * t12 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t11 * Sdot_11
+            + t13 * Sdot_12 + t14 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33) + d3_7_1 * t15
+            + d3_6_1 * t16 + d3_5_1 * t17 + d3_4_1 * t18 - t4 * t19 + d3_2_1 * t20 - t5 * t21 + t6 * t22
+            - t8 * t23) / pivot_pi1;
+        vdot[3 * all + b] = t24;
+        const double t25 = t23 * inverse_pivot_pi3 - t8 * t24;
+        const double t26 = t22 * inverse_J_22 + t3 * t25 + t6 * t24;
+        vdot[4 * all + b] = -t26;
+        vdot[5 * all + b] = t25;
+        const double t27 = t5 * t24 - t21;
+        vdot[6 * all + b] = t27;
+        const double t28 = t20 + d3_2_1 * t24;
+        vdot[7 * all + b] = -t28;
+        const double t29 = t4 * t24 - t19;
+        vdot[8 * all + b] = t29;
+        const double t30 = t18 + d3_4_1 * t24;
+        vdot[9 * all + b] = -t30;
+        const double t31 = t17 + d3_5_1 * t24;
+        vdot[10 * all + b] = -t31;
+        const double t32 = t16 + d3_6_1 * t24;
+        vdot[11 * all + b] = -t32;
+        const double t33 = t15 + d3_7_1 * t24;
+        vdot[12 * all + b] = -t33;
+        const double t34 = t12 + d3_8_1 * t24;
+        vdot[13 * all + b] = -t34;
+        double code = 0.0;
+        const double finite = t24 - t26 + (t25 + (t27 - t28)) + (t29 - (t30 + t31) - (t32 + (t33
+            + t34)));
+        code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
+        code = pivot_pi1
+            - 5.684341886080802e-14 * J_11 > 0.0 ? code : 1.0; /* the pivot of pi1 vanished */
+        code = pivot_pi3
+            - 5.684341886080802e-14 * J_33 > 0.0 ? code : 1.0; /* the pivot of pi3 vanished */
+        code = J_22 > 0.0 ? code : 1.0; /* the pivot of pi2 vanished */
+        codes[b] = code;
+        failures |= solid_beam_block_bits(code);
+    }
+    if (!failures) return 0;
+    solid_beam_block_nan(count, all, 14, codes, vdot);
+    return solid_beam_block_code(codes);
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int solid_beam_accel_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[480], v_b[448], vdot_b[448];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = solid_beam_accel_batch(count, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int solid_beam_accel_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    const ptrdiff_t all = n;
+    int left = n, code = 0;
+
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        const int failed = solid_beam_accel_copied(32, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 32; v += 32; vdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        const int failed = solid_beam_accel_states(8, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 8; v += 8; vdot += 8;
+    }
+    for (; left > 0; left--) {
+        const int failed = solid_beam_accel_copied(1, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 1; v += 1; vdot += 1;
+    }
+    return code;
 }
 
 int solid_beam_accel_batch(
@@ -3231,222 +3840,531 @@ int solid_beam_accel_batch(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-    (void) t;
-    (void) k;
-    double q_tail[480], v_tail[448];
-    double codes[32];
-    double vdot_block[14][32];
-    const ptrdiff_t all = n;
-    int code = 0;
+    if (n == 1) {
+        const int code = solid_beam_accel(t, q, v, k, vdot);
+for (int e = 0; code && e < 14; e++) vdot[e] = (double) NAN;
+        return code;
+    }
+    return solid_beam_accel_blocks(n, t, q, v, k, vdot);
+}
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? solid_beam_block32_pad(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? solid_beam_block32_pad(all, count, 14, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double alpha1 = q_block[7 * stride + b];
-            const double alpha2 = q_block[8 * stride + b];
-            const double alpha3 = q_block[9 * stride + b];
-            const double alpha4 = q_block[10 * stride + b];
-            const double alpha5 = q_block[11 * stride + b];
-            const double alpha6 = q_block[12 * stride + b];
-            const double alpha7 = q_block[13 * stride + b];
-            const double alpha8 = q_block[14 * stride + b];
-            const double omega1 = v_block[3 * stride + b];
-            const double omega2 = v_block[4 * stride + b];
-            const double omega3 = v_block[5 * stride + b];
-            const double alpha1dot = v_block[6 * stride + b];
-            const double alpha2dot = v_block[7 * stride + b];
-            const double alpha3dot = v_block[8 * stride + b];
-            const double alpha4dot = v_block[9 * stride + b];
-            const double alpha5dot = v_block[10 * stride + b];
-            const double alpha6dot = v_block[11 * stride + b];
-            const double alpha7dot = v_block[12 * stride + b];
-            const double alpha8dot = v_block[13 * stride + b];
-            const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
-                + (-0.0006121400052571096) * alpha8;
-            const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
-                + 0.0902649376065483 * alpha8;
-            const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
-            const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
-                + 0.09087707761334646 * alpha8;
-            const double S_2_11 = 0.9967112149765225 * alpha2 + (-0.0023458735832320252) * alpha7;
-            const double S_2_22 = (-3.0450102697552275) * alpha2 + 0.5911378590347115 * alpha7;
-            const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
-                + 0.00042276975451642734 * alpha8;
-            const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
-            const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
-            const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
-            const double S_3_23 = (-0.49814985724483174) * alpha5;
-            const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
-            const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
-                + (-0.0013107320248151129) * alpha8;
-            const double S_4_22 = 0.5868474096495008 * alpha1 + (-10.312447658094197) * alpha4
-                + 3.750869608173889 * alpha8;
-            const double S_4_23 = 0.0004590138828816031 * alpha2 + (-0.49684476625656726) * alpha7;
-            const double S_4_33 = 0.5874379854589185 * alpha1 + (-11.30934080619178) * alpha4
-                + 3.752180340202319 * alpha8;
-            const double S_5_11 = 0.9927986189759623 * alpha5;
-            const double S_5_22 = (-6.3829810941819485) * alpha5;
-            const double S_5_23 = (-0.49814985724483174) * alpha3 + 0.0008347844213729173 * alpha6;
-            const double S_5_33 = (-5.390182475205362) * alpha5;
-            const double S_6_11 = (-0.000963473158974635) * alpha3 + 0.9952767091853663 * alpha6;
-            const double S_6_22 = 1.8591274175401598 * alpha3 + (-16.87712375896818) * alpha6;
-            const double S_6_23 = 0.0008347844213729173 * alpha5;
-            const double S_6_33 = 1.860090890701248 * alpha3 + (-17.872400468149774) * alpha6;
-            const double S_7_11 = (-0.0023458735832320252) * alpha2 + 0.9877492668287293 * alpha7;
-            const double S_7_22 = 0.5911378590347115 * alpha2 + (-11.293256830686499) * alpha7;
-            const double S_7_23 = 0.000746338321407394 * alpha1 + (-0.49684476625656726) * alpha4
-                + 0.001234085501770041 * alpha8;
-            const double S_7_33 = 0.5887919854520037 * alpha2 + (-10.305507563856533) * alpha7;
-            const double S_8_11 = (-0.0006121400052571096) * alpha1 + (-0.0013107320248151129) * alpha4
-                + 0.9933453628144564 * alpha8;
-            const double S_8_22 = 0.0902649376065483 * alpha1 + 3.750869608173889 * alpha4
-                + (-25.078985697725145) * alpha8;
-            const double S_8_23 = 0.00042276975451642734 * alpha2 + 0.001234085501770041 * alpha7;
-            const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
-                + (-26.07233106053395) * alpha8;
-            const double d3_2_1 = (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
-                - (-0.00035665596750676827) * alpha8;
-            const double d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7;
-            const double d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6;
-            const double d3_6_1 = (-0.0009021519745269716) * alpha5;
-            const double d3_7_1 = 0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
-                - (-0.0014284685858196025) * alpha8;
-            const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
-            const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-                + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
-            const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
-            const double t1 = (-2.450382831544825e-05) * alpha3;
-            const double t2 = (-2.4535069205936762e-05) * alpha6;
-            const double J_13 = t1 + t2 + t1 + t2;
-            const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-                + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
-            const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
-                + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
-            const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-                + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
-            const double inverse_J_22 = 1.0 / J_22;
-            const double t3 = J_23 * inverse_J_22;
-            const double pivot_pi3 = J_33 - t3 * J_23;
-            const double t4 = (-0.9977452135227736) * alpha5;
-            const double t5 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7;
-            const double t6 = J_12 * inverse_J_22;
-            const double t7 = J_13 - t6 * J_23;
-            const double inverse_pivot_pi3 = 1.0 / pivot_pi3;
-            const double t8 = t7 * inverse_pivot_pi3;
-            const double pivot_pi1 = J_11 - d3_8_1 * d3_8_1 - d3_7_1 * d3_7_1 - d3_6_1 * d3_6_1
-                - d3_5_1 * d3_5_1 - d3_4_1 * d3_4_1 - t4 * t4 - d3_2_1 * d3_2_1 - t5 * t5 - t6 * J_12
-                - t8 * t7;
-            const double oo_11 = omega1 * omega1;
-            const double oo_12 = omega1 * omega2;
-            const double oo_13 = omega1 * omega3;
-            const double oo_22 = omega2 * omega2;
-            const double oo_23 = omega2 * omega3;
-            const double oo_33 = omega3 * omega3;
-            const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
-                + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
-                + alpha8dot * S_8_11;
-            const double Sdot_12 = (-9.776696810269744e-05) * alpha5dot;
-            const double Sdot_13 = (-2.450382831544825e-05) * alpha3dot
-                + (-2.4535069205936762e-05) * alpha6dot;
-            const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
-                + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
-                + alpha8dot * S_8_22;
-            const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha3dot * S_3_23
-                + alpha4dot * S_4_23 + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23
-                + alpha8dot * S_8_23;
-            const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
-                + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
-                + alpha8dot * S_8_33;
-            const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
-            const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
-                + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
-            const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
-            const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
-                - (-0.0004463527015693379) * alpha2dot;
-            const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
-                - (-0.9977452135227736) * alpha3dot;
-            const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
-                - (-0.9961572772245384) * alpha4dot;
-            const double t9 = (-0.0009021519745269716) * alpha5dot;
-            const double t10 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
-            const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
-                + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t9 + alpha7 * c7dot_7_1 - alpha8 * t10;
-            vdot_block[0][b] = 0.0;
-            vdot_block[1][b] = 0.0;
-            vdot_block[2][b] = 0.0;
-            const double t11 = 2.0 * omega1;
-            const double t12 = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22
-                - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t11 * t10;
-            const double t13 = 2.0 * omega2;
-            const double t14 = 2.0 * omega3;
-            const double t15 = 12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22
-                - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t11 * c7dot_7_1;
-            const double t16 = 8721662.73758154 * alpha6 - S_6_11 * oo_11
-                - (-4.9070138411873525e-05) * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-                + t11 * t9;
-            const double t17 = 3271803.550599345 * alpha5 - S_5_11 * oo_11
-                - (-0.00019553393620539488) * oo_12 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33
-                - t11 * c7dot_5_1;
-            const double t18 = 3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22
-                - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t11 * c7dot_4_1;
-            const double t19 = 823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
-                - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t11 * c7dot_3_1;
-            const double t20 = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22
-                - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t11 * c7dot_2_1;
-            const double t21 = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
-                - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t11 * c7dot_1_1;
-            const double t22 = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t11 * Sdot_12 + t13 * Sdot_22
-                + t14 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
-            const double t23 = t3 * t22 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t11 * Sdot_13
-                + t13 * Sdot_23 + t14 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-                - omega2 * d3dot_1);
-            const double t24 = (d3_8_1 * t12 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t11 * Sdot_11
-                + t13 * Sdot_12 + t14 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33) + d3_7_1 * t15
-                + d3_6_1 * t16 + d3_5_1 * t17 + d3_4_1 * t18 - t4 * t19 + d3_2_1 * t20 - t5 * t21 + t6 * t22
-                - t8 * t23) / pivot_pi1;
-            vdot_block[3][b] = t24;
-            const double t25 = t23 * inverse_pivot_pi3 - t8 * t24;
-            const double t26 = t22 * inverse_J_22 + t3 * t25 + t6 * t24;
-            vdot_block[4][b] = -t26;
-            vdot_block[5][b] = t25;
-            const double t27 = t5 * t24 - t21;
-            vdot_block[6][b] = t27;
-            const double t28 = t20 + d3_2_1 * t24;
-            vdot_block[7][b] = -t28;
-            const double t29 = t4 * t24 - t19;
-            vdot_block[8][b] = t29;
-            const double t30 = t18 + d3_4_1 * t24;
-            vdot_block[9][b] = -t30;
-            const double t31 = t17 + d3_5_1 * t24;
-            vdot_block[10][b] = -t31;
-            const double t32 = t16 + d3_6_1 * t24;
-            vdot_block[11][b] = -t32;
-            const double t33 = t15 + d3_7_1 * t24;
-            vdot_block[12][b] = -t33;
-            const double t34 = t12 + d3_8_1 * t24;
-            vdot_block[13][b] = -t34;
-            double code_b = 0.0;
-            const double finite = t24 - t26 + (t25 + (t27 - t28)) + (t29 - (t30 + t31) - (t32 + (t33
-                + t34)));
-            code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
-            code_b = pivot_pi1
-                - 5.684341886080802e-14 * J_11 > 0.0 ? code_b : 1.0; /* the pivot of pi1 vanished */
-            code_b = pivot_pi3
-                - 5.684341886080802e-14 * J_33 > 0.0 ? code_b : 1.0; /* the pivot of pi3 vanished */
-            code_b = J_22 > 0.0 ? code_b : 1.0; /* the pivot of pi2 vanished */
-            codes[b] = code_b;
-        }
-        solid_beam_block32_scatter(all, count, 14, vdot_block, vdot);
-        const int failed = solid_beam_block_fail(all, count, 14, codes, vdot);
+TISSERAND_INLINE void solid_beam_energy_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT energy)
+{
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double alpha1 = q[7 * all + b];
+        const double alpha2 = q[8 * all + b];
+        const double alpha3 = q[9 * all + b];
+        const double alpha4 = q[10 * all + b];
+        const double alpha5 = q[11 * all + b];
+        const double alpha6 = q[12 * all + b];
+        const double alpha7 = q[13 * all + b];
+        const double alpha8 = q[14 * all + b];
+        const double c1dot = v[b];
+        const double c2dot = v[all + b];
+        const double c3dot = v[2 * all + b];
+        const double omega1 = v[3 * all + b];
+        const double omega2 = v[4 * all + b];
+        const double omega3 = v[5 * all + b];
+        const double alpha1dot = v[6 * all + b];
+        const double alpha2dot = v[7 * all + b];
+        const double alpha3dot = v[8 * all + b];
+        const double alpha4dot = v[9 * all + b];
+        const double alpha5dot = v[10 * all + b];
+        const double alpha6dot = v[11 * all + b];
+        const double alpha7dot = v[12 * all + b];
+        const double alpha8dot = v[13 * all + b];
+        const double oo_11 = omega1 * omega1;
+        const double oo_12 = omega1 * omega2;
+        const double oo_13 = omega1 * omega3;
+        const double oo_22 = omega2 * omega2;
+        const double oo_23 = omega2 * omega3;
+        const double oo_33 = omega3 * omega3;
+        const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
+            + (-0.0006121400052571096) * alpha8;
+        const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
+            + 0.0902649376065483 * alpha8;
+        const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
+        const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
+            + 0.09087707761334646 * alpha8;
+        const double S_2_11 = 0.9967112149765225 * alpha2 + (-0.0023458735832320252) * alpha7;
+        const double S_2_22 = (-3.0450102697552275) * alpha2 + 0.5911378590347115 * alpha7;
+        const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
+            + 0.00042276975451642734 * alpha8;
+        const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+        const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
+        const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+        const double S_3_23 = (-0.49814985724483174) * alpha5;
+        const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
+        const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
+            + (-0.0013107320248151129) * alpha8;
+        const double S_4_22 = 0.5868474096495008 * alpha1 + (-10.312447658094197) * alpha4
+            + 3.750869608173889 * alpha8;
+        const double S_4_23 = 0.0004590138828816031 * alpha2 + (-0.49684476625656726) * alpha7;
+        const double S_4_33 = 0.5874379854589185 * alpha1 + (-11.30934080619178) * alpha4
+            + 3.752180340202319 * alpha8;
+        const double S_5_11 = 0.9927986189759623 * alpha5;
+        const double S_5_22 = (-6.3829810941819485) * alpha5;
+        const double S_5_23 = (-0.49814985724483174) * alpha3 + 0.0008347844213729173 * alpha6;
+        const double S_5_33 = (-5.390182475205362) * alpha5;
+        const double S_6_11 = (-0.000963473158974635) * alpha3 + 0.9952767091853663 * alpha6;
+        const double S_6_22 = 1.8591274175401598 * alpha3 + (-16.87712375896818) * alpha6;
+        const double S_6_23 = 0.0008347844213729173 * alpha5;
+        const double S_6_33 = 1.860090890701248 * alpha3 + (-17.872400468149774) * alpha6;
+        const double S_7_11 = (-0.0023458735832320252) * alpha2 + 0.9877492668287293 * alpha7;
+        const double S_7_22 = 0.5911378590347115 * alpha2 + (-11.293256830686499) * alpha7;
+        const double S_7_23 = 0.000746338321407394 * alpha1 + (-0.49684476625656726) * alpha4
+            + 0.001234085501770041 * alpha8;
+        const double S_7_33 = 0.5887919854520037 * alpha2 + (-10.305507563856533) * alpha7;
+        const double S_8_11 = (-0.0006121400052571096) * alpha1 + (-0.0013107320248151129) * alpha4
+            + 0.9933453628144564 * alpha8;
+        const double S_8_22 = 0.0902649376065483 * alpha1 + 3.750869608173889 * alpha4
+            + (-25.078985697725145) * alpha8;
+        const double S_8_23 = 0.00042276975451642734 * alpha2 + 0.001234085501770041 * alpha7;
+        const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
+            + (-26.07233106053395) * alpha8;
+        const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
+            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
+        const double t1 = (-2.450382831544825e-05) * alpha3;
+        const double t2 = (-2.4535069205936762e-05) * alpha6;
+        const double J_13 = t1 + t2 + t1 + t2;
+        const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
+            + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
+            + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
+            + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
+        const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
+            + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
+        const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
+        const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
+            - (-0.0004463527015693379) * alpha2dot;
+        const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
+            - (-0.9977452135227736) * alpha3dot;
+        const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
+            - (-0.9961572772245384) * alpha4dot;
+        const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+            + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * ((-0.0009021519745269716) * alpha5dot)
+            + alpha7 * c7dot_7_1 - alpha8 * ((-0.00035665596750676827) * alpha2dot
+            + (-0.0014284685858196025) * alpha7dot);
+        energy[b] = 0.5 * (oo_11 * J_11 + oo_22 * J_22 + oo_33 * J_33 + alpha1dot * alpha1dot
+            + alpha2dot * alpha2dot + alpha3dot * alpha3dot + alpha4dot * alpha4dot
+            + alpha5dot * alpha5dot + alpha6dot * alpha6dot + alpha7dot * alpha7dot
+            + alpha8dot * alpha8dot + 0.5400000000000003 * (c1dot * c1dot)
+            + 0.5400000000000003 * (c2dot * c2dot) + 0.5400000000000003 * (c3dot * c3dot)
+            + 2.0 * omega1 * d3dot_1 + 2.0 * oo_12 * J_12 + 2.0 * oo_13 * J_13 + 2.0 * oo_23 * J_23);
+        energy[all + b] = 0.5 * (108201.92210329446 * alpha1 * alpha1
+            + 431754.597252093 * alpha2 * alpha2 + 823854.9427167808 * alpha3 * alpha3
+            + 3176799.8268579636 * alpha4 * alpha4 + 3271803.550599345 * alpha5 * alpha5
+            + 8721662.73758154 * alpha6 * alpha6 + 12527942.688344836 * alpha7 * alpha7
+            + 19580832.66034832 * alpha8 * alpha8);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int solid_beam_energy_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    double q_b[480], v_b[448], energy_b[64];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = solid_beam_energy_batch(count, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int solid_beam_energy_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        solid_beam_energy_states(8, 8, q, v, k, energy);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        solid_beam_energy_copied(32, all, q, v, k, energy);
+        q += 32; v += 32; energy += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        solid_beam_energy_states(8, all, q, v, k, energy);
+        q += 8; v += 8; energy += 8;
+    }
+    if (left > 0) {
+        solid_beam_energy_states(left, all, q, v, k, energy);
+    }
+    return 0;
+}
+
+int solid_beam_energy_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    return n == 1 ? solid_beam_energy(q, v, k, energy) : solid_beam_energy_blocks(n, q, v, k, energy);
+}
+
+TISSERAND_INLINE int solid_beam_momentum_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT momentum)
+{
+    (void) k;
+    double codes[8];
+    unsigned long long failures = 0;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double c1 = q[b];
+        const double c2 = q[all + b];
+        const double c3 = q[2 * all + b];
+        const double e0 = q[3 * all + b];
+        const double e1 = q[4 * all + b];
+        const double e2 = q[5 * all + b];
+        const double e3 = q[6 * all + b];
+        const double alpha1 = q[7 * all + b];
+        const double alpha2 = q[8 * all + b];
+        const double alpha3 = q[9 * all + b];
+        const double alpha4 = q[10 * all + b];
+        const double alpha5 = q[11 * all + b];
+        const double alpha6 = q[12 * all + b];
+        const double alpha7 = q[13 * all + b];
+        const double alpha8 = q[14 * all + b];
+        const double c1dot = v[b];
+        const double c2dot = v[all + b];
+        const double c3dot = v[2 * all + b];
+        const double omega1 = v[3 * all + b];
+        const double omega2 = v[4 * all + b];
+        const double omega3 = v[5 * all + b];
+        const double alpha1dot = v[6 * all + b];
+        const double alpha2dot = v[7 * all + b];
+        const double alpha3dot = v[8 * all + b];
+        const double alpha4dot = v[9 * all + b];
+        const double alpha5dot = v[10 * all + b];
+        const double alpha6dot = v[11 * all + b];
+        const double alpha7dot = v[12 * all + b];
+        const double alpha8dot = v[13 * all + b];
+        const double t1 = e0 * e0;
+        const double t2 = e1 * e1;
+        const double t3 = e2 * e2;
+        const double t4 = e3 * e3;
+        const double Q_11 = t1 + t2 - t3 - t4;
+        const double t5 = 2.0 * e1;
+        const double t6 = t5 * e2;
+        const double t7 = 2.0 * e0;
+        const double t8 = t7 * e3;
+        const double Q_12 = t6 - t8;
+        const double t9 = t7 * e2;
+        const double t10 = t5 * e3;
+        const double Q_13 = t9 + t10;
+        const double Q_21 = t8 + t6;
+        const double Q_22 = t1 + t3 - t2 - t4;
+        const double t11 = 2.0 * e2 * e3;
+        const double t12 = t7 * e1;
+        const double Q_23 = t11 - t12;
+        const double Q_31 = t10 - t9;
+        const double Q_32 = t12 + t11;
+        const double Q_33 = t1 + t4 - t2 - t3;
+        const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
+            + (-0.0006121400052571096) * alpha8;
+        const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
+            + 0.0902649376065483 * alpha8;
+        const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
+        const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
+            + 0.09087707761334646 * alpha8;
+        const double S_2_11 = 0.9967112149765225 * alpha2 + (-0.0023458735832320252) * alpha7;
+        const double S_2_22 = (-3.0450102697552275) * alpha2 + 0.5911378590347115 * alpha7;
+        const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
+            + 0.00042276975451642734 * alpha8;
+        const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+        const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
+        const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+        const double S_3_23 = (-0.49814985724483174) * alpha5;
+        const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
+        const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
+            + (-0.0013107320248151129) * alpha8;
+        const double S_4_22 = 0.5868474096495008 * alpha1 + (-10.312447658094197) * alpha4
+            + 3.750869608173889 * alpha8;
+        const double S_4_23 = 0.0004590138828816031 * alpha2 + (-0.49684476625656726) * alpha7;
+        const double S_4_33 = 0.5874379854589185 * alpha1 + (-11.30934080619178) * alpha4
+            + 3.752180340202319 * alpha8;
+        const double S_5_11 = 0.9927986189759623 * alpha5;
+        const double S_5_22 = (-6.3829810941819485) * alpha5;
+        const double S_5_23 = (-0.49814985724483174) * alpha3 + 0.0008347844213729173 * alpha6;
+        const double S_5_33 = (-5.390182475205362) * alpha5;
+        const double S_6_11 = (-0.000963473158974635) * alpha3 + 0.9952767091853663 * alpha6;
+        const double S_6_22 = 1.8591274175401598 * alpha3 + (-16.87712375896818) * alpha6;
+        const double S_6_23 = 0.0008347844213729173 * alpha5;
+        const double S_6_33 = 1.860090890701248 * alpha3 + (-17.872400468149774) * alpha6;
+        const double S_7_11 = (-0.0023458735832320252) * alpha2 + 0.9877492668287293 * alpha7;
+        const double S_7_22 = 0.5911378590347115 * alpha2 + (-11.293256830686499) * alpha7;
+        const double S_7_23 = 0.000746338321407394 * alpha1 + (-0.49684476625656726) * alpha4
+            + 0.001234085501770041 * alpha8;
+        const double S_7_33 = 0.5887919854520037 * alpha2 + (-10.305507563856533) * alpha7;
+        const double S_8_11 = (-0.0006121400052571096) * alpha1 + (-0.0013107320248151129) * alpha4
+            + 0.9933453628144564 * alpha8;
+        const double S_8_22 = 0.0902649376065483 * alpha1 + 3.750869608173889 * alpha4
+            + (-25.078985697725145) * alpha8;
+        const double S_8_23 = 0.00042276975451642734 * alpha2 + 0.001234085501770041 * alpha7;
+        const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
+            + (-26.07233106053395) * alpha8;
+        const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
+            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
+        const double t13 = (-2.450382831544825e-05) * alpha3;
+        const double t14 = (-2.4535069205936762e-05) * alpha6;
+        const double J_13 = t13 + t14 + t13 + t14;
+        const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
+            + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
+            + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+        const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
+            + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
+        const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
+            + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
+        const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
+        const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
+            - (-0.0004463527015693379) * alpha2dot;
+        const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
+            - (-0.9977452135227736) * alpha3dot;
+        const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
+            - (-0.9961572772245384) * alpha4dot;
+        const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+            + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * ((-0.0009021519745269716) * alpha5dot)
+            + alpha7 * c7dot_7_1 - alpha8 * ((-0.00035665596750676827) * alpha2dot
+            + (-0.0014284685858196025) * alpha7dot);
+        momentum[b] = 0.5400000000000003 * c1dot;
+        momentum[all + b] = 0.5400000000000003 * c2dot;
+        momentum[2 * all + b] = 0.5400000000000003 * c3dot;
+        const double t15 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+        const double t16 = omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+        const double t17 = omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+        momentum[3 * all + b] = t15 * Q_11 + t16 * Q_12 + t17 * Q_13 + 0.5400000000000003 * (c3dot * c2)
+            - 0.5400000000000003 * (c2dot * c3);
+        momentum[4 * all + b] = t15 * Q_21 + t16 * Q_22 + t17 * Q_23 + 0.5400000000000003 * (c1dot * c3)
+            - 0.5400000000000003 * (c3dot * c1);
+        momentum[5 * all + b] = t15 * Q_31 + t16 * Q_32 + t17 * Q_33 + 0.5400000000000003 * (c2dot * c1)
+            - 0.5400000000000003 * (c1dot * c2);
+        double code = 0.0;
+        code = e0 * e0 + e1 * e1 + e2 * e2
+            + e3 * e3 > 0.0 ? code : 2.0; /* the quaternion is zero or NaN */
+        codes[b] = code;
+        failures |= solid_beam_block_bits(code);
+    }
+    if (!failures) return 0;
+    solid_beam_block_nan(count, all, 6, codes, momentum);
+    return solid_beam_block_code(codes);
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int solid_beam_momentum_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    double q_b[480], v_b[448], momentum_b[192];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = solid_beam_momentum_batch(count, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int solid_beam_momentum_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    const ptrdiff_t all = n;
+    int left = n, code = 0;
+
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        const int failed = solid_beam_momentum_copied(32, all, q, v, k, momentum);
         if (code == 0) code = failed;
-        q += count;
-        v += count;
-        vdot += count;
+        q += 32; v += 32; momentum += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        const int failed = solid_beam_momentum_states(8, all, q, v, k, momentum);
+        if (code == 0) code = failed;
+        q += 8; v += 8; momentum += 8;
+    }
+    for (; left > 0; left--) {
+        const int failed = solid_beam_momentum_copied(1, all, q, v, k, momentum);
+        if (code == 0) code = failed;
+        q += 1; v += 1; momentum += 1;
     }
     return code;
+}
+
+int solid_beam_momentum_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    if (n == 1) {
+        const int code = solid_beam_momentum(q, v, k, momentum);
+for (int e = 0; code && e < 6; e++) momentum[e] = (double) NAN;
+        return code;
+    }
+    return solid_beam_momentum_blocks(n, q, v, k, momentum);
+}
+
+TISSERAND_INLINE int solid_beam_rates_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT qdot)
+{
+    (void) k;
+    double codes[8];
+    unsigned long long failures = 0;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double e0 = q[3 * all + b];
+        const double e1 = q[4 * all + b];
+        const double e2 = q[5 * all + b];
+        const double e3 = q[6 * all + b];
+        const double c1dot = v[b];
+        const double c2dot = v[all + b];
+        const double c3dot = v[2 * all + b];
+        const double omega1 = v[3 * all + b];
+        const double omega2 = v[4 * all + b];
+        const double omega3 = v[5 * all + b];
+        const double alpha1dot = v[6 * all + b];
+        const double alpha2dot = v[7 * all + b];
+        const double alpha3dot = v[8 * all + b];
+        const double alpha4dot = v[9 * all + b];
+        const double alpha5dot = v[10 * all + b];
+        const double alpha6dot = v[11 * all + b];
+        const double alpha7dot = v[12 * all + b];
+        const double alpha8dot = v[13 * all + b];
+        qdot[b] = c1dot;
+        qdot[all + b] = c2dot;
+        qdot[2 * all + b] = c3dot;
+        const double t1 = 0.5 * omega1;
+        const double t2 = 0.5 * omega2;
+        const double t3 = 0.5 * omega3;
+        qdot[3 * all + b] = -(t1 * e1) - t2 * e2 - t3 * e3;
+        qdot[4 * all + b] = t1 * e0 + t3 * e2 - t2 * e3;
+        qdot[5 * all + b] = t2 * e0 + t1 * e3 - t3 * e1;
+        qdot[6 * all + b] = t3 * e0 + t2 * e1 - t1 * e2;
+        qdot[7 * all + b] = alpha1dot;
+        qdot[8 * all + b] = alpha2dot;
+        qdot[9 * all + b] = alpha3dot;
+        qdot[10 * all + b] = alpha4dot;
+        qdot[11 * all + b] = alpha5dot;
+        qdot[12 * all + b] = alpha6dot;
+        qdot[13 * all + b] = alpha7dot;
+        qdot[14 * all + b] = alpha8dot;
+        double code = 0.0;
+        code = e0 * e0 + e1 * e1 + e2 * e2
+            + e3 * e3 > 0.0 ? code : 2.0; /* the quaternion is zero or NaN */
+        codes[b] = code;
+        failures |= solid_beam_block_bits(code);
+    }
+    if (!failures) return 0;
+    solid_beam_block_nan(count, all, 15, codes, qdot);
+    return solid_beam_block_code(codes);
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int solid_beam_rates_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    double q_b[480], v_b[448], qdot_b[480];
+    int code;
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = solid_beam_rates_batch(count, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int solid_beam_rates_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    const ptrdiff_t all = n;
+    int left = n, code = 0;
+
+    if (n == 8) {
+        const int failed = solid_beam_rates_states(8, 8, q, v, k, qdot);
+        if (code == 0) code = failed;
+        return code;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        const int failed = solid_beam_rates_copied(32, all, q, v, k, qdot);
+        if (code == 0) code = failed;
+        q += 32; v += 32; qdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        const int failed = solid_beam_rates_states(8, all, q, v, k, qdot);
+        if (code == 0) code = failed;
+        q += 8; v += 8; qdot += 8;
+    }
+    if (left > 0) {
+        const int failed = solid_beam_rates_states(left, all, q, v, k, qdot);
+        if (code == 0) code = failed;
+    }
+    return code;
+}
+
+int solid_beam_rates_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    if (n == 1) {
+        const int code = solid_beam_rates(q, v, k, qdot);
+for (int e = 0; code && e < 15; e++) qdot[e] = (double) NAN;
+        return code;
+    }
+    return solid_beam_rates_blocks(n, q, v, k, qdot);
 }
 
 #endif
@@ -3578,7 +4496,7 @@ static const tisserand_marker solid_beam_table_markers[] = {
 };
 
 static const tisserand_model solid_beam_descriptor = {
-    7,
+    8,
     "solid_beam",
     SOLID_BEAM_HASH,
     SOLID_BEAM_NQ,
@@ -3615,8 +4533,16 @@ static const tisserand_model solid_beam_descriptor = {
 #ifndef TISSERAND_WITHOUT_BATCHES
     solid_beam_mass_batch,
     solid_beam_force_batch,
+    solid_beam_mass_force_batch,
     solid_beam_accel_batch,
+    solid_beam_energy_batch,
+    solid_beam_momentum_batch,
+    solid_beam_rates_batch,
 #else
+    0,
+    0,
+    0,
+    0,
     0,
     0,
     0,

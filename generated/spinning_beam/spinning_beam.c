@@ -13,13 +13,107 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPINNING_BEAM_HASH_3407dc8c54c66167
+#ifndef SPINNING_BEAM_HASH_c9a07595e129a05b
 #  error "spinning_beam.h and spinning_beam.c are of different builds; run tisserand build again"
 #endif
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
+/* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
+   and then make no vectors of it. */
+#if defined(__clang__)
+#  pragma clang diagnostic ignored "-Wpass-failed"
+#  define TISSERAND_STATES _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__) && __GNUC__ >= 8
+#  define TISSERAND_STATES _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
+#else
+#  define TISSERAND_STATES
+#endif
+
+/* INLINE: functions that are compiled anew wherever they are called, for the number of states that is given there.
+   APART: functions that are not, so that what calls them last needs no stack. */
+#if defined(__GNUC__)
+#  define TISSERAND_INLINE static inline __attribute__((always_inline, unused))
+#  define TISSERAND_APART static __attribute__((noinline))
+#else
+#  define TISSERAND_INLINE static inline
+#  define TISSERAND_APART static
+#endif
+
+/* ---- sine and cosine: the same operations for one state and for the states of a batch, so that their bits are equal ----
+
+   |x| <= 1e5: x - n pi/2, where pi/2 is the sum of three numbers (Cody and Waite); the first two have so few digits that
+   their products with n are exact. Then polynomials of minimax error on [-pi/4, pi/4]. The error is below 0.9 units in the
+   last place (0.5 is the least that rounding leaves). Other numbers, and NaN, are left to the C library, and so is everything
+   where compilers may reorder sums or compute with more digits than doubles have. */
+#ifndef TISSERAND_SINE
+#define TISSERAND_SINE
+/* The sine s and cosine c of x. The first bit of the result is set where they are those of another number: |x| > 1e5, NaN. */
+TISSERAND_INLINE unsigned long long tisserand_sine_core(double x, double *s, double *c)
+{
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || (defined(__ASSOCIATIVE_MATH__) && __ASSOCIATIVE_MATH__) \
+    || (defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD > 1))
+    *s = *c = x;
+    return ~0ull;
+#else
+    const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to an integer, which the last bits then hold */
+    const double shifted = x * 0.6366197723675814 + shift, n = shifted - shift;
+    const double left = x - n * 1.5707963267923333, middle = n * 2.5633441515839558e-12;
+    const double first = left - middle, rest = n * 1.0562999066987428e-23 - ((left - first) - middle);
+    const double r = first - rest, d = rest - (first - r); /* the reduced angle is r - d */
+    const double z = r * r, zz = z * z;
+    const double f = (-0.1666666666666663 + z * 0.00833333333332184)
+        + zz * ((-0.0001984126982935851 + z * 2.7557313538498483e-06)
+        + zz * (-2.5050734385276395e-08 + z * 1.5895432973634774e-10));
+    const double g = (0.041666666666666595 - z * 0.0013888888888873342)
+        + zz * ((2.4801587289002076e-05 - z * 2.755731421703596e-07)
+        + zz * (2.0875705395290323e-09 - z * 1.1358749181413732e-11));
+    const double half = 0.5 * z, most = 1.0 - half;
+    const double sine = r - (d - z * r * f);
+    const double cosine = most + (((1.0 - most) - half) + (zz * g + r * d));
+    unsigned long long of_x, of_s, of_c, quadrant, exchanged;
+    memcpy(&of_x, &x, sizeof of_x);
+    memcpy(&quadrant, &shifted, sizeof quadrant);
+    memcpy(&of_s, &sine, sizeof of_s);
+    memcpy(&of_c, &cosine, sizeof of_c);
+    exchanged = (of_s ^ of_c) & (0ull - (quadrant & 1));
+    of_s ^= exchanged ^ ((quadrant & 2) << 62);
+    of_c ^= exchanged ^ (((quadrant + 1) & 2) << 62);
+    memcpy(s, &of_s, sizeof of_s);
+    memcpy(c, &of_c, sizeof of_c);
+    return 0x40f86a0000000000ull - (of_x & 0x7fffffffffffffffull); /* bits of positive numbers have the order of the numbers */
+#endif
+}
+
+TISSERAND_INLINE double tisserand_sin(double x)
+{
+    double s, c;
+    return tisserand_sine_core(x, &s, &c) >> 63 ? sin(x) : s;
+}
+
+TISSERAND_INLINE double tisserand_cos(double x)
+{
+    double s, c;
+    return tisserand_sine_core(x, &s, &c) >> 63 ? cos(x) : c;
+}
+
+/* Sines s and cosines c of the angles x of some states. The first loop has no branch, so that compilers make vectors of it. */
+TISSERAND_INLINE void tisserand_sines(
+    int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
+{
+    unsigned long long outside = 0;
+    TISSERAND_STATES for (int b = 0; b < count; b++) outside |= tisserand_sine_core(x[b], s + b, c + b);
+    if (outside >> 63) {
+        for (int b = 0; b < count; b++) {
+            s[b] = tisserand_sin(x[b]);
+            c[b] = tisserand_cos(x[b]);
+        }
+    }
+}
+#endif
 int spinning_beam_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -129,8 +223,8 @@ int spinning_beam_force(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
@@ -193,8 +287,8 @@ int spinning_beam_mass_force(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* knock_2 (10): knock_2 = force knock along e2 */
     const double t2 = 1.0 + 2500.0 * t * t;
@@ -266,8 +360,8 @@ int spinning_beam_accel(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
@@ -419,9 +513,9 @@ int spinning_beam_marker_beam_left(
      */
     const double beam_left_r_2 = beam_alpha1 - beam_alpha2;
     const double beam_left_rdot_2 = beam_alpha1dot - beam_alpha2dot;
-    const double beam_cos_phi = cos(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
     const double t1 = beam_X_left * beam_cos_phi;
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
     const double t2 = beam_left_r_2 * beam_sin_phi;
     const double beam_left_s_1 = t1 - t2;
     const double t3 = beam_X_left * beam_sin_phi;
@@ -469,7 +563,7 @@ int spinning_beam_marker_beam_middle(
      *     rdot at middle, along e2
      */
     const double t1 = 0.5 * beam_alpha1;
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
     const double beam_middle_s_1 = t1 * beam_sin_phi;
     const double t2 = 0.5 * beam_alpha1dot;
     const double beam_middle_sdot_1 = t2 * beam_sin_phi;
@@ -478,7 +572,7 @@ int spinning_beam_marker_beam_middle(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = beam_c1 + beam_middle_s_1;
@@ -522,9 +616,9 @@ int spinning_beam_marker_beam_right(
      */
     const double beam_right_r_2 = beam_alpha1 + beam_alpha2;
     const double beam_right_rdot_2 = beam_alpha1dot + beam_alpha2dot;
-    const double beam_cos_phi = cos(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
     const double t1 = beam_X_right * beam_cos_phi;
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
     const double t2 = beam_right_r_2 * beam_sin_phi;
     const double beam_right_s_1 = t1 - t2;
     const double t3 = beam_X_right * beam_sin_phi;
@@ -567,8 +661,8 @@ int spinning_beam_load_beam_left(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* F (10): the force in the body frame */
     const double beam_left_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi;
@@ -605,8 +699,8 @@ int spinning_beam_load_beam_middle(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* F (10): the force in the body frame */
     const double beam_middle_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi;
@@ -638,8 +732,8 @@ int spinning_beam_load_beam_right(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* F (10): the force in the body frame */
     const double beam_right_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi;
@@ -754,8 +848,8 @@ int spinning_beam_solve(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
@@ -877,8 +971,8 @@ int spinning_beam_residual(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
@@ -942,8 +1036,8 @@ int spinning_beam_jacobian(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
@@ -1030,8 +1124,8 @@ int spinning_beam_residual_ggl(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
@@ -1095,8 +1189,8 @@ int spinning_beam_jacobian_ggl(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
@@ -1181,8 +1275,8 @@ int spinning_beam_residual_index1(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
@@ -1246,8 +1340,8 @@ int spinning_beam_jacobian_index1(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
@@ -1302,40 +1396,97 @@ int spinning_beam_jacobian_index1(
 
 #ifndef TISSERAND_WITHOUT_BATCHES
 
-/* The rows of a block that is not full: its last state is repeated. */
-static const double *spinning_beam_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
+/* The bits of a code, which are 0 for success. */
+TISSERAND_INLINE unsigned long long spinning_beam_block_bits(double code)
 {
-    for (int e = 0; e < rows; e++)
-        for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
-    return to;
+    unsigned long long bits;
+    memcpy(&bits, &code, sizeof bits);
+    return bits;
 }
 
-/* The rows of a block to their places among those of all states. */
-static inline void spinning_beam_block32_scatter(
-    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
+/* NaN for the states of a block that fail. */
+static void spinning_beam_block_nan(int count, ptrdiff_t all, int rows, const double *codes, double *to)
 {
-    for (int e = 0; e < rows; e++) {
-        double *row = to + e * all;
-        if (count == 32) {
-            for (int b = 0; b < 32; b++) row[b] = from[e][b];
-        } else {
-            for (int b = 0; b < 32; b++) {
-                if (b < count) row[b] = from[e][b];
-            }
-        }
-    }
-}
-
-/* NaN for the states that fail, and the code of the first of them. */
-static int spinning_beam_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
-{
-    int code = 0;
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
-        if (code == 0) code = (int) codes[b];
         for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
+}
+
+/* The code of the first state of a block that fails; there is one. */
+static int spinning_beam_block_code(const double *codes)
+{
+    while (*codes == 0.0) codes++;
+    return (int) *codes;
+}
+
+TISSERAND_INLINE void spinning_beam_mass_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M)
+{
+    const double beam_mass = k[0];
+    const double beam_C3 = k[1];
+    const double beam_c8_1_1 = k[2];
+    const double beam_c8_2_2 = k[3];
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_alpha1 = q[3 * all + b];
+        const double beam_alpha2 = q[4 * all + b];
+        const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+        const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
+        const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
+        M[b] = beam_mass;
+        M[all + b] = beam_mass;
+        M[2 * all + b] = beam_J;
+        M[3 * all + b] = beam_c8_1_1;
+        M[4 * all + b] = beam_c8_2_2;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spinning_beam_mass_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    double q_b[160], M_b[160];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    code = spinning_beam_mass_batch(count, q_b, k, M_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
     return code;
+}
+
+TISSERAND_APART int spinning_beam_mass_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        spinning_beam_mass_states(8, 8, q, k, M);
+        return 0;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        spinning_beam_mass_copied(32, all, q, k, M);
+        q += 32; M += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        spinning_beam_mass_states(8, all, q, k, M);
+        q += 8; M += 8;
+    }
+    if (left > 0) {
+        spinning_beam_mass_states(left, all, q, k, M);
+    }
+    return 0;
 }
 
 int spinning_beam_mass_batch(
@@ -1344,33 +1495,91 @@ int spinning_beam_mass_batch(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    const double beam_mass = k[0];
-    const double beam_C3 = k[1];
+    return n == 1 ? spinning_beam_mass(q, k, M) : spinning_beam_mass_blocks(n, q, k, M);
+}
+
+TISSERAND_INLINE void spinning_beam_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT h)
+{
+    (void) t;
     const double beam_c8_1_1 = k[2];
     const double beam_c8_2_2 = k[3];
-    double q_tail[160];
-    double M_block[5][32];
-    const ptrdiff_t all = n;
+    const double beam_K_1_1 = k[4];
+    const double beam_K_2_2 = k[5];
+    double beam_cos_phi[8], beam_sin_phi[8];
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? spinning_beam_block32_pad(all, count, 5, q, q_tail) : q;
-        for (int b = 0; b < 32; b++) {
-            const double beam_alpha1 = q_block[3 * stride + b];
-            const double beam_alpha2 = q_block[4 * stride + b];
-            const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
-            const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
-            const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
-            M_block[0][b] = beam_mass;
-            M_block[1][b] = beam_mass;
-            M_block[2][b] = beam_J;
-            M_block[3][b] = beam_c8_1_1;
-            M_block[4][b] = beam_c8_2_2;
-        }
-        spinning_beam_block32_scatter(all, count, 5, M_block, M);
-        q += count;
-        M += count;
+    tisserand_sines(count, q + 2 * all, beam_sin_phi, beam_cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_alpha1 = q[3 * all + b];
+        const double beam_alpha2 = q[4 * all + b];
+        const double beam_phidot = v[2 * all + b];
+        const double beam_alpha1dot = v[3 * all + b];
+        const double beam_alpha2dot = v[4 * all + b];
+        const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+        const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
+        const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
+        const double beam_middle_s_1 = 0.5 * beam_alpha1 * beam_sin_phi[b];
+        const double t1 = 1.0 + 2500.0 * t * t;
+        const double knock_2 = (1.0 / 5.0) / (t1 * t1);
+        h[b] = 0.0;
+        h[all + b] = -knock_2;
+        h[2 * all + b] = 2.0 * beam_phidot * beam_D2dot - beam_middle_s_1 * knock_2;
+        const double t2 = beam_phidot * beam_phidot;
+        h[3 * all + b] = beam_K_1_1 * beam_alpha1 + 0.5 * knock_2 * beam_cos_phi[b] - t2 * beam_D2_1;
+        h[4 * all + b] = beam_K_2_2 * beam_alpha2 - t2 * beam_D2_2;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spinning_beam_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    double q_b[160], v_b[160], h_b[160];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = spinning_beam_force_batch(count, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int spinning_beam_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        spinning_beam_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        spinning_beam_force_copied(32, all, t, q, v, k, h);
+        q += 32; v += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        spinning_beam_force_states(8, all, t, q, v, k, h);
+        q += 8; v += 8; h += 8;
+    }
+    if (left > 0) {
+        spinning_beam_force_states(left, all, t, q, v, k, h);
     }
     return 0;
 }
@@ -1383,60 +1592,127 @@ int spinning_beam_force_batch(
     const double *TISSERAND_RESTRICT k,
     double *h)
 {
+    return n == 1 ? spinning_beam_force(t, q, v, k, h) : spinning_beam_force_blocks(n, t, q, v, k, h);
+}
+
+TISSERAND_INLINE void spinning_beam_mass_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M,
+    double *TISSERAND_RESTRICT h)
+{
     (void) t;
+    const double beam_mass = k[0];
+    const double beam_C3 = k[1];
     const double beam_c8_1_1 = k[2];
     const double beam_c8_2_2 = k[3];
     const double beam_K_1_1 = k[4];
     const double beam_K_2_2 = k[5];
-    double q_tail[160], v_tail[160];
-    double beam_cos_phi[32], beam_sin_phi[32];
-    double h_block[5][32];
-    const ptrdiff_t all = n;
+    double beam_cos_phi[8], beam_sin_phi[8];
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? spinning_beam_block32_pad(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? spinning_beam_block32_pad(all, count, 5, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double beam_phi = q_block[2 * stride + b];
-            beam_cos_phi[b] = cos(beam_phi);
-            beam_sin_phi[b] = sin(beam_phi);
-        }
-        for (int b = 0; b < 32; b++) {
-            const double beam_alpha1 = q_block[3 * stride + b];
-            const double beam_alpha2 = q_block[4 * stride + b];
-            const double beam_phidot = v_block[2 * stride + b];
-            const double beam_alpha1dot = v_block[3 * stride + b];
-            const double beam_alpha2dot = v_block[4 * stride + b];
-            const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
-            const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
-            const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
-            const double beam_middle_s_1 = 0.5 * beam_alpha1 * beam_sin_phi[b];
-            const double t1 = 1.0 + 2500.0 * t * t;
-            const double knock_2 = (1.0 / 5.0) / (t1 * t1);
-            h_block[0][b] = 0.0;
-            h_block[1][b] = -knock_2;
-            h_block[2][b] = 2.0 * beam_phidot * beam_D2dot - beam_middle_s_1 * knock_2;
-            const double t2 = beam_phidot * beam_phidot;
-            h_block[3][b] = beam_K_1_1 * beam_alpha1 + 0.5 * knock_2 * beam_cos_phi[b] - t2 * beam_D2_1;
-            h_block[4][b] = beam_K_2_2 * beam_alpha2 - t2 * beam_D2_2;
-        }
-        spinning_beam_block32_scatter(all, count, 5, h_block, h);
-        q += count;
-        v += count;
-        h += count;
+    tisserand_sines(count, q + 2 * all, beam_sin_phi, beam_cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_alpha1 = q[3 * all + b];
+        const double beam_alpha2 = q[4 * all + b];
+        const double beam_phidot = v[2 * all + b];
+        const double beam_alpha1dot = v[3 * all + b];
+        const double beam_alpha2dot = v[4 * all + b];
+        const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+        const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
+        const double t1 = beam_phidot * beam_phidot;
+        h[4 * all + b] = beam_K_2_2 * beam_alpha2 - t1 * beam_D2_2;
+        M[4 * all + b] = beam_c8_2_2;
+        const double t2 = 1.0 + 2500.0 * t * t;
+        const double knock_2 = (1.0 / 5.0) / (t2 * t2);
+        h[3 * all + b] = beam_K_1_1 * beam_alpha1 + 0.5 * knock_2 * beam_cos_phi[b] - t1 * beam_D2_1;
+        M[3 * all + b] = beam_c8_1_1;
+        const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
+        const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
+        const double beam_middle_s_1 = 0.5 * beam_alpha1 * beam_sin_phi[b];
+        h[2 * all + b] = 2.0 * beam_phidot * beam_D2dot - beam_middle_s_1 * knock_2;
+        M[2 * all + b] = beam_J;
+        h[all + b] = -knock_2;
+        M[all + b] = beam_mass;
+        h[b] = 0.0;
+        M[b] = beam_mass;
     }
-    return 0;
 }
 
-int spinning_beam_accel_batch(
+/* States in arrays of their own. */
+TISSERAND_APART int spinning_beam_mass_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    double q_b[160], v_b[160], M_b[160], h_b[160];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = spinning_beam_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int spinning_beam_mass_force_blocks(
     int n,
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *vdot)
+    double *M,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        spinning_beam_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        spinning_beam_mass_force_copied(32, all, t, q, v, k, M, h);
+        q += 32; v += 32; M += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        spinning_beam_mass_force_states(8, all, t, q, v, k, M, h);
+        q += 8; v += 8; M += 8; h += 8;
+    }
+    if (left > 0) {
+        spinning_beam_mass_force_states(left, all, t, q, v, k, M, h);
+    }
+    return 0;
+}
+
+int spinning_beam_mass_force_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    return n == 1 ? spinning_beam_mass_force(t, q, v, k, M, h) : spinning_beam_mass_force_blocks(n, t, q, v, k, M, h);
+}
+
+TISSERAND_INLINE int spinning_beam_accel_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT vdot)
 {
     (void) t;
     const double beam_C3 = k[1];
@@ -1447,60 +1723,372 @@ int spinning_beam_accel_batch(
     const double inverse_beam_mass = k[8];
     const double inverse_beam_c8_1_1 = k[9];
     const double inverse_beam_c8_2_2 = k[10];
-    double q_tail[160], v_tail[160];
-    double beam_cos_phi[32], beam_sin_phi[32], codes[32];
-    double vdot_block[5][32];
-    const ptrdiff_t all = n;
-    int code = 0;
+    double beam_cos_phi[8], beam_sin_phi[8];
+    double codes[8];
+    unsigned long long failures = 0;
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? spinning_beam_block32_pad(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? spinning_beam_block32_pad(all, count, 5, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double beam_phi = q_block[2 * stride + b];
-            beam_cos_phi[b] = cos(beam_phi);
-            beam_sin_phi[b] = sin(beam_phi);
-        }
-        for (int b = 0; b < 32; b++) {
-            const double beam_alpha1 = q_block[3 * stride + b];
-            const double beam_alpha2 = q_block[4 * stride + b];
-            const double beam_phidot = v_block[2 * stride + b];
-            const double beam_alpha1dot = v_block[3 * stride + b];
-            const double beam_alpha2dot = v_block[4 * stride + b];
-            const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
-            const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
-            const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
-            const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
-            const double beam_middle_s_1 = 0.5 * beam_alpha1 * beam_sin_phi[b];
-            const double t1 = 1.0 + 2500.0 * t * t;
-            const double knock_2 = (1.0 / 5.0) / (t1 * t1);
-            vdot_block[0][b] = 0.0;
-            const double t2 = knock_2 * inverse_beam_mass;
-            vdot_block[1][b] = t2;
-            const double t3 = (2.0 * beam_phidot * beam_D2dot - beam_middle_s_1 * knock_2) / beam_J;
-            vdot_block[2][b] = -t3;
-            const double t4 = beam_phidot * beam_phidot;
-            const double t5 = (beam_K_1_1 * beam_alpha1 + 0.5 * knock_2 * beam_cos_phi[b]
-                - t4 * beam_D2_1) * inverse_beam_c8_1_1;
-            vdot_block[3][b] = -t5;
-            const double t6 = (beam_K_2_2 * beam_alpha2 - t4 * beam_D2_2) * inverse_beam_c8_2_2;
-            vdot_block[4][b] = -t6;
-            double code_b = 0.0;
-            const double finite = t2 - t3 - t5 - t6;
-            code_b = finite - finite == 0.0 ? code_b : 2.0; /* a result is not finite */
-            code_b = beam_J > 0.0 ? code_b : 1.0; /* the pivot of beam_phi vanished */
-            codes[b] = code_b;
-        }
-        spinning_beam_block32_scatter(all, count, 5, vdot_block, vdot);
-        const int failed = spinning_beam_block_fail(all, count, 5, codes, vdot);
+    tisserand_sines(count, q + 2 * all, beam_sin_phi, beam_cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_alpha1 = q[3 * all + b];
+        const double beam_alpha2 = q[4 * all + b];
+        const double beam_phidot = v[2 * all + b];
+        const double beam_alpha1dot = v[3 * all + b];
+        const double beam_alpha2dot = v[4 * all + b];
+        const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+        const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
+        const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
+        const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
+        const double beam_middle_s_1 = 0.5 * beam_alpha1 * beam_sin_phi[b];
+        const double t1 = 1.0 + 2500.0 * t * t;
+        const double knock_2 = (1.0 / 5.0) / (t1 * t1);
+        vdot[b] = 0.0;
+        const double t2 = knock_2 * inverse_beam_mass;
+        vdot[all + b] = t2;
+        const double t3 = (2.0 * beam_phidot * beam_D2dot - beam_middle_s_1 * knock_2) / beam_J;
+        vdot[2 * all + b] = -t3;
+        const double t4 = beam_phidot * beam_phidot;
+        const double t5 = (beam_K_1_1 * beam_alpha1 + 0.5 * knock_2 * beam_cos_phi[b]
+            - t4 * beam_D2_1) * inverse_beam_c8_1_1;
+        vdot[3 * all + b] = -t5;
+        const double t6 = (beam_K_2_2 * beam_alpha2 - t4 * beam_D2_2) * inverse_beam_c8_2_2;
+        vdot[4 * all + b] = -t6;
+        double code = 0.0;
+        const double finite = t2 - t3 - t5 - t6;
+        code = finite - finite == 0.0 ? code : 2.0; /* a result is not finite */
+        code = beam_J > 0.0 ? code : 1.0; /* the pivot of beam_phi vanished */
+        codes[b] = code;
+        failures |= spinning_beam_block_bits(code);
+    }
+    if (!failures) return 0;
+    spinning_beam_block_nan(count, all, 5, codes, vdot);
+    return spinning_beam_block_code(codes);
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spinning_beam_accel_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[160], v_b[160], vdot_b[160];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = spinning_beam_accel_batch(count, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int spinning_beam_accel_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    const ptrdiff_t all = n;
+    int left = n, code = 0;
+
+    if (n == 8) {
+        const int failed = spinning_beam_accel_states(8, 8, t, q, v, k, vdot);
         if (code == 0) code = failed;
-        q += count;
-        v += count;
-        vdot += count;
+        return code;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        const int failed = spinning_beam_accel_copied(32, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 32; v += 32; vdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        const int failed = spinning_beam_accel_states(8, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 8; v += 8; vdot += 8;
+    }
+    if (left > 0) {
+        const int failed = spinning_beam_accel_states(left, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
     }
     return code;
+}
+
+int spinning_beam_accel_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    if (n == 1) {
+        const int code = spinning_beam_accel(t, q, v, k, vdot);
+for (int e = 0; code && e < 5; e++) vdot[e] = (double) NAN;
+        return code;
+    }
+    return spinning_beam_accel_blocks(n, t, q, v, k, vdot);
+}
+
+TISSERAND_INLINE void spinning_beam_energy_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT energy)
+{
+    const double beam_mass = k[0];
+    const double beam_C3 = k[1];
+    const double beam_c8_1_1 = k[2];
+    const double beam_c8_2_2 = k[3];
+    const double beam_K_1_1 = k[4];
+    const double beam_K_2_2 = k[5];
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_alpha1 = q[3 * all + b];
+        const double beam_alpha2 = q[4 * all + b];
+        const double beam_c1dot = v[b];
+        const double beam_c2dot = v[all + b];
+        const double beam_phidot = v[2 * all + b];
+        const double beam_alpha1dot = v[3 * all + b];
+        const double beam_alpha2dot = v[4 * all + b];
+        const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+        const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
+        const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
+        energy[b] = 0.5 * (beam_phidot * beam_phidot * beam_J
+            + beam_alpha1dot * beam_alpha1dot * beam_c8_1_1
+            + beam_alpha2dot * beam_alpha2dot * beam_c8_2_2 + beam_c1dot * beam_c1dot * beam_mass
+            + beam_c2dot * beam_c2dot * beam_mass);
+        energy[all + b] = 0.5 * (beam_K_1_1 * beam_alpha1 * beam_alpha1
+            + beam_K_2_2 * beam_alpha2 * beam_alpha2);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spinning_beam_energy_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    double q_b[160], v_b[160], energy_b[64];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = spinning_beam_energy_batch(count, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int spinning_beam_energy_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        spinning_beam_energy_states(8, 8, q, v, k, energy);
+        return 0;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        spinning_beam_energy_copied(32, all, q, v, k, energy);
+        q += 32; v += 32; energy += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        spinning_beam_energy_states(8, all, q, v, k, energy);
+        q += 8; v += 8; energy += 8;
+    }
+    if (left > 0) {
+        spinning_beam_energy_states(left, all, q, v, k, energy);
+    }
+    return 0;
+}
+
+int spinning_beam_energy_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    return n == 1 ? spinning_beam_energy(q, v, k, energy) : spinning_beam_energy_blocks(n, q, v, k, energy);
+}
+
+TISSERAND_INLINE void spinning_beam_momentum_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT momentum)
+{
+    const double beam_mass = k[0];
+    const double beam_C3 = k[1];
+    const double beam_c8_1_1 = k[2];
+    const double beam_c8_2_2 = k[3];
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_c1 = q[b];
+        const double beam_c2 = q[all + b];
+        const double beam_alpha1 = q[3 * all + b];
+        const double beam_alpha2 = q[4 * all + b];
+        const double beam_c1dot = v[b];
+        const double beam_c2dot = v[all + b];
+        const double beam_phidot = v[2 * all + b];
+        const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+        const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
+        const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
+        momentum[b] = beam_c1dot * beam_mass;
+        momentum[all + b] = beam_c2dot * beam_mass;
+        momentum[2 * all + b] = beam_phidot * beam_J + beam_c2dot * beam_c1 * beam_mass
+            - beam_c1dot * beam_c2 * beam_mass;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spinning_beam_momentum_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    double q_b[160], v_b[160], momentum_b[96];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = spinning_beam_momentum_batch(count, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int spinning_beam_momentum_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        spinning_beam_momentum_states(8, 8, q, v, k, momentum);
+        return 0;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        spinning_beam_momentum_copied(32, all, q, v, k, momentum);
+        q += 32; v += 32; momentum += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        spinning_beam_momentum_states(8, all, q, v, k, momentum);
+        q += 8; v += 8; momentum += 8;
+    }
+    if (left > 0) {
+        spinning_beam_momentum_states(left, all, q, v, k, momentum);
+    }
+    return 0;
+}
+
+int spinning_beam_momentum_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    return n == 1 ? spinning_beam_momentum(q, v, k, momentum) : spinning_beam_momentum_blocks(n, q, v, k, momentum);
+}
+
+TISSERAND_INLINE void spinning_beam_rates_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT qdot)
+{
+    (void) q;
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_c1dot = v[b];
+        const double beam_c2dot = v[all + b];
+        const double beam_phidot = v[2 * all + b];
+        const double beam_alpha1dot = v[3 * all + b];
+        const double beam_alpha2dot = v[4 * all + b];
+        qdot[b] = beam_c1dot;
+        qdot[all + b] = beam_c2dot;
+        qdot[2 * all + b] = beam_phidot;
+        qdot[3 * all + b] = beam_alpha1dot;
+        qdot[4 * all + b] = beam_alpha2dot;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spinning_beam_rates_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    double q_b[160], v_b[160], qdot_b[160];
+    int code;
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = spinning_beam_rates_batch(count, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int spinning_beam_rates_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        spinning_beam_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        spinning_beam_rates_copied(32, all, q, v, k, qdot);
+        q += 32; v += 32; qdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        spinning_beam_rates_states(8, all, q, v, k, qdot);
+        q += 8; v += 8; qdot += 8;
+    }
+    if (left > 0) {
+        spinning_beam_rates_states(left, all, q, v, k, qdot);
+    }
+    return 0;
+}
+
+int spinning_beam_rates_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    return n == 1 ? spinning_beam_rates(q, v, k, qdot) : spinning_beam_rates_blocks(n, q, v, k, qdot);
 }
 
 #endif
@@ -1733,7 +2321,7 @@ static const tisserand_scene spinning_beam_scene = {
 };
 
 static const tisserand_model spinning_beam_descriptor = {
-    7,
+    8,
     "spinning_beam",
     SPINNING_BEAM_HASH,
     SPINNING_BEAM_NQ,
@@ -1770,8 +2358,16 @@ static const tisserand_model spinning_beam_descriptor = {
 #ifndef TISSERAND_WITHOUT_BATCHES
     spinning_beam_mass_batch,
     spinning_beam_force_batch,
+    spinning_beam_mass_force_batch,
     spinning_beam_accel_batch,
+    spinning_beam_energy_batch,
+    spinning_beam_momentum_batch,
+    spinning_beam_rates_batch,
 #else
+    0,
+    0,
+    0,
+    0,
     0,
     0,
     0,

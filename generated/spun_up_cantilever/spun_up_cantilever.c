@@ -13,13 +13,107 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPUN_UP_CANTILEVER_HASH_c1d65e336cedb116
+#ifndef SPUN_UP_CANTILEVER_HASH_1040e63bd51300eb
 #  error "spun_up_cantilever.h and spun_up_cantilever.c are of different builds; run tisserand build again"
 #endif
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
+/* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
+   and then make no vectors of it. */
+#if defined(__clang__)
+#  pragma clang diagnostic ignored "-Wpass-failed"
+#  define TISSERAND_STATES _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__) && __GNUC__ >= 8
+#  define TISSERAND_STATES _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
+#else
+#  define TISSERAND_STATES
+#endif
+
+/* INLINE: functions that are compiled anew wherever they are called, for the number of states that is given there.
+   APART: functions that are not, so that what calls them last needs no stack. */
+#if defined(__GNUC__)
+#  define TISSERAND_INLINE static inline __attribute__((always_inline, unused))
+#  define TISSERAND_APART static __attribute__((noinline))
+#else
+#  define TISSERAND_INLINE static inline
+#  define TISSERAND_APART static
+#endif
+
+/* ---- sine and cosine: the same operations for one state and for the states of a batch, so that their bits are equal ----
+
+   |x| <= 1e5: x - n pi/2, where pi/2 is the sum of three numbers (Cody and Waite); the first two have so few digits that
+   their products with n are exact. Then polynomials of minimax error on [-pi/4, pi/4]. The error is below 0.9 units in the
+   last place (0.5 is the least that rounding leaves). Other numbers, and NaN, are left to the C library, and so is everything
+   where compilers may reorder sums or compute with more digits than doubles have. */
+#ifndef TISSERAND_SINE
+#define TISSERAND_SINE
+/* The sine s and cosine c of x. The first bit of the result is set where they are those of another number: |x| > 1e5, NaN. */
+TISSERAND_INLINE unsigned long long tisserand_sine_core(double x, double *s, double *c)
+{
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || (defined(__ASSOCIATIVE_MATH__) && __ASSOCIATIVE_MATH__) \
+    || (defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD > 1))
+    *s = *c = x;
+    return ~0ull;
+#else
+    const double shift = 6755399441055744.0; /* 1.5 2^52: adding it rounds to an integer, which the last bits then hold */
+    const double shifted = x * 0.6366197723675814 + shift, n = shifted - shift;
+    const double left = x - n * 1.5707963267923333, middle = n * 2.5633441515839558e-12;
+    const double first = left - middle, rest = n * 1.0562999066987428e-23 - ((left - first) - middle);
+    const double r = first - rest, d = rest - (first - r); /* the reduced angle is r - d */
+    const double z = r * r, zz = z * z;
+    const double f = (-0.1666666666666663 + z * 0.00833333333332184)
+        + zz * ((-0.0001984126982935851 + z * 2.7557313538498483e-06)
+        + zz * (-2.5050734385276395e-08 + z * 1.5895432973634774e-10));
+    const double g = (0.041666666666666595 - z * 0.0013888888888873342)
+        + zz * ((2.4801587289002076e-05 - z * 2.755731421703596e-07)
+        + zz * (2.0875705395290323e-09 - z * 1.1358749181413732e-11));
+    const double half = 0.5 * z, most = 1.0 - half;
+    const double sine = r - (d - z * r * f);
+    const double cosine = most + (((1.0 - most) - half) + (zz * g + r * d));
+    unsigned long long of_x, of_s, of_c, quadrant, exchanged;
+    memcpy(&of_x, &x, sizeof of_x);
+    memcpy(&quadrant, &shifted, sizeof quadrant);
+    memcpy(&of_s, &sine, sizeof of_s);
+    memcpy(&of_c, &cosine, sizeof of_c);
+    exchanged = (of_s ^ of_c) & (0ull - (quadrant & 1));
+    of_s ^= exchanged ^ ((quadrant & 2) << 62);
+    of_c ^= exchanged ^ (((quadrant + 1) & 2) << 62);
+    memcpy(s, &of_s, sizeof of_s);
+    memcpy(c, &of_c, sizeof of_c);
+    return 0x40f86a0000000000ull - (of_x & 0x7fffffffffffffffull); /* bits of positive numbers have the order of the numbers */
+#endif
+}
+
+TISSERAND_INLINE double tisserand_sin(double x)
+{
+    double s, c;
+    return tisserand_sine_core(x, &s, &c) >> 63 ? sin(x) : s;
+}
+
+TISSERAND_INLINE double tisserand_cos(double x)
+{
+    double s, c;
+    return tisserand_sine_core(x, &s, &c) >> 63 ? cos(x) : c;
+}
+
+/* Sines s and cosines c of the angles x of some states. The first loop has no branch, so that compilers make vectors of it. */
+TISSERAND_INLINE void tisserand_sines(
+    int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
+{
+    unsigned long long outside = 0;
+    TISSERAND_STATES for (int b = 0; b < count; b++) outside |= tisserand_sine_core(x[b], s + b, c + b);
+    if (outside >> 63) {
+        for (int b = 0; b < count; b++) {
+            s[b] = tisserand_sin(x[b]);
+            c[b] = tisserand_cos(x[b]);
+        }
+    }
+}
+#endif
 int spun_up_cantilever_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -44,8 +138,8 @@ int spun_up_cantilever_mass(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -108,8 +202,8 @@ int spun_up_cantilever_force(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -209,8 +303,8 @@ int spun_up_cantilever_mass_force(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -260,8 +354,8 @@ int spun_up_cantilever_accel(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -364,7 +458,7 @@ int spun_up_cantilever_accel(
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
     const double hub_phiddot = (2.0 / 5.0)
-        - (2.0 / 5.0) * cos((176855943800711.0 / 422212465065984.0) * t);
+        - (2.0 / 5.0) * tisserand_cos((176855943800711.0 / 422212465065984.0) * t);
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
@@ -440,8 +534,8 @@ int spun_up_cantilever_energy(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -506,8 +600,8 @@ int spun_up_cantilever_momentum(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -588,8 +682,8 @@ int spun_up_cantilever_marker_beam_root(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam root (1): beam_root_s_1 = Q r at root, along e1; beam_root_s_2 = Q r at root, along e2 */
     const double beam_root_s_1 = (-5.0) * beam_cos_phi;
@@ -636,9 +730,9 @@ int spun_up_cantilever_marker_beam_tip(
      */
     const double beam_tip_r_2 = beam_alpha1 + beam_alpha2 + beam_alpha3;
     const double beam_tip_rdot_2 = beam_alpha1dot + beam_alpha2dot + beam_alpha3dot;
-    const double beam_cos_phi = cos(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
     const double t1 = 5.0 * beam_cos_phi;
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
     const double t2 = beam_tip_r_2 * beam_sin_phi;
     const double beam_tip_s_1 = t1 - t2;
     const double t3 = 5.0 * beam_sin_phi;
@@ -681,8 +775,8 @@ int spun_up_cantilever_load_beam_root(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* F (10): the force in the body frame */
     const double beam_root_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi;
@@ -715,8 +809,8 @@ int spun_up_cantilever_load_beam_tip(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* F (10): the force in the body frame */
     const double beam_tip_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi;
@@ -751,14 +845,15 @@ int spun_up_cantilever_constraints(
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
     const double hub_phi = t * t / 5.0
-        + 2.2797266319526 * cos((176855943800711.0 / 422212465065984.0) * t) - 2.2797266319526;
+        + 2.2797266319526 * tisserand_cos((176855943800711.0 / 422212465065984.0) * t)
+        - 2.2797266319526;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam root (1): beam_root_s_1 = Q r at root, along e1; beam_root_s_2 = Q r at root, along e2 */
     const double beam_root_s_1 = (-5.0) * beam_cos_phi;
@@ -786,14 +881,14 @@ int spun_up_cantilever_constraint_rates(
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
     const double hub_phidot = (2.0 / 5.0) * t
-        - (844424930131968.0 / 884279719003555.0) * sin((176855943800711.0 / 422212465065984.0) * t);
+        - (844424930131968.0 / 884279719003555.0) * tisserand_sin((176855943800711.0 / 422212465065984.0) * t);
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam root (1): beam_root_s_1 = Q r at root, along e1; beam_root_s_2 = Q r at root, along e2 */
     const double beam_root_s_1 = (-5.0) * beam_cos_phi;
@@ -820,8 +915,8 @@ int spun_up_cantilever_constraint_jacobian(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam root (1): beam_root_s_1 = Q r at root, along e1; beam_root_s_2 = Q r at root, along e2 */
     const double beam_root_s_1 = (-5.0) * beam_cos_phi;
@@ -849,14 +944,14 @@ int spun_up_cantilever_constraint_bias(
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
     const double hub_phiddot = (2.0 / 5.0)
-        - (2.0 / 5.0) * cos((176855943800711.0 / 422212465065984.0) * t);
+        - (2.0 / 5.0) * tisserand_cos((176855943800711.0 / 422212465065984.0) * t);
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam root (1): beam_root_s_1 = Q r at root, along e1; beam_root_s_2 = Q r at root, along e2 */
     const double beam_root_s_1 = (-5.0) * beam_cos_phi;
@@ -892,8 +987,8 @@ int spun_up_cantilever_solve(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -996,7 +1091,7 @@ int spun_up_cantilever_solve(
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
     const double hub_phiddot = (2.0 / 5.0)
-        - (2.0 / 5.0) * cos((176855943800711.0 / 422212465065984.0) * t);
+        - (2.0 / 5.0) * tisserand_cos((176855943800711.0 / 422212465065984.0) * t);
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
@@ -1075,8 +1170,8 @@ int spun_up_cantilever_project_velocity(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -1213,7 +1308,8 @@ int spun_up_cantilever_poses(
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
     const double hub_phi = t * t / 5.0
-        + 2.2797266319526 * cos((176855943800711.0 / 422212465065984.0) * t) - 2.2797266319526;
+        + 2.2797266319526 * tisserand_cos((176855943800711.0 / 422212465065984.0) * t)
+        - 2.2797266319526;
 
     /* poses (1): bodies in the order of the specification */
     pose[0] = 0.0;
@@ -1263,14 +1359,15 @@ int spun_up_cantilever_residual(
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
     const double hub_phi = t * t / 5.0
-        + 2.2797266319526 * cos((176855943800711.0 / 422212465065984.0) * t) - 2.2797266319526;
+        + 2.2797266319526 * tisserand_cos((176855943800711.0 / 422212465065984.0) * t)
+        - 2.2797266319526;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -1370,8 +1467,8 @@ int spun_up_cantilever_jacobian(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -1582,15 +1679,16 @@ int spun_up_cantilever_residual_ggl(
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
     const double t1 = (176855943800711.0 / 422212465065984.0) * t;
-    const double hub_phi = t * t / 5.0 + 2.2797266319526 * cos(t1) - 2.2797266319526;
-    const double hub_phidot = (2.0 / 5.0) * t - (844424930131968.0 / 884279719003555.0) * sin(t1);
+    const double hub_phi = t * t / 5.0 + 2.2797266319526 * tisserand_cos(t1) - 2.2797266319526;
+    const double hub_phidot = (2.0 / 5.0) * t
+        - (844424930131968.0 / 884279719003555.0) * tisserand_sin(t1);
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -1696,8 +1794,8 @@ int spun_up_cantilever_jacobian_ggl(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -1917,14 +2015,14 @@ int spun_up_cantilever_residual_index1(
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
     const double hub_phiddot = (2.0 / 5.0)
-        - (2.0 / 5.0) * cos((176855943800711.0 / 422212465065984.0) * t);
+        - (2.0 / 5.0) * tisserand_cos((176855943800711.0 / 422212465065984.0) * t);
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -2024,8 +2122,8 @@ int spun_up_cantilever_jacobian_index1(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
-    const double beam_cos_phi = cos(beam_phi);
-    const double beam_sin_phi = sin(beam_phi);
+    const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
@@ -2201,40 +2299,118 @@ int spun_up_cantilever_jacobian_index1(
 
 #ifndef TISSERAND_WITHOUT_BATCHES
 
-/* The rows of a block that is not full: its last state is repeated. */
-static const double *spun_up_cantilever_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
+/* The bits of a code, which are 0 for success. */
+TISSERAND_INLINE unsigned long long spun_up_cantilever_block_bits(double code)
 {
-    for (int e = 0; e < rows; e++)
-        for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
-    return to;
+    unsigned long long bits;
+    memcpy(&bits, &code, sizeof bits);
+    return bits;
 }
 
-/* The rows of a block to their places among those of all states. */
-static inline void spun_up_cantilever_block32_scatter(
-    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
+/* NaN for the states of a block that fail. */
+static void spun_up_cantilever_block_nan(int count, ptrdiff_t all, int rows, const double *codes, double *to)
 {
-    for (int e = 0; e < rows; e++) {
-        double *row = to + e * all;
-        if (count == 32) {
-            for (int b = 0; b < 32; b++) row[b] = from[e][b];
-        } else {
-            for (int b = 0; b < 32; b++) {
-                if (b < count) row[b] = from[e][b];
-            }
-        }
-    }
-}
-
-/* NaN for the states that fail, and the code of the first of them. */
-static int spun_up_cantilever_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
-{
-    int code = 0;
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
-        if (code == 0) code = (int) codes[b];
         for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
+}
+
+/* The code of the first state of a block that fails; there is one. */
+static int spun_up_cantilever_block_code(const double *codes)
+{
+    while (*codes == 0.0) codes++;
+    return (int) *codes;
+}
+
+TISSERAND_INLINE void spun_up_cantilever_mass_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M)
+{
+    (void) k;
+    double beam_cos_phi[8], beam_sin_phi[8];
+
+    tisserand_sines(count, q + 2 * all, beam_sin_phi, beam_cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_alpha1 = q[3 * all + b];
+        const double beam_alpha2 = q[4 * all + b];
+        const double beam_alpha3 = q[5 * all + b];
+        const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
+        const double beam_D2_1 = (12.0 / 5.0) * beam_alpha1 + (16.0 / 5.0) * beam_alpha2
+            + (92.0 / 35.0) * beam_alpha3;
+        const double beam_D2_2 = (16.0 / 5.0) * beam_alpha1 + (156.0 / 35.0) * beam_alpha2
+            + (18.0 / 5.0) * beam_alpha3;
+        const double beam_D2_3 = (92.0 / 35.0) * beam_alpha1 + (18.0 / 5.0) * beam_alpha2
+            + (44.0 / 15.0) * beam_alpha3;
+        const double beam_J = 100.0 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2
+            + beam_D2_3 * beam_alpha3;
+        M[b] = 12.0;
+        M[all + b] = -(beam_d1_2 * beam_cos_phi[b]);
+        M[2 * all + b] = (-4.0) * beam_sin_phi[b];
+        M[3 * all + b] = (-6.0) * beam_sin_phi[b];
+        M[4 * all + b] = (-24.0 / 5.0) * beam_sin_phi[b];
+        M[5 * all + b] = 12.0;
+        M[6 * all + b] = -(beam_d1_2 * beam_sin_phi[b]);
+        M[7 * all + b] = 4.0 * beam_cos_phi[b];
+        M[8 * all + b] = 6.0 * beam_cos_phi[b];
+        M[9 * all + b] = (24.0 / 5.0) * beam_cos_phi[b];
+        M[10 * all + b] = beam_J;
+        M[11 * all + b] = 10.0;
+        M[12 * all + b] = 12.0;
+        M[13 * all + b] = 10.0;
+        M[14 * all + b] = (12.0 / 5.0);
+        M[15 * all + b] = (16.0 / 5.0);
+        M[16 * all + b] = (92.0 / 35.0);
+        M[17 * all + b] = (156.0 / 35.0);
+        M[18 * all + b] = (18.0 / 5.0);
+        M[19 * all + b] = (44.0 / 15.0);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spun_up_cantilever_mass_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    double q_b[192], M_b[640];
+    int code;
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    code = spun_up_cantilever_mass_batch(count, q_b, k, M_b);
+    for (int e = 0; e < 20; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
     return code;
+}
+
+TISSERAND_APART int spun_up_cantilever_mass_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        spun_up_cantilever_mass_states(8, 8, q, k, M);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        spun_up_cantilever_mass_copied(32, all, q, k, M);
+        q += 32; M += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        spun_up_cantilever_mass_states(8, all, q, k, M);
+        q += 8; M += 8;
+    }
+    if (left > 0) {
+        spun_up_cantilever_mass_states(left, all, q, k, M);
+    }
+    return 0;
 }
 
 int spun_up_cantilever_mass_batch(
@@ -2243,58 +2419,100 @@ int spun_up_cantilever_mass_batch(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    (void) k;
-    double q_tail[192];
-    double beam_cos_phi[32], beam_sin_phi[32];
-    double M_block[20][32];
-    const ptrdiff_t all = n;
+    return n == 1 ? spun_up_cantilever_mass(q, k, M) : spun_up_cantilever_mass_blocks(n, q, k, M);
+}
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? spun_up_cantilever_block32_pad(all, count, 6, q, q_tail) : q;
-        for (int b = 0; b < 32; b++) {
-            const double beam_phi = q_block[2 * stride + b];
-            beam_cos_phi[b] = cos(beam_phi);
-            beam_sin_phi[b] = sin(beam_phi);
-        }
-        for (int b = 0; b < 32; b++) {
-            const double beam_alpha1 = q_block[3 * stride + b];
-            const double beam_alpha2 = q_block[4 * stride + b];
-            const double beam_alpha3 = q_block[5 * stride + b];
-            const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
-            const double beam_D2_1 = (12.0 / 5.0) * beam_alpha1 + (16.0 / 5.0) * beam_alpha2
-                + (92.0 / 35.0) * beam_alpha3;
-            const double beam_D2_2 = (16.0 / 5.0) * beam_alpha1 + (156.0 / 35.0) * beam_alpha2
-                + (18.0 / 5.0) * beam_alpha3;
-            const double beam_D2_3 = (92.0 / 35.0) * beam_alpha1 + (18.0 / 5.0) * beam_alpha2
-                + (44.0 / 15.0) * beam_alpha3;
-            const double beam_J = 100.0 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2
-                + beam_D2_3 * beam_alpha3;
-            M_block[0][b] = 12.0;
-            M_block[1][b] = -(beam_d1_2 * beam_cos_phi[b]);
-            M_block[2][b] = (-4.0) * beam_sin_phi[b];
-            M_block[3][b] = (-6.0) * beam_sin_phi[b];
-            M_block[4][b] = (-24.0 / 5.0) * beam_sin_phi[b];
-            M_block[5][b] = 12.0;
-            M_block[6][b] = -(beam_d1_2 * beam_sin_phi[b]);
-            M_block[7][b] = 4.0 * beam_cos_phi[b];
-            M_block[8][b] = 6.0 * beam_cos_phi[b];
-            M_block[9][b] = (24.0 / 5.0) * beam_cos_phi[b];
-            M_block[10][b] = beam_J;
-            M_block[11][b] = 10.0;
-            M_block[12][b] = 12.0;
-            M_block[13][b] = 10.0;
-            M_block[14][b] = (12.0 / 5.0);
-            M_block[15][b] = (16.0 / 5.0);
-            M_block[16][b] = (92.0 / 35.0);
-            M_block[17][b] = (156.0 / 35.0);
-            M_block[18][b] = (18.0 / 5.0);
-            M_block[19][b] = (44.0 / 15.0);
-        }
-        spun_up_cantilever_block32_scatter(all, count, 20, M_block, M);
-        q += count;
-        M += count;
+TISSERAND_INLINE void spun_up_cantilever_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT h)
+{
+    (void) t;
+    (void) k;
+    double beam_cos_phi[8], beam_sin_phi[8];
+
+    tisserand_sines(count, q + 2 * all, beam_sin_phi, beam_cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_alpha1 = q[3 * all + b];
+        const double beam_alpha2 = q[4 * all + b];
+        const double beam_alpha3 = q[5 * all + b];
+        const double beam_phidot = v[2 * all + b];
+        const double beam_alpha1dot = v[3 * all + b];
+        const double beam_alpha2dot = v[4 * all + b];
+        const double beam_alpha3dot = v[5 * all + b];
+        const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
+        const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
+            + (24.0 / 5.0) * beam_alpha3dot;
+        const double beam_D2_1 = (12.0 / 5.0) * beam_alpha1 + (16.0 / 5.0) * beam_alpha2
+            + (92.0 / 35.0) * beam_alpha3;
+        const double beam_D2_2 = (16.0 / 5.0) * beam_alpha1 + (156.0 / 35.0) * beam_alpha2
+            + (18.0 / 5.0) * beam_alpha3;
+        const double beam_D2_3 = (92.0 / 35.0) * beam_alpha1 + (18.0 / 5.0) * beam_alpha2
+            + (44.0 / 15.0) * beam_alpha3;
+        const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2
+            + beam_alpha3dot * beam_D2_3;
+        const double t1 = beam_phidot * beam_phidot;
+        const double t2 = t1 * beam_d1_2;
+        const double t3 = 2.0 * beam_phidot;
+        const double t4 = t3 * beam_d1dot_2;
+        h[b] = t2 * beam_sin_phi[b] - t4 * beam_cos_phi[b];
+        h[all + b] = -(t2 * beam_cos_phi[b]) - t4 * beam_sin_phi[b];
+        h[2 * all + b] = t3 * beam_D2dot;
+        const double t5 = 56.0 * beam_alpha1;
+        h[3 * all + b] = t5 + 56.0 * beam_alpha3 - t1 * beam_D2_1;
+        h[4 * all + b] = 168.0 * beam_alpha2 - t1 * beam_D2_2;
+        h[5 * all + b] = t5 + (504.0 / 5.0) * beam_alpha3 - t1 * beam_D2_3;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spun_up_cantilever_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    double q_b[192], v_b[192], h_b[192];
+    int code;
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = spun_up_cantilever_force_batch(count, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int spun_up_cantilever_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        spun_up_cantilever_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        spun_up_cantilever_force_copied(32, all, t, q, v, k, h);
+        q += 32; v += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        spun_up_cantilever_force_states(8, all, t, q, v, k, h);
+        q += 8; v += 8; h += 8;
+    }
+    if (left > 0) {
+        spun_up_cantilever_force_states(left, all, t, q, v, k, h);
     }
     return 0;
 }
@@ -2307,60 +2525,355 @@ int spun_up_cantilever_force_batch(
     const double *TISSERAND_RESTRICT k,
     double *h)
 {
+    return n == 1 ? spun_up_cantilever_force(t, q, v, k, h) : spun_up_cantilever_force_blocks(n, t, q, v, k, h);
+}
+
+TISSERAND_INLINE void spun_up_cantilever_mass_force_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT M,
+    double *TISSERAND_RESTRICT h)
+{
     (void) t;
     (void) k;
-    double q_tail[192], v_tail[192];
-    double beam_cos_phi[32], beam_sin_phi[32];
-    double h_block[6][32];
-    const ptrdiff_t all = n;
+    double beam_cos_phi[8], beam_sin_phi[8];
 
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? spun_up_cantilever_block32_pad(all, count, 6, q, q_tail) : q;
-        const double *v_block = count < 32 ? spun_up_cantilever_block32_pad(all, count, 6, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double beam_phi = q_block[2 * stride + b];
-            beam_cos_phi[b] = cos(beam_phi);
-            beam_sin_phi[b] = sin(beam_phi);
-        }
-        for (int b = 0; b < 32; b++) {
-            const double beam_alpha1 = q_block[3 * stride + b];
-            const double beam_alpha2 = q_block[4 * stride + b];
-            const double beam_alpha3 = q_block[5 * stride + b];
-            const double beam_phidot = v_block[2 * stride + b];
-            const double beam_alpha1dot = v_block[3 * stride + b];
-            const double beam_alpha2dot = v_block[4 * stride + b];
-            const double beam_alpha3dot = v_block[5 * stride + b];
-            const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
-            const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
-                + (24.0 / 5.0) * beam_alpha3dot;
-            const double beam_D2_1 = (12.0 / 5.0) * beam_alpha1 + (16.0 / 5.0) * beam_alpha2
-                + (92.0 / 35.0) * beam_alpha3;
-            const double beam_D2_2 = (16.0 / 5.0) * beam_alpha1 + (156.0 / 35.0) * beam_alpha2
-                + (18.0 / 5.0) * beam_alpha3;
-            const double beam_D2_3 = (92.0 / 35.0) * beam_alpha1 + (18.0 / 5.0) * beam_alpha2
-                + (44.0 / 15.0) * beam_alpha3;
-            const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2
-                + beam_alpha3dot * beam_D2_3;
-            const double t1 = beam_phidot * beam_phidot;
-            const double t2 = t1 * beam_d1_2;
-            const double t3 = 2.0 * beam_phidot;
-            const double t4 = t3 * beam_d1dot_2;
-            h_block[0][b] = t2 * beam_sin_phi[b] - t4 * beam_cos_phi[b];
-            h_block[1][b] = -(t2 * beam_cos_phi[b]) - t4 * beam_sin_phi[b];
-            h_block[2][b] = t3 * beam_D2dot;
-            const double t5 = 56.0 * beam_alpha1;
-            h_block[3][b] = t5 + 56.0 * beam_alpha3 - t1 * beam_D2_1;
-            h_block[4][b] = 168.0 * beam_alpha2 - t1 * beam_D2_2;
-            h_block[5][b] = t5 + (504.0 / 5.0) * beam_alpha3 - t1 * beam_D2_3;
-        }
-        spun_up_cantilever_block32_scatter(all, count, 6, h_block, h);
-        q += count;
-        v += count;
-        h += count;
+    tisserand_sines(count, q + 2 * all, beam_sin_phi, beam_cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_alpha1 = q[3 * all + b];
+        const double beam_alpha2 = q[4 * all + b];
+        const double beam_alpha3 = q[5 * all + b];
+        const double beam_phidot = v[2 * all + b];
+        const double beam_alpha1dot = v[3 * all + b];
+        const double beam_alpha2dot = v[4 * all + b];
+        const double beam_alpha3dot = v[5 * all + b];
+        const double beam_D2_1 = (12.0 / 5.0) * beam_alpha1 + (16.0 / 5.0) * beam_alpha2
+            + (92.0 / 35.0) * beam_alpha3;
+        const double beam_D2_2 = (16.0 / 5.0) * beam_alpha1 + (156.0 / 35.0) * beam_alpha2
+            + (18.0 / 5.0) * beam_alpha3;
+        const double beam_D2_3 = (92.0 / 35.0) * beam_alpha1 + (18.0 / 5.0) * beam_alpha2
+            + (44.0 / 15.0) * beam_alpha3;
+        const double t1 = 56.0 * beam_alpha1;
+        const double t2 = beam_phidot * beam_phidot;
+        h[5 * all + b] = t1 + (504.0 / 5.0) * beam_alpha3 - t2 * beam_D2_3;
+        M[19 * all + b] = (44.0 / 15.0);
+        h[4 * all + b] = 168.0 * beam_alpha2 - t2 * beam_D2_2;
+        M[17 * all + b] = (156.0 / 35.0);
+        M[18 * all + b] = (18.0 / 5.0);
+        h[3 * all + b] = t1 + 56.0 * beam_alpha3 - t2 * beam_D2_1;
+        M[14 * all + b] = (12.0 / 5.0);
+        M[15 * all + b] = (16.0 / 5.0);
+        M[16 * all + b] = (92.0 / 35.0);
+        const double beam_J = 100.0 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2
+            + beam_D2_3 * beam_alpha3;
+        const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2
+            + beam_alpha3dot * beam_D2_3;
+        const double t3 = 2.0 * beam_phidot;
+        h[2 * all + b] = t3 * beam_D2dot;
+        M[10 * all + b] = beam_J;
+        M[11 * all + b] = 10.0;
+        M[12 * all + b] = 12.0;
+        M[13 * all + b] = 10.0;
+        const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
+        const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
+            + (24.0 / 5.0) * beam_alpha3dot;
+        const double t4 = t2 * beam_d1_2;
+        const double t5 = t3 * beam_d1dot_2;
+        h[all + b] = -(t4 * beam_cos_phi[b]) - t5 * beam_sin_phi[b];
+        M[5 * all + b] = 12.0;
+        M[6 * all + b] = -(beam_d1_2 * beam_sin_phi[b]);
+        M[7 * all + b] = 4.0 * beam_cos_phi[b];
+        M[8 * all + b] = 6.0 * beam_cos_phi[b];
+        M[9 * all + b] = (24.0 / 5.0) * beam_cos_phi[b];
+        h[b] = t4 * beam_sin_phi[b] - t5 * beam_cos_phi[b];
+        M[b] = 12.0;
+        M[all + b] = -(beam_d1_2 * beam_cos_phi[b]);
+        M[2 * all + b] = (-4.0) * beam_sin_phi[b];
+        M[3 * all + b] = (-6.0) * beam_sin_phi[b];
+        M[4 * all + b] = (-24.0 / 5.0) * beam_sin_phi[b];
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spun_up_cantilever_mass_force_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    double q_b[192], v_b[192], M_b[640], h_b[192];
+    int code;
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = spun_up_cantilever_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 20; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int spun_up_cantilever_mass_force_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        spun_up_cantilever_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    for (; n % 128 == 0 && left > 0; left -= 32) {
+        spun_up_cantilever_mass_force_copied(32, all, t, q, v, k, M, h);
+        q += 32; v += 32; M += 32; h += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        spun_up_cantilever_mass_force_states(8, all, t, q, v, k, M, h);
+        q += 8; v += 8; M += 8; h += 8;
+    }
+    if (left > 0) {
+        spun_up_cantilever_mass_force_states(left, all, t, q, v, k, M, h);
     }
     return 0;
+}
+
+int spun_up_cantilever_mass_force_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    return n == 1 ? spun_up_cantilever_mass_force(t, q, v, k, M, h) : spun_up_cantilever_mass_force_blocks(n, t, q, v, k, M, h);
+}
+
+TISSERAND_INLINE int spun_up_cantilever_accel_states(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT vdot)
+{
+    (void) t;
+    (void) k;
+    double cos_1_2[8], sine_1_0_1[8], angle_1_0_1[8], beam_cos_phi[8], beam_sin_phi[8];
+    double codes[8];
+    unsigned long long failures = 0;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        angle_1_0_1[b] = (176855943800711.0 / 422212465065984.0) * t;
+    }
+    tisserand_sines(count, q + 2 * all, beam_sin_phi, beam_cos_phi);
+    tisserand_sines(count, angle_1_0_1, sine_1_0_1, cos_1_2);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_alpha1 = q[3 * all + b];
+        const double beam_alpha2 = q[4 * all + b];
+        const double beam_alpha3 = q[5 * all + b];
+        const double beam_phidot = v[2 * all + b];
+        const double beam_alpha1dot = v[3 * all + b];
+        const double beam_alpha2dot = v[4 * all + b];
+        const double beam_alpha3dot = v[5 * all + b];
+        const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
+        const double beam_D2_1 = (12.0 / 5.0) * beam_alpha1 + (16.0 / 5.0) * beam_alpha2
+            + (92.0 / 35.0) * beam_alpha3;
+        const double beam_D2_2 = (16.0 / 5.0) * beam_alpha1 + (156.0 / 35.0) * beam_alpha2
+            + (18.0 / 5.0) * beam_alpha3;
+        const double beam_D2_3 = (92.0 / 35.0) * beam_alpha1 + (18.0 / 5.0) * beam_alpha2
+            + (44.0 / 15.0) * beam_alpha3;
+        const double beam_J = 100.0 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2
+            + beam_D2_3 * beam_alpha3;
+        const double beam_root_s_1 = (-5.0) * beam_cos_phi[b];
+        const double beam_root_s_2 = (-5.0) * beam_sin_phi[b];
+        const double t1 = 6.0 * beam_sin_phi[b];
+        const double t2 = t1 / 12.0;
+        const double t3 = 6.0 * beam_cos_phi[b];
+        const double t4 = t3 / 12.0;
+        const double pivot_beam_alpha2 = (156.0 / 35.0) - t2 * t1 - t4 * t3;
+        const double t5 = (24.0 / 5.0) * beam_sin_phi[b];
+        const double t6 = t5 / 12.0;
+        const double t7 = (24.0 / 5.0) * beam_cos_phi[b];
+        const double t8 = t7 / 12.0;
+        const double t9 = (18.0 / 5.0) - t6 * t1 - t8 * t3;
+        const double inverse_pivot_beam_alpha2 = 1.0 / pivot_beam_alpha2;
+        const double t10 = t9 * inverse_pivot_beam_alpha2;
+        const double pivot_beam_alpha3 = (44.0 / 15.0) - t6 * t5 - t8 * t7 - t10 * t9;
+        const double t11 = 4.0 * beam_sin_phi[b];
+        const double t12 = t11 / 12.0;
+        const double t13 = 4.0 * beam_cos_phi[b];
+        const double t14 = t13 / 12.0;
+        const double t15 = (16.0 / 5.0) - t12 * t1 - t14 * t3;
+        const double t16 = t15 * inverse_pivot_beam_alpha2;
+        const double t17 = (92.0 / 35.0) - t12 * t5 - t14 * t7 - t16 * t9;
+        const double inverse_pivot_beam_alpha3 = 1.0 / pivot_beam_alpha3;
+        const double t18 = t17 * inverse_pivot_beam_alpha3;
+        const double pivot_beam_alpha1 = (12.0 / 5.0) - t12 * t11 - t14 * t13 - t16 * t15 - t18 * t17;
+        const double t19 = beam_d1_2 * beam_cos_phi[b];
+        const double t20 = t19 / 12.0;
+        const double t21 = beam_d1_2 * beam_sin_phi[b];
+        const double t22 = t21 / 12.0;
+        const double t23 = 12.0 - t20 * t1 + t22 * t3;
+        const double t24 = t23 * inverse_pivot_beam_alpha2;
+        const double t25 = 10.0 - t20 * t5 + t22 * t7 - t24 * t9;
+        const double t26 = t25 * inverse_pivot_beam_alpha3;
+        const double t27 = 10.0 - t20 * t11 + t22 * t13 - t24 * t15 - t26 * t17;
+        const double inverse_pivot_beam_alpha1 = 1.0 / pivot_beam_alpha1;
+        const double t28 = t27 * inverse_pivot_beam_alpha1;
+        const double pivot_beam_phi = beam_J - t20 * t19 - t22 * t21 - t24 * t23 - t26 * t25
+            - t28 * t27;
+        const double t29 = t4 * inverse_pivot_beam_alpha2;
+        const double t30 = t8 - t29 * t9;
+        const double t31 = t30 * inverse_pivot_beam_alpha3;
+        const double t32 = t2 * inverse_pivot_beam_alpha2;
+        const double t33 = t32 * t9 - t6;
+        const double t34 = t14 - t29 * t15 - t31 * t17;
+        const double t35 = t34 * inverse_pivot_beam_alpha1;
+        const double t36 = t33 * inverse_pivot_beam_alpha3;
+        const double t37 = t32 * t15 - t12 - t36 * t17;
+        const double t38 = beam_root_s_1 + t22 + t29 * t23 + t31 * t25 + t35 * t27;
+        const double inverse_pivot_beam_phi = 1.0 / pivot_beam_phi;
+        const double t39 = t38 * inverse_pivot_beam_phi;
+        const double t40 = t37 * inverse_pivot_beam_alpha1;
+        const double t41 = beam_root_s_2 - t20 + t32 * t23 - t36 * t25 - t40 * t27;
+        const double t42 = t29 * t2 - t31 * t33 - t35 * t37 + t39 * t41;
+        const double t43 = t41 * inverse_pivot_beam_phi;
+        const double t44 = (1.0 / 12.0) + t32 * t2 + t36 * t33 + t40 * t37 + t43 * t41;
+        const double inverse_t44 = 1.0 / t44;
+        const double t45 = t42 * inverse_t44;
+        const double t46 = (1.0 / 12.0) + t29 * t4 + t31 * t30 + t35 * t34 + t39 * t38;
+        const double pivot_clamp_2 = t45 * t42 - t46;
+        const double t47 = t43 * inverse_t44;
+        const double t48 = t47 * t42 - t39;
+        const double inverse_pivot_clamp_2 = 1.0 / pivot_clamp_2;
+        const double t49 = t48 * inverse_pivot_clamp_2;
+        const double pivot_clamp_turn = t47 * t43 - t49 * t48 - inverse_pivot_beam_phi;
+        const double hub_phiddot = (2.0 / 5.0) - (2.0 / 5.0) * cos_1_2[b];
+        const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
+            + (24.0 / 5.0) * beam_alpha3dot;
+        const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2
+            + beam_alpha3dot * beam_D2_3;
+        const double t50 = beam_phidot * beam_phidot;
+        const double t51 = t50 * beam_d1_2;
+        const double t52 = 2.0 * beam_phidot;
+        const double t53 = t52 * beam_d1dot_2;
+        const double t54 = t51 * beam_sin_phi[b] - t53 * beam_cos_phi[b];
+        const double t55 = t54 / 12.0;
+        const double t56 = t51 * beam_cos_phi[b] + t53 * beam_sin_phi[b];
+        const double t57 = 168.0 * beam_alpha2 - t50 * beam_D2_2 + t2 * t54 + t4 * t56;
+        const double t58 = 56.0 * beam_alpha1;
+        const double t59 = t10 * t57 - (t58 + (504.0 / 5.0) * beam_alpha3 - t50 * beam_D2_3 + t6 * t54
+            + t8 * t56);
+        const double t60 = t16 * t57 - (t58 + 56.0 * beam_alpha3 - t50 * beam_D2_1 + t12 * t54
+            + t14 * t56) - t18 * t59;
+        const double t61 = t22 * t56 - (t52 * beam_D2dot + t20 * t54) + t24 * t57 - t26 * t59
+            - t28 * t60;
+        const double t62 = t50 * beam_root_s_1 + t55 + t32 * t57 + t36 * t59 + t40 * t60 + t43 * t61;
+        const double t63 = t56 / 12.0;
+        const double t64 = t63 - t50 * beam_root_s_2 + t29 * t57 - t31 * t59 - t35 * t60 + t39 * t61
+            - t45 * t62;
+        const double t65 = t61 * inverse_pivot_beam_phi;
+        const double t66 = (t65 - hub_phiddot - t47 * t62 - t49 * t64) / pivot_clamp_turn;
+        const double t67 = t64 * inverse_pivot_clamp_2 - t49 * t66;
+        const double t68 = t62 * inverse_t44 + t45 * t67 + t47 * t66;
+        const double t69 = t65 - t43 * t68 + t39 * t67 + t66 * inverse_pivot_beam_phi;
+        const double t70 = t60 * inverse_pivot_beam_alpha1 - t28 * t69 - t40 * t68 - t35 * t67;
+        const double t71 = t59 * inverse_pivot_beam_alpha3 - t18 * t70 - t26 * t69 - t36 * t68
+            - t31 * t67;
+        const double t72 = t32 * t68 - (t57 * inverse_pivot_beam_alpha2 + t10 * t71 + t16 * t70
+            + t24 * t69) - t29 * t67;
+        const double t73 = t2 * t72 - t55 + t6 * t71 + t12 * t70 + t20 * t69 + t68 / 12.0;
+        vdot[b] = t73;
+        const double t74 = t63 - t4 * t72 - t8 * t71 - t14 * t70 + t22 * t69 + t67 / 12.0;
+        vdot[all + b] = t74;
+        vdot[2 * all + b] = t69;
+        vdot[3 * all + b] = t70;
+        vdot[4 * all + b] = t72;
+        vdot[5 * all + b] = t71;
+        double code = 0.0;
+        const double finite = t73 + t74 + t69 + t70 + t72 + t71;
+        code = finite - finite == 0.0 ? code : 2.0; /* a result is not finite */
+        code = -(pivot_clamp_turn
+            + 5.684341886080802e-14 * inverse_pivot_beam_phi) > 0.0 ? code : 1.0; /* the pivot of clamp_turn vanished */
+        code = -(pivot_clamp_2
+            + 5.684341886080802e-14 * t46) > 0.0 ? code : 1.0; /* the pivot of clamp_2 vanished */
+        code = t44 > 0.0 ? code : 1.0; /* the pivot of clamp_1 vanished */
+        code = pivot_beam_phi
+            - 5.684341886080802e-14 * beam_J > 0.0 ? code : 1.0; /* the pivot of beam_phi vanished */
+        code = pivot_beam_alpha1
+            - (3.0 / 21990232555520.0) > 0.0 ? code : 1.0; /* the pivot of beam_alpha1 vanished */
+        code = pivot_beam_alpha3
+            - (11.0 / 65970697666560.0) > 0.0 ? code : 1.0; /* the pivot of beam_alpha3 vanished */
+        code = pivot_beam_alpha2
+            - (39.0 / 153931627888640.0) > 0.0 ? code : 1.0; /* the pivot of beam_alpha2 vanished */
+        codes[b] = code;
+        failures |= spun_up_cantilever_block_bits(code);
+    }
+    if (!failures) return 0;
+    spun_up_cantilever_block_nan(count, all, 6, codes, vdot);
+    return spun_up_cantilever_block_code(codes);
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spun_up_cantilever_accel_copied(
+    int count,
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[192], v_b[192], vdot_b[192];
+    int code;
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = spun_up_cantilever_accel_batch(count, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int spun_up_cantilever_accel_blocks(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    const ptrdiff_t all = n;
+    int left = n, code = 0;
+
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        const int failed = spun_up_cantilever_accel_copied(32, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 32; v += 32; vdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        const int failed = spun_up_cantilever_accel_states(8, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 8; v += 8; vdot += 8;
+    }
+    for (; left > 0; left--) {
+        const int failed = spun_up_cantilever_accel_copied(1, all, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        q += 1; v += 1; vdot += 1;
+    }
+    return code;
 }
 
 int spun_up_cantilever_accel_batch(
@@ -2371,174 +2884,304 @@ int spun_up_cantilever_accel_batch(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-    (void) t;
-    (void) k;
-    double q_tail[192], v_tail[192];
-    double cos_1_2[32], beam_cos_phi[32], beam_sin_phi[32], codes[32];
-    double vdot_block[6][32];
-    const ptrdiff_t all = n;
-    int code = 0;
-
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? spun_up_cantilever_block32_pad(all, count, 6, q, q_tail) : q;
-        const double *v_block = count < 32 ? spun_up_cantilever_block32_pad(all, count, 6, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double beam_phi = q_block[2 * stride + b];
-            beam_cos_phi[b] = cos(beam_phi);
-            beam_sin_phi[b] = sin(beam_phi);
-            cos_1_2[b] = cos((176855943800711.0 / 422212465065984.0) * t);
-        }
-        for (int b = 0; b < 32; b++) {
-            const double beam_alpha1 = q_block[3 * stride + b];
-            const double beam_alpha2 = q_block[4 * stride + b];
-            const double beam_alpha3 = q_block[5 * stride + b];
-            const double beam_phidot = v_block[2 * stride + b];
-            const double beam_alpha1dot = v_block[3 * stride + b];
-            const double beam_alpha2dot = v_block[4 * stride + b];
-            const double beam_alpha3dot = v_block[5 * stride + b];
-            const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
-            const double beam_D2_1 = (12.0 / 5.0) * beam_alpha1 + (16.0 / 5.0) * beam_alpha2
-                + (92.0 / 35.0) * beam_alpha3;
-            const double beam_D2_2 = (16.0 / 5.0) * beam_alpha1 + (156.0 / 35.0) * beam_alpha2
-                + (18.0 / 5.0) * beam_alpha3;
-            const double beam_D2_3 = (92.0 / 35.0) * beam_alpha1 + (18.0 / 5.0) * beam_alpha2
-                + (44.0 / 15.0) * beam_alpha3;
-            const double beam_J = 100.0 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2
-                + beam_D2_3 * beam_alpha3;
-            const double beam_root_s_1 = (-5.0) * beam_cos_phi[b];
-            const double beam_root_s_2 = (-5.0) * beam_sin_phi[b];
-            const double t1 = 6.0 * beam_sin_phi[b];
-            const double t2 = t1 / 12.0;
-            const double t3 = 6.0 * beam_cos_phi[b];
-            const double t4 = t3 / 12.0;
-            const double pivot_beam_alpha2 = (156.0 / 35.0) - t2 * t1 - t4 * t3;
-            const double t5 = (24.0 / 5.0) * beam_sin_phi[b];
-            const double t6 = t5 / 12.0;
-            const double t7 = (24.0 / 5.0) * beam_cos_phi[b];
-            const double t8 = t7 / 12.0;
-            const double t9 = (18.0 / 5.0) - t6 * t1 - t8 * t3;
-            const double inverse_pivot_beam_alpha2 = 1.0 / pivot_beam_alpha2;
-            const double t10 = t9 * inverse_pivot_beam_alpha2;
-            const double pivot_beam_alpha3 = (44.0 / 15.0) - t6 * t5 - t8 * t7 - t10 * t9;
-            const double t11 = 4.0 * beam_sin_phi[b];
-            const double t12 = t11 / 12.0;
-            const double t13 = 4.0 * beam_cos_phi[b];
-            const double t14 = t13 / 12.0;
-            const double t15 = (16.0 / 5.0) - t12 * t1 - t14 * t3;
-            const double t16 = t15 * inverse_pivot_beam_alpha2;
-            const double t17 = (92.0 / 35.0) - t12 * t5 - t14 * t7 - t16 * t9;
-            const double inverse_pivot_beam_alpha3 = 1.0 / pivot_beam_alpha3;
-            const double t18 = t17 * inverse_pivot_beam_alpha3;
-            const double pivot_beam_alpha1 = (12.0 / 5.0) - t12 * t11 - t14 * t13 - t16 * t15 - t18 * t17;
-            const double t19 = beam_d1_2 * beam_cos_phi[b];
-            const double t20 = t19 / 12.0;
-            const double t21 = beam_d1_2 * beam_sin_phi[b];
-            const double t22 = t21 / 12.0;
-            const double t23 = 12.0 - t20 * t1 + t22 * t3;
-            const double t24 = t23 * inverse_pivot_beam_alpha2;
-            const double t25 = 10.0 - t20 * t5 + t22 * t7 - t24 * t9;
-            const double t26 = t25 * inverse_pivot_beam_alpha3;
-            const double t27 = 10.0 - t20 * t11 + t22 * t13 - t24 * t15 - t26 * t17;
-            const double inverse_pivot_beam_alpha1 = 1.0 / pivot_beam_alpha1;
-            const double t28 = t27 * inverse_pivot_beam_alpha1;
-            const double pivot_beam_phi = beam_J - t20 * t19 - t22 * t21 - t24 * t23 - t26 * t25
-                - t28 * t27;
-            const double t29 = t4 * inverse_pivot_beam_alpha2;
-            const double t30 = t8 - t29 * t9;
-            const double t31 = t30 * inverse_pivot_beam_alpha3;
-            const double t32 = t2 * inverse_pivot_beam_alpha2;
-            const double t33 = t32 * t9 - t6;
-            const double t34 = t14 - t29 * t15 - t31 * t17;
-            const double t35 = t34 * inverse_pivot_beam_alpha1;
-            const double t36 = t33 * inverse_pivot_beam_alpha3;
-            const double t37 = t32 * t15 - t12 - t36 * t17;
-            const double t38 = beam_root_s_1 + t22 + t29 * t23 + t31 * t25 + t35 * t27;
-            const double inverse_pivot_beam_phi = 1.0 / pivot_beam_phi;
-            const double t39 = t38 * inverse_pivot_beam_phi;
-            const double t40 = t37 * inverse_pivot_beam_alpha1;
-            const double t41 = beam_root_s_2 - t20 + t32 * t23 - t36 * t25 - t40 * t27;
-            const double t42 = t29 * t2 - t31 * t33 - t35 * t37 + t39 * t41;
-            const double t43 = t41 * inverse_pivot_beam_phi;
-            const double t44 = (1.0 / 12.0) + t32 * t2 + t36 * t33 + t40 * t37 + t43 * t41;
-            const double inverse_t44 = 1.0 / t44;
-            const double t45 = t42 * inverse_t44;
-            const double t46 = (1.0 / 12.0) + t29 * t4 + t31 * t30 + t35 * t34 + t39 * t38;
-            const double pivot_clamp_2 = t45 * t42 - t46;
-            const double t47 = t43 * inverse_t44;
-            const double t48 = t47 * t42 - t39;
-            const double inverse_pivot_clamp_2 = 1.0 / pivot_clamp_2;
-            const double t49 = t48 * inverse_pivot_clamp_2;
-            const double pivot_clamp_turn = t47 * t43 - t49 * t48 - inverse_pivot_beam_phi;
-            const double hub_phiddot = (2.0 / 5.0) - (2.0 / 5.0) * cos_1_2[b];
-            const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
-                + (24.0 / 5.0) * beam_alpha3dot;
-            const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2
-                + beam_alpha3dot * beam_D2_3;
-            const double t50 = beam_phidot * beam_phidot;
-            const double t51 = t50 * beam_d1_2;
-            const double t52 = 2.0 * beam_phidot;
-            const double t53 = t52 * beam_d1dot_2;
-            const double t54 = t51 * beam_sin_phi[b] - t53 * beam_cos_phi[b];
-            const double t55 = t54 / 12.0;
-            const double t56 = t51 * beam_cos_phi[b] + t53 * beam_sin_phi[b];
-            const double t57 = 168.0 * beam_alpha2 - t50 * beam_D2_2 + t2 * t54 + t4 * t56;
-            const double t58 = 56.0 * beam_alpha1;
-            const double t59 = t10 * t57 - (t58 + (504.0 / 5.0) * beam_alpha3 - t50 * beam_D2_3 + t6 * t54
-                + t8 * t56);
-            const double t60 = t16 * t57 - (t58 + 56.0 * beam_alpha3 - t50 * beam_D2_1 + t12 * t54
-                + t14 * t56) - t18 * t59;
-            const double t61 = t22 * t56 - (t52 * beam_D2dot + t20 * t54) + t24 * t57 - t26 * t59
-                - t28 * t60;
-            const double t62 = t50 * beam_root_s_1 + t55 + t32 * t57 + t36 * t59 + t40 * t60 + t43 * t61;
-            const double t63 = t56 / 12.0;
-            const double t64 = t63 - t50 * beam_root_s_2 + t29 * t57 - t31 * t59 - t35 * t60 + t39 * t61
-                - t45 * t62;
-            const double t65 = t61 * inverse_pivot_beam_phi;
-            const double t66 = (t65 - hub_phiddot - t47 * t62 - t49 * t64) / pivot_clamp_turn;
-            const double t67 = t64 * inverse_pivot_clamp_2 - t49 * t66;
-            const double t68 = t62 * inverse_t44 + t45 * t67 + t47 * t66;
-            const double t69 = t65 - t43 * t68 + t39 * t67 + t66 * inverse_pivot_beam_phi;
-            const double t70 = t60 * inverse_pivot_beam_alpha1 - t28 * t69 - t40 * t68 - t35 * t67;
-            const double t71 = t59 * inverse_pivot_beam_alpha3 - t18 * t70 - t26 * t69 - t36 * t68
-                - t31 * t67;
-            const double t72 = t32 * t68 - (t57 * inverse_pivot_beam_alpha2 + t10 * t71 + t16 * t70
-                + t24 * t69) - t29 * t67;
-            const double t73 = t2 * t72 - t55 + t6 * t71 + t12 * t70 + t20 * t69 + t68 / 12.0;
-            vdot_block[0][b] = t73;
-            const double t74 = t63 - t4 * t72 - t8 * t71 - t14 * t70 + t22 * t69 + t67 / 12.0;
-            vdot_block[1][b] = t74;
-            vdot_block[2][b] = t69;
-            vdot_block[3][b] = t70;
-            vdot_block[4][b] = t72;
-            vdot_block[5][b] = t71;
-            double code_b = 0.0;
-            const double finite = t73 + t74 + t69 + t70 + t72 + t71;
-            code_b = finite - finite == 0.0 ? code_b : 2.0; /* a result is not finite */
-            code_b = -(pivot_clamp_turn
-                + 5.684341886080802e-14 * inverse_pivot_beam_phi) > 0.0 ? code_b : 1.0; /* the pivot of clamp_turn vanished */
-            code_b = -(pivot_clamp_2
-                + 5.684341886080802e-14 * t46) > 0.0 ? code_b : 1.0; /* the pivot of clamp_2 vanished */
-            code_b = t44 > 0.0 ? code_b : 1.0; /* the pivot of clamp_1 vanished */
-            code_b = pivot_beam_phi
-                - 5.684341886080802e-14 * beam_J > 0.0 ? code_b : 1.0; /* the pivot of beam_phi vanished */
-            code_b = pivot_beam_alpha1
-                - (3.0 / 21990232555520.0) > 0.0 ? code_b : 1.0; /* the pivot of beam_alpha1 vanished */
-            code_b = pivot_beam_alpha3
-                - (11.0 / 65970697666560.0) > 0.0 ? code_b : 1.0; /* the pivot of beam_alpha3 vanished */
-            code_b = pivot_beam_alpha2
-                - (39.0 / 153931627888640.0) > 0.0 ? code_b : 1.0; /* the pivot of beam_alpha2 vanished */
-            codes[b] = code_b;
-        }
-        spun_up_cantilever_block32_scatter(all, count, 6, vdot_block, vdot);
-        const int failed = spun_up_cantilever_block_fail(all, count, 6, codes, vdot);
-        if (code == 0) code = failed;
-        q += count;
-        v += count;
-        vdot += count;
+    if (n == 1) {
+        const int code = spun_up_cantilever_accel(t, q, v, k, vdot);
+for (int e = 0; code && e < 6; e++) vdot[e] = (double) NAN;
+        return code;
     }
+    return spun_up_cantilever_accel_blocks(n, t, q, v, k, vdot);
+}
+
+TISSERAND_INLINE void spun_up_cantilever_energy_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT energy)
+{
+    (void) k;
+    double beam_cos_phi[8], beam_sin_phi[8];
+
+    tisserand_sines(count, q + 2 * all, beam_sin_phi, beam_cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_alpha1 = q[3 * all + b];
+        const double beam_alpha2 = q[4 * all + b];
+        const double beam_alpha3 = q[5 * all + b];
+        const double beam_c1dot = v[b];
+        const double beam_c2dot = v[all + b];
+        const double beam_phidot = v[2 * all + b];
+        const double beam_alpha1dot = v[3 * all + b];
+        const double beam_alpha2dot = v[4 * all + b];
+        const double beam_alpha3dot = v[5 * all + b];
+        const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
+        const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
+            + (24.0 / 5.0) * beam_alpha3dot;
+        const double beam_D2_1 = (12.0 / 5.0) * beam_alpha1 + (16.0 / 5.0) * beam_alpha2
+            + (92.0 / 35.0) * beam_alpha3;
+        const double beam_D2_2 = (16.0 / 5.0) * beam_alpha1 + (156.0 / 35.0) * beam_alpha2
+            + (18.0 / 5.0) * beam_alpha3;
+        const double beam_D2_3 = (92.0 / 35.0) * beam_alpha1 + (18.0 / 5.0) * beam_alpha2
+            + (44.0 / 15.0) * beam_alpha3;
+        const double beam_J = 100.0 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2
+            + beam_D2_3 * beam_alpha3;
+        const double beam_d3dot = 10.0 * beam_alpha1dot + 12.0 * beam_alpha2dot + 10.0 * beam_alpha3dot;
+        energy[b] = 0.5 * (beam_phidot * beam_phidot * beam_J
+            + (12.0 / 5.0) * (beam_alpha1dot * beam_alpha1dot)
+            + (156.0 / 35.0) * (beam_alpha2dot * beam_alpha2dot)
+            + (44.0 / 15.0) * (beam_alpha3dot * beam_alpha3dot) + 12.0 * (beam_c1dot * beam_c1dot)
+            + 12.0 * (beam_c2dot * beam_c2dot) + (2.0 * beam_c2dot * beam_d1dot_2
+            - 2.0 * (beam_c1dot * beam_phidot) * beam_d1_2) * beam_cos_phi[b]
+            + 2.0 * beam_phidot * beam_d3dot - (2.0 * beam_c1dot * beam_d1dot_2
+            + 2.0 * (beam_c2dot * beam_phidot) * beam_d1_2) * beam_sin_phi[b]
+            + (16.0 / 5.0) * (2.0 * (beam_alpha1dot * beam_alpha2dot))
+            + (92.0 / 35.0) * (2.0 * (beam_alpha1dot * beam_alpha3dot))
+            + (18.0 / 5.0) * (2.0 * (beam_alpha2dot * beam_alpha3dot)));
+        energy[all + b] = 0.5 * (56.0 * beam_alpha1 * beam_alpha1 + 168.0 * beam_alpha2 * beam_alpha2
+            + (504.0 / 5.0) * beam_alpha3 * beam_alpha3 + 112.0 * beam_alpha1 * beam_alpha3);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spun_up_cantilever_energy_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    double q_b[192], v_b[192], energy_b[64];
+    int code;
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = spun_up_cantilever_energy_batch(count, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
     return code;
+}
+
+TISSERAND_APART int spun_up_cantilever_energy_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        spun_up_cantilever_energy_states(8, 8, q, v, k, energy);
+        return 0;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        spun_up_cantilever_energy_copied(32, all, q, v, k, energy);
+        q += 32; v += 32; energy += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        spun_up_cantilever_energy_states(8, all, q, v, k, energy);
+        q += 8; v += 8; energy += 8;
+    }
+    if (left > 0) {
+        spun_up_cantilever_energy_states(left, all, q, v, k, energy);
+    }
+    return 0;
+}
+
+int spun_up_cantilever_energy_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    return n == 1 ? spun_up_cantilever_energy(q, v, k, energy) : spun_up_cantilever_energy_blocks(n, q, v, k, energy);
+}
+
+TISSERAND_INLINE void spun_up_cantilever_momentum_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT momentum)
+{
+    (void) k;
+    double beam_cos_phi[8], beam_sin_phi[8];
+
+    tisserand_sines(count, q + 2 * all, beam_sin_phi, beam_cos_phi);
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_c1 = q[b];
+        const double beam_c2 = q[all + b];
+        const double beam_alpha1 = q[3 * all + b];
+        const double beam_alpha2 = q[4 * all + b];
+        const double beam_alpha3 = q[5 * all + b];
+        const double beam_c1dot = v[b];
+        const double beam_c2dot = v[all + b];
+        const double beam_phidot = v[2 * all + b];
+        const double beam_alpha1dot = v[3 * all + b];
+        const double beam_alpha2dot = v[4 * all + b];
+        const double beam_alpha3dot = v[5 * all + b];
+        const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
+        const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
+            + (24.0 / 5.0) * beam_alpha3dot;
+        const double beam_D2_1 = (12.0 / 5.0) * beam_alpha1 + (16.0 / 5.0) * beam_alpha2
+            + (92.0 / 35.0) * beam_alpha3;
+        const double beam_D2_2 = (16.0 / 5.0) * beam_alpha1 + (156.0 / 35.0) * beam_alpha2
+            + (18.0 / 5.0) * beam_alpha3;
+        const double beam_D2_3 = (92.0 / 35.0) * beam_alpha1 + (18.0 / 5.0) * beam_alpha2
+            + (44.0 / 15.0) * beam_alpha3;
+        const double beam_J = 100.0 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2
+            + beam_D2_3 * beam_alpha3;
+        const double beam_d3dot = 10.0 * beam_alpha1dot + 12.0 * beam_alpha2dot + 10.0 * beam_alpha3dot;
+        const double t1 = beam_phidot * beam_d1_2;
+        momentum[b] = 12.0 * beam_c1dot - beam_d1dot_2 * beam_sin_phi[b] - t1 * beam_cos_phi[b];
+        momentum[all + b] = 12.0 * beam_c2dot + beam_d1dot_2 * beam_cos_phi[b] - t1 * beam_sin_phi[b];
+        momentum[2 * all + b] = beam_d3dot + beam_phidot * beam_J + (beam_c1 * beam_d1dot_2
+            + beam_phidot * beam_c2 * beam_d1_2 - beam_c1dot * beam_d1_2) * beam_cos_phi[b]
+            + (beam_c2 * beam_d1dot_2 - beam_c2dot * beam_d1_2
+            - beam_phidot * beam_c1 * beam_d1_2) * beam_sin_phi[b] + 12.0 * (beam_c2dot * beam_c1)
+            - 12.0 * (beam_c1dot * beam_c2);
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spun_up_cantilever_momentum_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    double q_b[192], v_b[192], momentum_b[96];
+    int code;
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = spun_up_cantilever_momentum_batch(count, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int spun_up_cantilever_momentum_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        spun_up_cantilever_momentum_states(8, 8, q, v, k, momentum);
+        return 0;
+    }
+    for (; n % 512 == 0 && left > 0; left -= 32) {
+        spun_up_cantilever_momentum_copied(32, all, q, v, k, momentum);
+        q += 32; v += 32; momentum += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        spun_up_cantilever_momentum_states(8, all, q, v, k, momentum);
+        q += 8; v += 8; momentum += 8;
+    }
+    if (left > 0) {
+        spun_up_cantilever_momentum_states(left, all, q, v, k, momentum);
+    }
+    return 0;
+}
+
+int spun_up_cantilever_momentum_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    return n == 1 ? spun_up_cantilever_momentum(q, v, k, momentum) : spun_up_cantilever_momentum_blocks(n, q, v, k, momentum);
+}
+
+TISSERAND_INLINE void spun_up_cantilever_rates_states(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *TISSERAND_RESTRICT qdot)
+{
+    (void) q;
+    (void) k;
+
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        const double beam_c1dot = v[b];
+        const double beam_c2dot = v[all + b];
+        const double beam_phidot = v[2 * all + b];
+        const double beam_alpha1dot = v[3 * all + b];
+        const double beam_alpha2dot = v[4 * all + b];
+        const double beam_alpha3dot = v[5 * all + b];
+        qdot[b] = beam_c1dot;
+        qdot[all + b] = beam_c2dot;
+        qdot[2 * all + b] = beam_phidot;
+        qdot[3 * all + b] = beam_alpha1dot;
+        qdot[4 * all + b] = beam_alpha2dot;
+        qdot[5 * all + b] = beam_alpha3dot;
+    }
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spun_up_cantilever_rates_copied(
+    int count,
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    double q_b[192], v_b[192], qdot_b[192];
+    int code;
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
+    code = spun_up_cantilever_rates_batch(count, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    return code;
+}
+
+TISSERAND_APART int spun_up_cantilever_rates_blocks(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    const ptrdiff_t all = n;
+    int left = n;
+
+    if (n == 8) {
+        spun_up_cantilever_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    for (; n % 256 == 0 && left > 0; left -= 32) {
+        spun_up_cantilever_rates_copied(32, all, q, v, k, qdot);
+        q += 32; v += 32; qdot += 32;
+    }
+    for (; left >= 8; left -= 8) {
+        spun_up_cantilever_rates_states(8, all, q, v, k, qdot);
+        q += 8; v += 8; qdot += 8;
+    }
+    if (left > 0) {
+        spun_up_cantilever_rates_states(left, all, q, v, k, qdot);
+    }
+    return 0;
+}
+
+int spun_up_cantilever_rates_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *qdot)
+{
+    return n == 1 ? spun_up_cantilever_rates(q, v, k, qdot) : spun_up_cantilever_rates_blocks(n, q, v, k, qdot);
 }
 
 #endif
@@ -2747,7 +3390,7 @@ static const tisserand_scene spun_up_cantilever_scene = {
 };
 
 static const tisserand_model spun_up_cantilever_descriptor = {
-    7,
+    8,
     "spun_up_cantilever",
     SPUN_UP_CANTILEVER_HASH,
     SPUN_UP_CANTILEVER_NQ,
@@ -2784,8 +3427,16 @@ static const tisserand_model spun_up_cantilever_descriptor = {
 #ifndef TISSERAND_WITHOUT_BATCHES
     spun_up_cantilever_mass_batch,
     spun_up_cantilever_force_batch,
+    spun_up_cantilever_mass_force_batch,
     spun_up_cantilever_accel_batch,
+    spun_up_cantilever_energy_batch,
+    spun_up_cantilever_momentum_batch,
+    spun_up_cantilever_rates_batch,
 #else
+    0,
+    0,
+    0,
+    0,
     0,
     0,
     0,

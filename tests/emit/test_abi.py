@@ -9,7 +9,7 @@ from derive.backends.c.source import ABI
 from derive.rendering import render
 from derive.roles import Role
 
-LAYOUT = (7, "e1f381e5bdd938e2ae843f407ce3b1dfa09127a23780697eb6260de06e905983")
+LAYOUT = (8, "8689f1694922f517c6bac12b1ed79c4fa3791d7fb24f984cd43a05cf4628807f")
 """The number of the interface, and the SHA-256 of the descriptor's declarations without comments."""
 
 

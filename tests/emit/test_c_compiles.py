@@ -66,9 +66,9 @@ def test_global_symbols_are_those_that_the_header_declares(compiled: Compiled) -
 
 
 NEEDED = {
-    "flat": {"sin", "cos", "sincos", "sqrt"},
-    # The square roots of a Cholesky factor; compilers make calls of the last three out of loops by themselves.
-    "table": {"sqrt", "memset", "memcpy", "memmove"},
+    # Sines of angles beyond 1e5, and compilers make calls of the last three out of loops by themselves.
+    "flat": {"sin", "cos", "sincos", "sqrt", "memset", "memcpy", "memmove"},
+    "table": {"sqrt", "memset", "memcpy", "memmove"},  # the square roots of a Cholesky factor
 }
 
 
@@ -109,7 +109,7 @@ def test_a_model_of_many_shapes_compiles(tmp_path: Path) -> None:
     made = beams.made("point", 12)
     (source,) = written(made.files, tmp_path)
     run(tool("gcc"), *C99, "-fsyntax-only", source)
-    assert sum(len(file.text) for file in made.files) < 500_000
+    assert sum(len(file.text) for file in made.files) < 520_000
 
 
 def test_headers_of_different_interfaces_refuse_each_other(tmp_path: Path) -> None:

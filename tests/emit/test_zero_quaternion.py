@@ -150,7 +150,10 @@ def test_the_header_says_what_a_quaternion_has_to_be() -> None:
     text = " ".join(header.split())
     assert "The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times" in text
     assert "Functions that read it return 2 where it is zero or NaN, before they check anything else." in text
-    assert "mass_batch and force_batch and accel_batch give NaN" in text
+    assert (
+        "mass_batch, force_batch, mass_force_batch, accel_batch, energy_batch, momentum_batch and rates_batch give NaN"
+        in text
+    )
     beam = derive.planar_beam("flat_beam")
     (header,) = (f.text for f in derive.model_files(derive.lower(derive.derive(beam)), beam) if f.path.endswith(".h"))
     assert "quaternion" not in header and "accel_batch gives NaN" in " ".join(header.split())

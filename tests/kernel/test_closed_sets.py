@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import beams
-from derive.backends.c.batch import batch_body
+from derive.backends.c.batch import batch_function
 from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
 from derive.ir.analysis import expressions, operations, reads
@@ -46,7 +46,7 @@ USES: dict[str, Callable[[], Any]] = {
     "reads": lambda: list(reads(Unknown())),  # type: ignore[arg-type]
     "C": lambda: CBackend().files(model(), ""),
     "Python": lambda: PythonBackend().files(model(), ""),
-    "a batch in C": lambda: batch_body(model(), kernel(), 32),
+    "a batch in C": lambda: batch_function(model(), kernel(), 32),
     "interpreter": lambda: interpret(kernel(), {"q": [0.0] * 5, "k": [1.0] * len(kernel().arguments[1].elements)}),
 }
 

@@ -1,245 +1,204 @@
 """Kernels of many states at once in C: vector units take several states in one operation.
 
-Arrays of a batch are structures of arrays: element e of state b lies at e * n + b. A function takes blocks of states.
-In a block, straight lines run in a loop over its states, the innermost one, and every loop over the modes has such a
-loop inside. Each state has the operations of the scalar kernel in their order, so its bits are equal.
+Arrays of a batch are structures of arrays: element e of state b lies at e * n + b. A batch is computed in blocks of
+states, for which `batch_block.py` prints a function; this module prints the function that divides a batch into blocks.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import groupby
-from typing import assert_never
 
-from derive.backends.c.batch_loops import BlockLoops, Lines, Names, rows_helper, scatter
-from derive.backends.c.batch_parts import StraightLines, batch_parts, block_arrays
-from derive.backends.wrapping import WIDTH, join, statement
-from derive.ir.analysis import expressions
-from derive.ir.model import Kernel, Model
-from derive.ir.statements import Accumulate, Let, Map, MatVec, Require, Requirement, Store, TriangularSolve
+from derive.backends.c.batch_block import SHARED, Block, declarations
+from derive.backends.c.batch_loops import Lines, rows_helper
+from derive.backends.c.signatures import names, parameters, signature
+from derive.ir.model import Argument, Kernel, Model
+from derive.ir.statements import MatVec
 from derive.rendering import render
 
-KERNELS = ("mass", "force", "accel")
-SHARED = ("k", "u")
-"""Arguments that all states of a batch share."""
-WIDTHS = {32: 256, 16: 256, 8: 512, 4: None}
-"""States of a block, the best first, and the kilobytes of stack that it may take.
+KERNELS = ("mass", "force", "mass_force", "accel", "energy", "momentum", "rates")
+"""The kernels that have a function for batches."""
 
-More than sixteen need no `TISSERAND_LANES`; fewer than eight read the tables too often.
+STRAIGHT = 8
+"""States of a block of a kernel without loops over the modes: one vector, or a few."""
+WIDTHS = {32: 256, 16: 256, 8: 512, 4: None}
+"""States of a block of a kernel with such loops, the best first, and the kilobytes of stack that it may take.
+
+Fewer than eight read the tables too often.
 """
+SHORT = 60
+"""Statements of a kernel that is compiled again for the states that fill no block, and for a batch of one block.
+
+Of other kernels the function of single states computes the former, with a copy of each state.
+"""
+COPIES = {32: 128, 1: None}
+"""States that are copied at once, the best first, and the kilobytes of stack that they may take; see `_spacing`."""
+SPACINGS = (64, 128, 256, 512)
+"""Numbers of states which may be unfavourable, with their multiples, as `_spacing` explains."""
 
 
 def batch_widths(model: Model) -> dict[str, int]:
     """States of a block, by the name of the kernel."""
+    return {name: _width(model, model.kernel(name)) for name in KERNELS}
 
-    def fits(name: str, width: int, most: int | None) -> bool:
-        return most is None or stack(model, name, width) <= 1024 * most
 
-    return {name: next(w for w, most in WIDTHS.items() if fits(name, w, most)) for name in KERNELS}
+def _width(model: Model, kernel: Kernel) -> int:
+    if Block(kernel, model.name, STRAIGHT).is_straight:
+        return STRAIGHT
+    return next(w for w, most in WIDTHS.items() if _fits(stack(model, kernel.name, w), most))
+
+
+def _fits(size: int, kilobytes: int | None) -> bool:
+    return kilobytes is None or size <= 1024 * kilobytes
 
 
 def stack(model: Model, name: str, width: int) -> int:
-    """Bytes that the arrays of a block take."""
-    return 8 * width * _Body(model.kernel(name), model.name, width).rows
-
-
-def batch_body(model: Model, kernel: Kernel, width: int) -> Lines:
-    """The body of the function of a kernel."""
-    return _Body(kernel, model.name, width).text()
+    """Bytes that the arrays of a block take, or copies of states."""
+    kernel = model.kernel(name)
+    copies = 8 * _copies(kernel) * sum(_copied(kernel).values())
+    return max(8 * width * Block(kernel, model.name, width).rows, copies)
 
 
 @dataclass(frozen=True)
-class Helpers:
-    """The helpers of functions with blocks of one width: `pads` where kernels read states, `gathers` their arrays."""
+class BatchFunction:
+    """A function of a batch as text, with the static functions that it calls."""
+
+    helpers: str
+    signature: str
+    body: str
+
+
+def batch_function(model: Model, kernel: Kernel, width: int) -> BatchFunction:
+    """The function for the batches of a kernel, with blocks of `width` states."""
+    block, name = Block(kernel, model.name, width), f"{model.name}_{kernel.name}"
+    arguments = ["int n", *parameters(kernel)]
+    lines = [*block.text(), ""]
+    counts = [*([_copies(kernel)] if _spacing(block) else []), *([] if _is_short(block) else [1])]
+    for count in counts:
+        lines += [*_copying(model, kernel, count), ""]
+    lines += [*signature(f"TISSERAND_APART int {name}_blocks", arguments), "{", *_blocks(model, kernel, block), "}"]
+    head, body = signature(f"int {name}_batch", arguments), _body(model, kernel, block.checked)
+    return BatchFunction("\n".join(lines), "\n".join(head), "\n".join(body))
+
+
+def _is_short(block: Block) -> bool:
+    return block.is_straight and len(block.kernel.statements) <= SHORT
+
+
+def _moved(kernel: Kernel) -> list[Argument]:
+    """The arguments that have a value for each state."""
+    return [a for a in kernel.arguments if not a.scalar and a.name not in SHARED]
+
+
+def _copied(kernel: Kernel) -> dict[str, int]:
+    """The sizes of the arrays that have a value for each state."""
+    return {a.name: a.size for a in _moved(kernel)} | {o.name: o.size for o in kernel.outputs}
+
+
+def _copies(kernel: Kernel) -> int:
+    """States that are copied at once."""
+    size = 8 * sum(_copied(kernel).values())
+    return next(count for count, most in COPIES.items() if _fits(count * size, most))
+
+
+def _spacing(block: Block) -> int:
+    """The number of states whose multiples have rows that displace each other from the cache; 0 if there is none.
+
+    Lines of 64 bytes that lie a multiple of 4 kB apart go to one of 64 sets of a first-level cache, each with 8 places.
+    Rows of n states, where 8 n is a multiple of a large power of two, go to few of the sets. The result is the least
+    power for which the sets have fewer places than the arrays have rows.
+    """
+    rows = sum(_copied(block.kernel).values())
+    fitting = [n for n in SPACINGS if n // 8 * rows > 64 * 8]
+    return min(fitting, default=0) if block.is_straight and _copies(block.kernel) > 1 else 0
+
+
+def _body(model: Model, kernel: Kernel, checked: bool) -> Lines:
+    """A single state goes to the function of single states, whose arrays have the same layout."""
+    name, passed = f"{model.name}_{kernel.name}", ", ".join(names(kernel))
+    if not checked:
+        return [f"    return n == 1 ? {name}({passed}) : {name}_blocks(n, {passed});"]
+    fill = [f"for (int e = 0; code && e < {o.size}; e++) {o.name}[e] = (double) NAN;" for o in kernel.outputs]
+    single = [
+        "    if (n == 1) {",
+        f"        const int code = {name}({passed});",
+        *fill,
+        "        return code;",
+        "    }",
+    ]
+    return [*single, f"    return {name}_blocks(n, {passed});"]
+
+
+def _blocks(model: Model, kernel: Kernel, block: Block) -> Lines:
+    """A batch of one block has a stride that compilers know."""
+    name, passed = f"{model.name}_{kernel.name}", ", ".join(names(kernel))
+    checked, short = block.checked, _is_short(block)
+
+    def states(count: str, stride: str) -> str:
+        return f"{name}_states({count}, {stride}, {passed});"
+
+    def part(head: str, call: str, *then: str) -> Lines:
+        first = [f"const int failed = {call}", "if (code == 0) code = failed;"] if checked else [call]
+        return [f"    {head} {{", *(f"        {line}" for line in (*first, *then)), "    }"]
+
+    def moves(step: int) -> str:
+        return " ".join(f"{array} += {step};" for array in _copied(kernel))
+
+    lines = ["    const ptrdiff_t all = n;", f"    int left = n{', code = 0' if checked else ''};", ""]
+    if short:
+        result = "code" if checked else "0"
+        lines += part(f"if (n == {STRAIGHT})", states(str(STRAIGHT), str(STRAIGHT)), f"return {result};")
+    copies, spacing, width = _copies(kernel), _spacing(block), block.width
+    if spacing:
+        head = f"for (; n % {spacing} == 0 && left > 0; left -= {copies})"
+        lines += part(head, f"{name}_copied{copies}(all, {passed});", moves(copies))
+    lines += part(f"for (; left >= {width}; left -= {width})", states(str(width), "all"), moves(width))
+    if short:
+        lines += part("if (left > 0)", states("left", "all"))
+    else:
+        lines += part("for (; left > 0; left--)", f"{name}_copied1(all, {passed});", moves(1))
+    return [*lines, f"    return {'code' if checked else '0'};"]
+
+
+def _copying(model: Model, kernel: Kernel, count: int) -> Lines:
+    """The function that computes `count` states in arrays of their own."""
+    name = f"{model.name}_{kernel.name}"
+    head = signature(f"TISSERAND_APART int {name}_copied{count}", ["ptrdiff_t all", *parameters(kernel)])
+    copies = {array: f"{array}_b" for array in _copied(kernel)}
+    passed = ", ".join(copies.get(argument, argument) for argument in names(kernel))
+    over_states = f" for (int b = 0; b < {count}; b++)" if count > 1 else ""
+    own, among = (f"{count} * e + b", "e * all + b") if count > 1 else ("e", "e * all")
+    lines = declarations("double", [f"{copies[array]}[{count * size}]" for array, size in _copied(kernel).items()])
+    lines += ["    int code;"]
+    for a in _moved(kernel):
+        loops = f"for (int e = 0; e < {a.size}; e++){over_states}"
+        lines.append(f"    {loops} {copies[a.name]}[{own}] = {a.name}[{among}];")
+    lines.append(f"    code = {name}_batch({count}, {passed});")
+    for o in kernel.outputs:
+        loops = f"for (int e = 0; e < {o.size}; e++){over_states}"
+        lines.append(f"    {loops} {o.name}[{among}] = {copies[o.name]}[{own}];")
+    return ["/* States in arrays of their own. */", *head, "{", *lines, "    return code;", "}"]
+
+
+@dataclass(frozen=True)
+class WidthHelpers:
+    """The helpers of blocks of one width: whether arrays are gathered, and products with tables."""
 
     name: str
     width: int
-    pads: bool
     gathers: bool
     products: str
 
 
 def batch_helpers(model: Model, widths: Mapping[str, int]) -> str:
-    """The helpers of the functions of the batches, for each width of a block."""
+    """What the functions of the batches call."""
     blocks = []
     for width in sorted({*widths.values()}):
         name = f"{model.name}_block{width}"
         kernels = [model.kernel(kernel) for kernel, w in widths.items() if w == width]
-        bodies = [_Body(kernel, model.name, width) for kernel in kernels]
         multiplies = any(isinstance(s, MatVec) for k in kernels for s in k.statements)
         products = "".join(f"{line}\n" for line in rows_helper(name, width)) if multiplies else ""
-        pads, gathers = any(body.states for body in bodies), any(body.views for body in bodies)
-        blocks.append(Helpers(name, width, pads, gathers, products))
-    checked = any(isinstance(s, Require) for kernel in KERNELS for s in model.kernel(kernel).statements)
+        gathers = any(Block(kernel, model.name, width).views for kernel in kernels)
+        blocks.append(WidthHelpers(name, width, gathers, products))
+    checked = any(Block(model.kernel(name), model.name, width).checked for name, width in widths.items())
     return render("c/block.c.jinja", {"name": model.name, "blocks": blocks, "checked": checked})
-
-
-class _Body:
-    """The text of one function."""
-
-    def __init__(self, kernel: Kernel, model: str, width: int) -> None:
-        self.kernel, self.model, self.width = kernel, model, width
-        self.prefix = f"{model}_block{width}"
-        (self.output,) = kernel.outputs
-        used = kernel.used
-        states = [a for a in kernel.arguments if not a.scalar and a.name not in SHARED]
-        self.states = [a for a in states if used & {*a.elements}]
-        self.views = [(a.name, view) for a in states for view in a.arrays if view.name in used]
-        read = {a.name for a in self.states} | {name for name, _ in self.views}
-        self.unused = [a.name for a in kernel.arguments if a.name not in SHARED and a.name not in read]
-        self.moved = [a.name for a in states if a.name in read]
-        (self.k,) = (a for a in kernel.arguments if a.name == "k")
-        self.inputs = [(k, n) for a in kernel.arguments if a.name == "u" for k, n in a.named_elements]
-        self.has_inputs = any(a.name == "u" for a in kernel.arguments)
-        self.parts = batch_parts(kernel)
-        elements = {name: (a.name, index) for a in states for index, name in a.named_elements}
-        names = Names(width, elements, frozenset(v.name for v in self.k.arrays), block_arrays(self.parts))
-        contracts = [part for part in self.parts if isinstance(part, MatVec)]
-        vectors = frozenset(p.vector for c in contracts for term in c.terms for p in term.sums)
-        self.loops = BlockLoops(names, self.prefix, vectors)
-        self.stored = sorted(s.index for s in kernel.statements if isinstance(s, Store))
-        self.checked = any(isinstance(s, Require) for s in kernel.statements)
-        self.failed = False
-        self.inner = self._inner()
-        self.tails = {f"{a.name}_tail": len(a.elements) for a in self.states}
-        self.rows_of = {**self.loops.arrays, **({f"{self.output.name}_block": len(self.stored)} if self.stored else {})}
-        self.lines = [*sorted(names.wide, key=_natural), *(["codes"] if self.checked else [])]
-
-    @property
-    def rows(self) -> int:
-        """Numbers of one state that lie on the stack."""
-        return sum(self.tails.values()) + sum(self.rows_of.values()) + len(self.lines)
-
-    def text(self) -> Lines:
-        """All lines of the body."""
-        lines = [f"    (void) {name};" for name in self.unused]
-        used = self.kernel.used
-        lines += [f"    const double {name} = k[{index}];" for index, name in self.k.named_elements if name in used]
-        read = [(index, name) for index, name in self.inputs if name in used]
-        lines += [f"    const double {name} = u[{index}];" for index, name in read]
-        lines += ["    (void) u;"] if self.has_inputs and not read else []
-        views = [v for v in self.k.arrays if v.name in used]
-        lines += [f"    const double *{v.name} = k{f' + {v.offset}' if v.offset else ''};" for v in views]
-        if not views and not any(name in used for name in self.k.elements):
-            lines.append("    (void) k;")
-        width = self.width
-        lines += _declared([f"{name}[{rows * width}]" for name, rows in self.tails.items()])
-        lines += _declared([f"{name}[{width}]" for name in self.lines])
-        lines += _declared([f"{name}[{rows}][{width}]" for name, rows in self.rows_of.items()])
-        lines += ["    const ptrdiff_t all = n;", *(["    int code = 0;"] if self.checked else [])]
-        return [
-            *lines,
-            "",
-            f"    for (int left = n; left > 0; left -= {width}) {{",
-            f"        const int count = left < {width} ? left : {width};",
-            *(f"        {line}" if line else "" for line in (*self._blocks(), *self.inner, *self._outputs())),
-            *(f"        {name} += count;" for name in (*self.moved, self.output.name)),
-            "    }",
-            *(["    return code;"] if self.checked else ["    return 0;"]),
-        ]
-
-    def _blocks(self) -> Lines:
-        """Where the states of a block are: among all, or, of the last block, in a copy."""
-        if not self.states:
-            return []
-        width = self.width
-        strides = any(self.loops.names.indices)  # the first element of a state needs none
-        return [
-            *([f"const ptrdiff_t stride = count < {width} ? {width} : all;"] if strides else []),
-            *(
-                f"const double *{a.name}_block = count < {width} ? "
-                f"{self.prefix}_pad(all, count, {len(a.elements)}, {a.name}, {a.name}_tail) : {a.name};"
-                for a in self.states
-            ),
-        ]
-
-    def _inner(self) -> Lines:
-        lines = [line for argument, view in self.views for line in self.loops.view(view, argument)]
-        for n, part in enumerate(self.parts, 1):
-            match part:
-                case StraightLines():
-                    lines += self._run(part)
-                case Map():
-                    lines += self.loops.map(part)
-                case Accumulate():
-                    lines += self.loops.accumulate(part, f"sums{n}")
-                case MatVec():
-                    lines += self.loops.matvec(part)
-                case TriangularSolve():
-                    lines += self.loops.triangular_solve(part)
-                case _:
-                    assert_never(part)
-        return lines
-
-    def _run(self, run: StraightLines) -> Lines:
-        names = self.loops.names
-        lines = []
-        if run.early:
-            loads = names.loads(let.expr for let in run.early)
-            lines = names.loop([*loads, *(line for let in run.early for line in self._line(let))])
-        body = names.loads(e for line in run.lines for e in expressions(line))
-        checks: list[Lines] = []
-        for line in run.lines:
-            if isinstance(line, Require):
-                checks.append(self._check(line))
-            else:
-                body += self._line(line)
-        if checks:
-            # The first check that fails gives the code, so it comes last; and what failed before keeps its own.
-            body += ["    double code_b = 0.0;", *(text for check in reversed(checks) for text in check)]
-            body.append(f"    codes[b] = {'codes[b] > 0.0 ? codes[b] : ' if self.failed else ''}code_b;")
-            self.failed = True
-        return [*lines, *names.loop(body)]
-
-    def _line(self, line: Let | Store) -> Lines:
-        names, value = self.loops.names, self.loops.names.text(line.expr)
-        if isinstance(line, Store):
-            row = self.stored.index(line.index)
-            return statement("    ", f"{line.output}_block[{row}][b] = ", value, ";")
-        if line.name in names.wide:
-            return statement("    ", f"{line.name}[b] = ", value, ";")
-        return statement("    ", f"const double {line.name} = ", value, ";")
-
-    def _check(self, line: Require) -> Lines:
-        """Both values are computed before one is chosen, so that compilers need no branch."""
-        value = self.loops.names.text(line.expr)
-        end = f" ? code_b : {line.code}.0; /* {line.text} */"
-        match line.kind:
-            case Requirement.POSITIVE:
-                return statement("    ", "code_b = ", join(value, " > 0.0"), end)
-            case Requirement.FINITE:  # a difference of what is not finite is a NaN
-                lines = statement("    ", "const double finite = ", value, ";")
-                return [*lines, f"    code_b = finite - finite == 0.0{end}"]
-            case _:
-                assert_never(line.kind)
-
-    def _outputs(self) -> Lines:
-        name, lines = self.output.name, []
-        for _, run in groupby(enumerate(self.stored), lambda pair: pair[1] - pair[0]):
-            pairs = list(run)
-            row, first = pairs[0]
-            to = f"{name} + {first} * all" if first else name
-            lines.append(scatter(self.prefix, len(pairs), to, f"{name}_block", row))
-        if self.checked:
-            rows, refuse = self.output.size, f"{self.model}_block_fail"
-            lines += [
-                f"const int failed = {refuse}(all, count, {rows}, codes, {name});",
-                "if (code == 0) code = failed;",
-            ]
-        return lines
-
-
-def _natural(name: str) -> tuple[int, str]:
-    return len(name), name
-
-
-def _declared(arrays: list[str]) -> Lines:
-    """Arrays in as many declarations as lines."""
-    lines: Lines = []
-    for name in arrays:
-        if lines and len(lines[-1]) + len(name) + 3 <= WIDTH:
-            lines[-1] = f"{lines[-1][:-1]}, {name};"
-        else:
-            lines.append(f"    double {name};")
-    return lines

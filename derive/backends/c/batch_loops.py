@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import assert_never
 
-from derive.backends.c.loops import SHORT, rounds
+from derive.backends.c.loops import rounds
 from derive.backends.expression_text import C, Named, strided, text
 from derive.backends.wrapping import BreakableText, join, statement
 from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef, walk
@@ -19,21 +19,44 @@ from derive.ir.statements import LANES, Accumulate, Let, Map, MatVec, StoreLocal
 
 Lines = list[str]
 
+STATES = "TISSERAND_STATES for (int b = 0; b < count; b++)"
+"""The head of a loop over the states of a block."""
+
+STATES_MACRO = """\
+/* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
+   and then make no vectors of it. */
+#if defined(__clang__)
+#  pragma clang diagnostic ignored "-Wpass-failed"
+#  define TISSERAND_STATES _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__) && __GNUC__ >= 8
+#  define TISSERAND_STATES _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
+#else
+#  define TISSERAND_STATES
+#endif
+
+/* INLINE: functions that are compiled anew wherever they are called, for the number of states that is given there.
+   APART: functions that are not, so that what calls them last needs no stack. */
+#if defined(__GNUC__)
+#  define TISSERAND_INLINE static inline __attribute__((always_inline, unused))
+#  define TISSERAND_APART static __attribute__((noinline))
+#else
+#  define TISSERAND_INLINE static inline
+#  define TISSERAND_APART static
+#endif
+"""
+
 
 @dataclass(frozen=True)
 class Names:
-    """How names are written in a loop over the states b of a block of `width` states.
+    """How names are written in a loop over the states b of a block.
 
     `elements` are the argument and the index of the elements of q and v; `wide` are the scalars that have a value for
-    each state. Arrays are of k, if they are among `constants`, else local ones with a row for each element. `indices`
-    gathers those of the elements that are read.
+    each state. Arrays are of k, if they are among `constants`, else local ones with a row for each element.
     """
 
-    width: int
     elements: Mapping[str, tuple[str, int]]
     constants: frozenset[str]
     wide: frozenset[str]
-    indices: set[int] = field(default_factory=set)
 
     def text(self, expr: Expr) -> BreakableText:
         """An expression."""
@@ -65,15 +88,24 @@ class Names:
         """Name the elements of q and v that are read."""
         used = {part.name for e in exprs for part in walk(e) if isinstance(part, ScalarRef)}
         read = {name: where for name, where in self.elements.items() if name in used}
-        self.indices.update(index for _, index in read.values())
-        return [
-            f"    const double {name} = {argument}_block[{f'{index} * stride + ' if index else ''}b];"
-            for name, (argument, index) in read.items()
-        ]
+        return [f"    const double {name} = {argument}[{row(str(e))}b];" for name, (argument, e) in read.items()]
 
-    def loop(self, body: Lines) -> Lines:
-        """The loop over the states."""
-        return [states(self.width), *body, "}"]
+    def values(self, name: str) -> str:
+        """The values of a scalar for all states of the block, as an array."""
+        if name not in self.elements:
+            return name
+        argument, element = self.elements[name]
+        return f"{argument} + {element} * all" if element else argument
+
+
+def row(element: str) -> str:
+    """What precedes the number of a state in an index: where the states of an element begin."""
+    return {"0": "", "1": "all + "}.get(element, f"{element} * all + ")
+
+
+def loop(body: Lines) -> Lines:
+    """The loop over the states; see `STATES_MACRO`."""
+    return [f"{STATES} {{", *body, "}"]
 
 
 @dataclass
@@ -91,90 +123,85 @@ class BlockLoops:
     def view(self, view: View, argument: str) -> Lines:
         """A part of q or v, for the states of a block."""
         self.arrays[view.name] = padded(view.size)
-        gather = f"{self.prefix}_gather(all, count, {view.size}, {argument} + {view.offset} * all, {view.name});"
+        source = f"{argument} + {view.offset} * all" if view.offset else argument
+        gather = f"{self.prefix}_gather(count, all, {view.size}, {source}, {view.name});"
         return [gather, *self._padding(view.name, view.size)]
 
-    def map(self, loop: Map) -> Lines:
-        """Rows of an output go to local ones first: n may be anything, so compilers could not tell them apart."""
-        names, stored = self.names, [item for item in loop.body if isinstance(item, StoreStrided)]
-        body, padding = names.loads(item.expr for item in loop.body), []
-        for item in loop.body:
+    def map(self, loop_of_modes: Map) -> Lines:
+        """A loop over the states in each step."""
+        names, count = self.names, loop_of_modes.count
+        body, padding = names.loads(item.expr for item in loop_of_modes.body), []
+        for item in loop_of_modes.body:
             value = names.text(item.expr)
             match item:
                 case Let():
                     body += statement("    ", f"const double {item.name} = ", value, ";")
                 case StoreLocal():
-                    self.arrays[item.array] = padded(loop.count)
-                    padding += self._padding(item.array, loop.count)
+                    self.arrays[item.array] = padded(count)
+                    padding += self._padding(item.array, count)
                     body += statement("    ", f"{item.array}[i][b] = ", value, ";")
                 case StoreStrided():
-                    body += statement("    ", f"rows[{stored.index(item)}][b] = ", value, ";")
+                    index = str(strided(item.offset, item.stride))
+                    element = row(index if index == "i" else f"({index})")
+                    body += statement("    ", f"{item.output}[{element}b] = ", value, ";")
                 case _:
                     assert_never(item)
-        if stored:
-            self.arrays["rows"] = max(self.arrays.get("rows", 0), len(stored))
-        inner = names.loop(body)
-        for k, item in enumerate(stored):
-            index = "i" if item.stride == 1 else f"{item.stride} * i"
-            element = f"({item.offset} + {index})" if item.offset else index
-            inner.append(scatter(self.prefix, 1, f"{item.output} + {element} * all", "rows", k))
-        return [_for("i", loop.count), *map(_indented, inner), "}", *padding]
+        return [_for("i", count), *map(_indented, loop(body)), "}", *padding]
 
-    def accumulate(self, loop: Accumulate, name: str) -> Lines:
+    def accumulate(self, sums: Accumulate, name: str) -> Lines:
         """Lanes of sums in the array `name`; `totals` adds them."""
-        many, names = len(loop.sums), self.names
+        many, names = len(sums.sums), self.names
         self.arrays[name] = many * LANES
-        body = names.loads((*(let.expr for let in loop.lets), *(total.term for total in loop.sums)))
-        for let in loop.lets:
+        body = names.loads((*(let.expr for let in sums.lets), *(total.term for total in sums.sums)))
+        for let in sums.lets:
             body += statement("    ", f"const double {let.name} = ", names.text(let.expr), ";")
-        for k, total in enumerate(loop.sums):
+        for k, total in enumerate(sums.sums):
             body += statement("    ", f"{name}[{k * LANES} + l][b] += ", names.text(total.term), ";")
-        zero = names.loop([f"    {name}[i][b] = 0.0;"])
+        zero = loop([f"    {name}[i][b] = 0.0;"])
         return [
             *(_for("i", many * LANES), *map(_indented, zero), "}"),
-            *(_for("i", loop.count), f"    const int l = i % {LANES};", *map(_indented, names.loop(body)), "}"),
+            *(_for("i", sums.count), f"    const int l = i % {LANES};", *map(_indented, loop(body)), "}"),
         ]
 
-    def matvec(self, loop: MatVec) -> Lines:
+    def matvec(self, product: MatVec) -> Lines:
         """The rows of a block of all products, some columns at a time."""
-        packing, names = loop.packing, self.names
+        packing, names = product.packing, self.names
         size = packing.padded
-        self.arrays |= {term.name: size for term in loop.terms}
+        self.arrays |= {term.name: size for term in product.terms}
         start = [
             f"    {term.name}[r][b] = {names.element(term.base, BreakableText(('r',))) if term.base else '0.0'};"
-            for term in loop.terms
+            for term in product.terms
         ]
-        inner = [f"for (int r = i; r < i + {LANES}; r++) {{", *map(_indented, names.loop(start)), "}"]
-        for totals in rounds(loop):
+        inner = [f"for (int r = i; r < i + {LANES}; r++) {{", *map(_indented, loop(start)), "}"]
+        for totals in rounds(product):
             inner.append(f"for (int j = 0; j < {size}; j += {LANES}) {{")
             for total in totals:
                 p = total.product
                 first, stride = packing.first(p.table), packing.stride(p.table)
                 at = f"{packing.array}{f' + {first}' if first else ''}"
                 column = f"{at} + {packing.block(p.table) // LANES} * i + {stride} * j"
-                inner.append(
-                    f"    {self.prefix}_rows({column}, {stride}, {p.sign}.0, {p.vector} + j, {total.name} + i);"
-                )
+                given = f"{column}, {stride}, {p.sign}.0, {p.vector} + j, {total.name} + i"
+                inner.append(f"    {self.prefix}_rows(count, {given});")
             inner.append("}")
         return [f"for (int i = 0; i < {size}; i += {LANES}) {{", *map(_indented, inner), "}"]
 
-    def triangular_solve(self, loop: TriangularSolve) -> Lines:
+    def triangular_solve(self, solve: TriangularSolve) -> Lines:
         """Row by row, each of all states."""
-        n, lines = loop.count, []
-        for y in loop.arrays:
-            to, by = ("j", "i") if loop.transposed else ("i", "j")
-            scale = self.names.loop([f"    {y}[j][b] *= {loop.factor}[{n + 1} * j];"])
-            update = self.names.loop([f"    {y}[{to}][b] -= {loop.factor}[{n} * j + i] * {y}[{by}][b];"])
+        n, lines = solve.count, []
+        for y in solve.arrays:
+            to, by = ("j", "i") if solve.transposed else ("i", "j")
+            scale = loop([f"    {y}[j][b] *= {solve.factor}[{n + 1} * j];"])
+            update = loop([f"    {y}[{to}][b] -= {solve.factor}[{n} * j + i] * {y}[{by}][b];"])
             rest = [f"for (int i = j + 1; i < {n}; i++) {{", *map(_indented, update), "}"]
-            inner = [*rest, *scale] if loop.transposed else [*scale, *rest]
-            head = f"for (int j = {n - 1}; j >= 0; j--) {{" if loop.transposed else _for("j", n)
+            inner = [*rest, *scale] if solve.transposed else [*scale, *rest]
+            head = f"for (int j = {n - 1}; j >= 0; j--) {{" if solve.transposed else _for("j", n)
             lines += [head, *map(_indented, inner), "}"]
         return lines
 
     def _padding(self, array: str, count: int) -> Lines:
         if array not in self.vectors or count == padded(count):
             return []
-        zero = self.names.loop([f"    {array}[i][b] = 0.0;"])
+        zero = loop([f"    {array}[i][b] = 0.0;"])
         return [f"for (int i = {count}; i < {padded(count)}; i++) {{", *map(_indented, zero), "}"]
 
 
@@ -196,21 +223,12 @@ def totals(loop: Accumulate, name: str) -> tuple[Let, ...]:
     )
 
 
-def states(width: int) -> str:
-    """The head of a loop over states; see `LANES_MACRO` for the pragma before a short loop."""
-    return f"{'TISSERAND_LANES ' if width <= SHORT else ''}for (int b = 0; b < {width}; b++) {{"
-
-
-def scatter(prefix: str, rows: int, to: str, source: str, first: int = 0) -> str:
-    """Copy rows of a block to an output."""
-    return f"{prefix}_scatter(all, count, {rows}, {source}{f' + {first}' if first else ''}, {to});"
-
-
 def rows_helper(prefix: str, width: int) -> Lines:
     """y += sign A x for the rows of a block and four columns of A, of which a row has the states of a block."""
     lines = [
-        f"/* y += sign A x for {LANES} rows and {LANES} columns of A, where rows of x and y have {width} states */",
-        f"static inline void {prefix}_rows(",
+        f"/* y += sign A x for {LANES} rows and {LANES} columns of A, where rows of x and y have up to {width} states */",
+        f"TISSERAND_INLINE void {prefix}_rows(",
+        "    int count,",
         "    const double *TISSERAND_RESTRICT a,",
         "    int stride,",
         "    double sign,",
@@ -227,8 +245,7 @@ def rows_helper(prefix: str, width: int) -> Lines:
     body = [f"    const double {', '.join(f'x{c} = x[{c}][b]' for c in range(LANES))};"]
     for r in range(LANES):
         body.append(f"    y[{r}][b] = y[{r}][b] + {' + '.join(f'a{r}{c} * x{c}' for c in range(LANES))};")
-    loop = [states(width), *body, "}"]
-    return [*lines, *map(_indented, loop), "}", ""]
+    return [*lines, *map(_indented, loop(body)), "}", ""]
 
 
 def _for(index: str, stop: int) -> str:

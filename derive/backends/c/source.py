@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate, groupby
 from typing import assert_never
 
 from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
-from derive.backends.c.batch import batch_body, batch_helpers, batch_widths, stack
-from derive.backends.c.loops import LANES_MACRO, SHORT, CLoops
+from derive.backends.c.batch import batch_function, batch_helpers, batch_widths, stack
+from derive.backends.c.batch_loops import STATES_MACRO
+from derive.backends.c.loops import LANES_MACRO, CLoops
 from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
 from derive.backends.c.packed import entries, packed_functions
+from derive.backends.c.signatures import parameters, signature
 from derive.backends.c.splines import spline_lines
 from derive.backends.description import (
     LICENCE,
@@ -26,6 +28,8 @@ from derive.backends.description import (
 from derive.backends.expression_text import C, text
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
 from derive.backends.wrapping import comment, join, prefixed, statement
+from derive.ir.analysis import expressions
+from derive.ir.expressions import Operation, Operator, walk
 from derive.ir.model import Kernel, Model, Variable
 from derive.ir.statements import (
     Accumulate,
@@ -36,12 +40,13 @@ from derive.ir.statements import (
     RequireFinite,
     Requirement,
     ScalarStatement,
+    Statement,
     Store,
 )
 from derive.rendering import render
 from derive.roles import Role
 
-ABI = 7
+ABI = 8
 
 FORMS = {"index3": "", **REDUCED_FORMS}
 """The forms of the equations of a scene, with the suffixes of the names of their functions."""
@@ -80,14 +85,6 @@ class Declaration:
     signature: str
 
 
-@dataclass(frozen=True)
-class BatchFunction:
-    """A function of a batch as text."""
-
-    signature: str
-    body: str
-
-
 def _is_checked(kernel: Kernel) -> bool:
     """Whether a kernel may return another code than 0."""
     return any(isinstance(s, Require) for s in kernel.statements)
@@ -111,7 +108,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "roles": Role,
         "title": "\n".join(comment((*mark, f"{text_of_model.title}; see {model.name}.h."))),
         "description": "\n".join(comment((*mark, *description(text_of_model)))),
-        "helpers": _helpers(model, widths),
+        "helpers": _helpers(model),
         "defaults": defaults_text(model),
         "start": _start_text(model),
         "declarations": [
@@ -119,7 +116,9 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
             for kernel in model.kernels
         ],
         "batch_helpers": batch_helpers(model, widths),
-        "batches": [_batch(model, name, width) for name, width in widths.items()],
+        "batched": enumerated(BATCHED),
+        "batch_names": [f"{name}_batch" for name in BATCHED],
+        "batches": [batch_function(model, model.kernel(name), width) for name, width in widths.items()],
         "batch_width": " or ".join(str(w) for w in sorted({*widths.values()})),
         "batch_stack": -(-max(stack(model, name, width) for name, width in widths.items()) // 1024),
         "patterns": pattern_texts(model, "    "),
@@ -130,7 +129,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "checked_forces": bool(model.bodies) and _is_checked(model.kernel("force")),
         "attitude": any(q.role is Role.QUATERNION for q in model.coordinates),
         "several_checked": len(checked) > 1,
-        "checked_batches": f"{' and '.join(checked)} give{'s' if len(checked) == 1 else ''}",
+        "checked_batches": f"{enumerated(checked)} give{'s' if len(checked) == 1 else ''}",
         "entries": entries(model, BATCHED),
         "packed": list(packed_functions(model, BATCHED)),
         "energies": len(model.kernel("energy").outputs[0].elements),
@@ -143,11 +142,18 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
     }
 
 
-def _helpers(model: Model, widths: Mapping[str, int]) -> str:
-    """What the loops of a model call."""
+def enumerated(names: Sequence[str]) -> str:
+    """Names as in a sentence."""
+    *others, last = names
+    return f"{', '.join(others)} and {last}" if others else last
+
+
+def _helpers(model: Model) -> str:
+    """What the functions of a model call."""
     every = [s for kernel in model.kernels for s in kernel.statements]
-    lanes = min(widths.values()) <= SHORT or any(isinstance(s, Accumulate | MatVec | MatrixStore) for s in every)
+    lanes = any(isinstance(s, Accumulate | MatVec | MatrixStore) for s in every)
     lines = [LANES_MACRO] if lanes else []
+    lines += [STATES_MACRO, *([render("c/sine.c.jinja", {})] if any(map(_has_sine, every)) else [])]
     return "\n".join([*lines, *spline_lines(model)])
 
 
@@ -167,27 +173,13 @@ def _function(model: Model, kernel: Kernel) -> list[SourceLine]:
     return [*lines, *plain("    return 0;", "}")]
 
 
-def _batch(model: Model, name: str, width: int) -> BatchFunction:
-    kernel = model.kernel(name)
-    signature = _signature(f"{model.name}_{name}_batch", ["int n", *_parameters(kernel)])
-    return BatchFunction("\n".join(signature), "\n".join(batch_body(model, kernel, width)))
+def _has_sine(item: Statement) -> bool:
+    parts = (part for e in expressions(item) for part in walk(e) if isinstance(part, Operation))
+    return any(part.kind in (Operator.SIN, Operator.COS) for part in parts)
 
 
 def _signature_of(model: Model, kernel: Kernel) -> list[str]:
-    return _signature(f"{model.name}_{kernel.name}", _parameters(kernel))
-
-
-def _signature(name: str, parameters: list[str]) -> list[str]:
-    """The lines of a signature, with one parameter in each."""
-    *others, last = parameters
-    return [f"int {name}(", *(f"    {parameter}," for parameter in others), f"    {last})"]
-
-
-def _parameters(kernel: Kernel) -> list[str]:
-    inputs = [
-        f"double {a.name}" if a.scalar else f"const double *TISSERAND_RESTRICT {a.name}" for a in kernel.arguments
-    ]
-    return [*inputs, *(f"double *{o.name}" for o in kernel.outputs)]
+    return signature(f"int {model.name}_{kernel.name}", parameters(kernel))
 
 
 def _loads(kernel: Kernel) -> list[str]:

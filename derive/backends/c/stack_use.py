@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import assert_never
 
+from derive.ir.analysis import expressions
+from derive.ir.expressions import Operation, Operator, walk
 from derive.ir.model import Kernel
 from derive.ir.statements import (
     LANES,
@@ -28,6 +30,8 @@ DOUBLE = 8
 """Bytes."""
 COPIES = 2
 """Places on the stack for each named number: compilers keep sub-expressions beside them, or the lanes of vectors."""
+SINE = 24
+"""Numbers that the computation of a sine or a cosine names; without optimisation each has its own place."""
 FRAME = 256
 """Bytes for saved registers, the addresses of the arguments and the counters of loops."""
 
@@ -41,8 +45,13 @@ def stack_bytes(kernel: Kernel) -> int:
     used = kernel.used
     read = sum(name in used for argument in kernel.arguments for _, name in argument.named_elements)
     arrays: dict[str, int] = {}
-    numbers = read + sum(_numbers(statement, arrays) for statement in kernel.statements)
+    numbers = read + sum(_numbers(statement, arrays) + SINE * _sines(statement) for statement in kernel.statements)
     return DOUBLE * (COPIES * numbers + sum(arrays.values())) + FRAME
+
+
+def _sines(statement: Statement) -> int:
+    parts = (part for expr in expressions(statement) for part in walk(expr) if isinstance(part, Operation))
+    return sum(part.kind in (Operator.SIN, Operator.COS) for part in parts)
 
 
 def _numbers(statement: Statement, arrays: dict[str, int]) -> int:

@@ -1,0 +1,26 @@
+"""The signatures of the functions of a model in C."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from derive.ir.model import Kernel
+
+
+def signature(name: str, parameters: Sequence[str]) -> list[str]:
+    """The lines of a signature, with one parameter in each; the type of the result precedes the name."""
+    *others, last = parameters
+    return [f"{name}(", *(f"    {parameter}," for parameter in others), f"    {last})"]
+
+
+def parameters(kernel: Kernel, outputs: str = "double *") -> list[str]:
+    """The arguments and outputs of a kernel; `outputs` precedes the names of the latter."""
+    inputs = [
+        f"double {a.name}" if a.scalar else f"const double *TISSERAND_RESTRICT {a.name}" for a in kernel.arguments
+    ]
+    return [*inputs, *(f"{outputs}{o.name}" for o in kernel.outputs)]
+
+
+def names(kernel: Kernel) -> list[str]:
+    """The names of the arguments and outputs of a kernel, in their order."""
+    return [*(a.name for a in kernel.arguments), *(o.name for o in kernel.outputs)]
