@@ -12,11 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-<<<<<<< HEAD
-#ifndef BLOCK_HASH_34085c3dad97c084
-=======
-#ifndef BLOCK_HASH_93c914c12a5e4003
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+#ifndef BLOCK_HASH_1ee92aaa1f9168fe
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -3031,8 +3027,7 @@ TISSERAND_INLINE void block_mass_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int block_mass_copied(
-    int count,
+TISSERAND_APART int block_mass_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -3040,9 +3035,24 @@ TISSERAND_APART int block_mass_copied(
 {
     double q_b[480], M_b[1184];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    code = block_mass_batch(count, q_b, k, M_b);
-    for (int e = 0; e < 37; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    code = block_mass_batch(32, q_b, k, M_b);
+    for (int e = 0; e < 37; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_mass_copied1(
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    double q_b[15], M_b[37];
+    int code;
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    code = block_mass_batch(1, q_b, k, M_b);
+    for (int e = 0; e < 37; e++) M[e * all] = M_b[e];
     return code;
 }
 
@@ -3056,7 +3066,7 @@ TISSERAND_APART int block_mass_blocks(
     int left = n;
 
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        block_mass_copied(32, all, q, k, M);
+        block_mass_copied32(all, q, k, M);
         q += 32; M += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -3064,7 +3074,7 @@ TISSERAND_APART int block_mass_blocks(
         q += 8; M += 8;
     }
     for (; left > 0; left--) {
-        block_mass_copied(1, all, q, k, M);
+        block_mass_copied1(all, q, k, M);
         q += 1; M += 1;
     }
     return 0;
@@ -3258,8 +3268,7 @@ TISSERAND_INLINE void block_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int block_force_copied(
-    int count,
+TISSERAND_APART int block_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3269,10 +3278,28 @@ TISSERAND_APART int block_force_copied(
 {
     double q_b[480], v_b[448], h_b[448];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = block_force_batch(count, t, q_b, v_b, k, h_b);
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = block_force_batch(32, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_force_copied1(
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    double q_b[15], v_b[14], h_b[14];
+    int code;
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = block_force_batch(1, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 14; e++) h[e * all] = h_b[e];
     return code;
 }
 
@@ -3288,7 +3315,7 @@ TISSERAND_APART int block_force_blocks(
     int left = n;
 
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        block_force_copied(32, all, t, q, v, k, h);
+        block_force_copied32(all, t, q, v, k, h);
         q += 32; v += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -3296,7 +3323,7 @@ TISSERAND_APART int block_force_blocks(
         q += 8; v += 8; h += 8;
     }
     for (; left > 0; left--) {
-        block_force_copied(1, all, t, q, v, k, h);
+        block_force_copied1(all, t, q, v, k, h);
         q += 1; v += 1; h += 1;
     }
     return 0;
@@ -3548,8 +3575,7 @@ TISSERAND_INLINE void block_mass_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int block_mass_force_copied(
-    int count,
+TISSERAND_APART int block_mass_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3560,11 +3586,31 @@ TISSERAND_APART int block_mass_force_copied(
 {
     double q_b[480], v_b[448], M_b[1184], h_b[448];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = block_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
-    for (int e = 0; e < 37; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = block_mass_force_batch(32, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 37; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_mass_force_copied1(
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    double q_b[15], v_b[14], M_b[37], h_b[14];
+    int code;
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = block_mass_force_batch(1, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 37; e++) M[e * all] = M_b[e];
+    for (int e = 0; e < 14; e++) h[e * all] = h_b[e];
     return code;
 }
 
@@ -3581,7 +3627,7 @@ TISSERAND_APART int block_mass_force_blocks(
     int left = n;
 
     for (; n % 64 == 0 && left > 0; left -= 32) {
-        block_mass_force_copied(32, all, t, q, v, k, M, h);
+        block_mass_force_copied32(all, t, q, v, k, M, h);
         q += 32; v += 32; M += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -3589,7 +3635,7 @@ TISSERAND_APART int block_mass_force_blocks(
         q += 8; v += 8; M += 8; h += 8;
     }
     for (; left > 0; left--) {
-        block_mass_force_copied(1, all, t, q, v, k, M, h);
+        block_mass_force_copied1(all, t, q, v, k, M, h);
         q += 1; v += 1; M += 1; h += 1;
     }
     return 0;
@@ -3879,7 +3925,9 @@ TISSERAND_INLINE int block_accel_states(
         code = pivot_pi1
             - 5.684341886080802e-14 * J_11 > 0.0 ? code : 1.0; /* the pivot of pi1 vanished */
         codes[b] = code;
-        failures |= block_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= block_block_bits(codes[b]);
     }
     if (!failures) return 0;
     block_block_nan(count, all, 14, codes, vdot);
@@ -3887,8 +3935,7 @@ TISSERAND_INLINE int block_accel_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int block_accel_copied(
-    int count,
+TISSERAND_APART int block_accel_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3898,10 +3945,28 @@ TISSERAND_APART int block_accel_copied(
 {
     double q_b[480], v_b[448], vdot_b[448];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = block_accel_batch(count, t, q_b, v_b, k, vdot_b);
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = block_accel_batch(32, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) vdot[e * all + b] = vdot_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_accel_copied1(
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[15], v_b[14], vdot_b[14];
+    int code;
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = block_accel_batch(1, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 14; e++) vdot[e * all] = vdot_b[e];
     return code;
 }
 
@@ -3917,7 +3982,7 @@ TISSERAND_APART int block_accel_blocks(
     int left = n, code = 0;
 
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        const int failed = block_accel_copied(32, all, t, q, v, k, vdot);
+        const int failed = block_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 32; v += 32; vdot += 32;
     }
@@ -3927,7 +3992,7 @@ TISSERAND_APART int block_accel_blocks(
         q += 8; v += 8; vdot += 8;
     }
     for (; left > 0; left--) {
-        const int failed = block_accel_copied(1, all, t, q, v, k, vdot);
+        const int failed = block_accel_copied1(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 1; v += 1; vdot += 1;
     }
@@ -4083,8 +4148,7 @@ TISSERAND_INLINE void block_energy_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int block_energy_copied(
-    int count,
+TISSERAND_APART int block_energy_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -4093,10 +4157,27 @@ TISSERAND_APART int block_energy_copied(
 {
     double q_b[480], v_b[448], energy_b[64];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = block_energy_batch(count, q_b, v_b, k, energy_b);
-    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = block_energy_batch(32, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < 32; b++) energy[e * all + b] = energy_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_energy_copied1(
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *energy)
+{
+    double q_b[15], v_b[14], energy_b[2];
+    int code;
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = block_energy_batch(1, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) energy[e * all] = energy_b[e];
     return code;
 }
 
@@ -4111,7 +4192,7 @@ TISSERAND_APART int block_energy_blocks(
     int left = n;
 
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        block_energy_copied(32, all, q, v, k, energy);
+        block_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -4119,7 +4200,7 @@ TISSERAND_APART int block_energy_blocks(
         q += 8; v += 8; energy += 8;
     }
     for (; left > 0; left--) {
-        block_energy_copied(1, all, q, v, k, energy);
+        block_energy_copied1(all, q, v, k, energy);
         q += 1; v += 1; energy += 1;
     }
     return 0;
@@ -4293,7 +4374,9 @@ TISSERAND_INLINE int block_momentum_states(
         code = e0 * e0 + e1 * e1 + e2 * e2
             + e3 * e3 > 0.0 ? code : 2.0; /* the quaternion is zero or NaN */
         codes[b] = code;
-        failures |= block_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= block_block_bits(codes[b]);
     }
     if (!failures) return 0;
     block_block_nan(count, all, 6, codes, momentum);
@@ -4301,8 +4384,7 @@ TISSERAND_INLINE int block_momentum_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int block_momentum_copied(
-    int count,
+TISSERAND_APART int block_momentum_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -4311,10 +4393,27 @@ TISSERAND_APART int block_momentum_copied(
 {
     double q_b[480], v_b[448], momentum_b[192];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = block_momentum_batch(count, q_b, v_b, k, momentum_b);
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = block_momentum_batch(32, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) momentum[e * all + b] = momentum_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int block_momentum_copied1(
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    double q_b[15], v_b[14], momentum_b[6];
+    int code;
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = block_momentum_batch(1, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 6; e++) momentum[e * all] = momentum_b[e];
     return code;
 }
 
@@ -4329,7 +4428,7 @@ TISSERAND_APART int block_momentum_blocks(
     int left = n, code = 0;
 
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        const int failed = block_momentum_copied(32, all, q, v, k, momentum);
+        const int failed = block_momentum_copied32(all, q, v, k, momentum);
         if (code == 0) code = failed;
         q += 32; v += 32; momentum += 32;
     }
@@ -4339,7 +4438,7 @@ TISSERAND_APART int block_momentum_blocks(
         q += 8; v += 8; momentum += 8;
     }
     for (; left > 0; left--) {
-        const int failed = block_momentum_copied(1, all, q, v, k, momentum);
+        const int failed = block_momentum_copied1(all, q, v, k, momentum);
         if (code == 0) code = failed;
         q += 1; v += 1; momentum += 1;
     }
@@ -4414,7 +4513,9 @@ TISSERAND_INLINE int block_rates_states(
         code = e0 * e0 + e1 * e1 + e2 * e2
             + e3 * e3 > 0.0 ? code : 2.0; /* the quaternion is zero or NaN */
         codes[b] = code;
-        failures |= block_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= block_block_bits(codes[b]);
     }
     if (!failures) return 0;
     block_block_nan(count, all, 15, codes, qdot);
@@ -4422,8 +4523,7 @@ TISSERAND_INLINE int block_rates_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int block_rates_copied(
-    int count,
+TISSERAND_APART int block_rates_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -4432,10 +4532,10 @@ TISSERAND_APART int block_rates_copied(
 {
     double q_b[480], v_b[448], qdot_b[480];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = block_rates_batch(count, q_b, v_b, k, qdot_b);
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = block_rates_batch(32, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) qdot[e * all + b] = qdot_b[32 * e + b];
     return code;
 }
 
@@ -4455,7 +4555,7 @@ TISSERAND_APART int block_rates_blocks(
         return code;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        const int failed = block_rates_copied(32, all, q, v, k, qdot);
+        const int failed = block_rates_copied32(all, q, v, k, qdot);
         if (code == 0) code = failed;
         q += 32; v += 32; qdot += 32;
     }

@@ -340,13 +340,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-<<<<<<< HEAD
-#define BLOCK_HASH "34085c3dad97c084"
-#define BLOCK_HASH_34085c3dad97c084
-=======
-#define BLOCK_HASH "93c914c12a5e4003"
-#define BLOCK_HASH_93c914c12a5e4003
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+#define BLOCK_HASH "1ee92aaa1f9168fe"
+#define BLOCK_HASH_1ee92aaa1f9168fe
 
 /* ---- sizes and indices ---- */
 

@@ -199,11 +199,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-<<<<<<< HEAD
-HASH = "34085c3dad97c084"
-=======
-HASH = "93c914c12a5e4003"
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+HASH = "1ee92aaa1f9168fe"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",

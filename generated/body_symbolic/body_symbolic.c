@@ -13,11 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-<<<<<<< HEAD
-#ifndef BODY_SYMBOLIC_HASH_600c872343640c99
-=======
-#ifndef BODY_SYMBOLIC_HASH_295acbcc716de1a4
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+#ifndef BODY_SYMBOLIC_HASH_c91a9ed3c6218010
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -1998,47 +1994,20 @@ TISSERAND_INLINE void body_symbolic_block32_gather(
     }
 }
 
-<<<<<<< HEAD
-/* Rows of all states to those of a block; where that is not full, its last state is repeated. */
-static inline void body_symbolic_block32_gather(
-    ptrdiff_t all, int count, int rows, const double *TISSERAND_RESTRICT from, double (*TISSERAND_RESTRICT to)[32])
-{
-    for (int e = 0; e < rows; e++) {
-        const double *row = from + e * all;
-        if (count == 32) {
-            for (int b = 0; b < 32; b++) to[e][b] = row[b];
-        } else {
-            for (int b = 0; b < 32; b++) to[e][b] = row[b < count ? b : count - 1];
-        }
-    }
-}
-
-/* y += sign A x for 4 rows and 4 columns of A, where rows of x and y have 32 states */
-static inline void body_symbolic_block32_rows(
-=======
-/* y += A x for 4 rows and 4 columns of A, where rows of x and y have up to 32 states */
+/* y += sign A x for 4 rows and 4 columns of A, where rows of x and y have up to 32 states */
 TISSERAND_INLINE void body_symbolic_block32_rows(
     int count,
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
     const double *TISSERAND_RESTRICT a,
     int stride,
     double sign,
     double (*TISSERAND_RESTRICT x)[32],
     double (*TISSERAND_RESTRICT y)[32])
 {
-<<<<<<< HEAD
     const double a00 = sign * a[0], a01 = sign * a[stride], a02 = sign * a[2 * stride], a03 = sign * a[3 * stride];
     const double a10 = sign * a[1], a11 = sign * a[stride + 1], a12 = sign * a[2 * stride + 1], a13 = sign * a[3 * stride + 1];
     const double a20 = sign * a[2], a21 = sign * a[stride + 2], a22 = sign * a[2 * stride + 2], a23 = sign * a[3 * stride + 2];
     const double a30 = sign * a[3], a31 = sign * a[stride + 3], a32 = sign * a[2 * stride + 3], a33 = sign * a[3 * stride + 3];
-    for (int b = 0; b < 32; b++) {
-=======
-    const double a00 = a[0], a01 = a[stride], a02 = a[2 * stride], a03 = a[3 * stride];
-    const double a10 = a[1], a11 = a[stride + 1], a12 = a[2 * stride + 1], a13 = a[3 * stride + 1];
-    const double a20 = a[2], a21 = a[stride + 2], a22 = a[2 * stride + 2], a23 = a[3 * stride + 2];
-    const double a30 = a[3], a31 = a[stride + 3], a32 = a[2 * stride + 3], a33 = a[3 * stride + 3];
     TISSERAND_STATES for (int b = 0; b < count; b++) {
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
         const double x0 = x[0][b], x1 = x[1][b], x2 = x[2][b], x3 = x[3][b];
         y[0][b] = y[0][b] + a00 * x0 + a01 * x1 + a02 * x2 + a03 * x3;
         y[1][b] = y[1][b] + a10 * x0 + a11 * x1 + a12 * x2 + a13 * x3;
@@ -2092,83 +2061,10 @@ TISSERAND_INLINE void body_symbolic_mass_states(
     const double *C4_22 = k + 600;
     const double *C4_23 = k + 608;
     const double *C4_33 = k + 616;
-<<<<<<< HEAD
     double alpha[8][32], S_11[8][32], S_12[8][32], S_13[8][32], S_22[8][32], S_23[8][32];
-    double S_33[8][32], d3_1[8][32], d3_2[8][32], d3_3[8][32], sums2[24][32], rows[4][32];
-    double M_block[9][32];
-    const ptrdiff_t all = n;
-
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        body_symbolic_block32_gather(all, count, 8, q + 7 * all, alpha);
-        for (int i = 0; i < 8; i += 4) {
-            for (int r = i; r < i + 4; r++) {
-                for (int b = 0; b < 32; b++) {
-                    S_11[r][b] = C4_11[r];
-                    S_12[r][b] = C4_12[r];
-                    S_13[r][b] = C4_13[r];
-                    S_22[r][b] = C4_22[r];
-                    S_23[r][b] = C4_23[r];
-                    S_33[r][b] = C4_33[r];
-                    d3_1[r][b] = 0.0;
-                    d3_2[r][b] = 0.0;
-                    d3_3[r][b] = 0.0;
-                }
-            }
-            for (int j = 0; j < 8; j += 4) {
-                body_symbolic_block32_rows(tables + 72 * i + 36 * j, 36, 1.0, alpha + j, S_11 + i);
-                body_symbolic_block32_rows(tables + 4 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_12 + i);
-                body_symbolic_block32_rows(tables + 8 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_13 + i);
-                body_symbolic_block32_rows(tables + 12 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_22 + i);
-                body_symbolic_block32_rows(tables + 16 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_23 + i);
-                body_symbolic_block32_rows(tables + 20 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_33 + i);
-                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_1 + i);
-                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_2 + i);
-                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_3 + i);
-            }
-        }
-        for (int i = 0; i < 24; i++) {
-            for (int b = 0; b < 32; b++) {
-                sums2[i][b] = 0.0;
-            }
-        }
-        for (int i = 0; i < 8; i++) {
-            const int l = i % 4;
-            for (int b = 0; b < 32; b++) {
-                sums2[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
-                sums2[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
-                sums2[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
-                sums2[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
-                sums2[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
-                sums2[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
-            }
-        }
-        for (int b = 0; b < 32; b++) {
-            const double J_11 = C3_11 + (sums2[0][b] + sums2[1][b] + (sums2[2][b] + sums2[3][b]));
-            const double J_12 = C3_12 + (sums2[4][b] + sums2[5][b] + (sums2[6][b] + sums2[7][b]));
-            const double J_13 = C3_13 + (sums2[8][b] + sums2[9][b] + (sums2[10][b] + sums2[11][b]));
-            const double J_22 = C3_22 + (sums2[12][b] + sums2[13][b] + (sums2[14][b] + sums2[15][b]));
-            const double J_23 = C3_23 + (sums2[16][b] + sums2[17][b] + (sums2[18][b] + sums2[19][b]));
-            const double J_33 = C3_33 + (sums2[20][b] + sums2[21][b] + (sums2[22][b] + sums2[23][b]));
-            M_block[0][b] = mass;
-            M_block[1][b] = mass;
-            M_block[2][b] = mass;
-            M_block[3][b] = J_11;
-            M_block[4][b] = J_12;
-            M_block[5][b] = J_13;
-            M_block[6][b] = J_22;
-            M_block[7][b] = J_23;
-            M_block[8][b] = J_33;
-=======
-    double alpha[8][32], minus_alpha[8][32], S_11[8][32], S_12[8][32], S_13[8][32], S_22[8][32];
-    double S_23[8][32], S_33[8][32], d3_1[8][32], d3_2[8][32], d3_3[8][32], sums3[24][32];
+    double S_33[8][32], d3_1[8][32], d3_2[8][32], d3_3[8][32], sums2[24][32];
 
     body_symbolic_block32_gather(count, all, 8, q + 7 * all, alpha);
-    for (int i = 0; i < 8; i++) {
-        TISSERAND_STATES for (int b = 0; b < count; b++) {
-            minus_alpha[i][b] = -alpha[i][b];
-        }
-    }
     for (int i = 0; i < 8; i += 4) {
         for (int r = i; r < i + 4; r++) {
             TISSERAND_STATES for (int b = 0; b < count; b++) {
@@ -2184,40 +2080,40 @@ TISSERAND_INLINE void body_symbolic_mass_states(
             }
         }
         for (int j = 0; j < 8; j += 4) {
-            body_symbolic_block32_rows(count, tables + 72 * i + 36 * j, 36, alpha + j, S_11 + i);
-            body_symbolic_block32_rows(count, tables + 4 + 72 * i + 36 * j, 36, alpha + j, S_12 + i);
-            body_symbolic_block32_rows(count, tables + 8 + 72 * i + 36 * j, 36, alpha + j, S_13 + i);
-            body_symbolic_block32_rows(count, tables + 12 + 72 * i + 36 * j, 36, alpha + j, S_22 + i);
-            body_symbolic_block32_rows(count, tables + 16 + 72 * i + 36 * j, 36, alpha + j, S_23 + i);
-            body_symbolic_block32_rows(count, tables + 20 + 72 * i + 36 * j, 36, alpha + j, S_33 + i);
-            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, minus_alpha + j, d3_1 + i);
-            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, minus_alpha + j, d3_2 + i);
-            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, minus_alpha + j, d3_3 + i);
+            body_symbolic_block32_rows(count, tables + 72 * i + 36 * j, 36, 1.0, alpha + j, S_11 + i);
+            body_symbolic_block32_rows(count, tables + 4 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_12 + i);
+            body_symbolic_block32_rows(count, tables + 8 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_13 + i);
+            body_symbolic_block32_rows(count, tables + 12 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_22 + i);
+            body_symbolic_block32_rows(count, tables + 16 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_23 + i);
+            body_symbolic_block32_rows(count, tables + 20 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_33 + i);
+            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_1 + i);
+            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_2 + i);
+            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_3 + i);
         }
     }
     for (int i = 0; i < 24; i++) {
         TISSERAND_STATES for (int b = 0; b < count; b++) {
-            sums3[i][b] = 0.0;
+            sums2[i][b] = 0.0;
         }
     }
     for (int i = 0; i < 8; i++) {
         const int l = i % 4;
         TISSERAND_STATES for (int b = 0; b < count; b++) {
-            sums3[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
-            sums3[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
-            sums3[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
-            sums3[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
-            sums3[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
-            sums3[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
+            sums2[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
+            sums2[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
+            sums2[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
+            sums2[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
+            sums2[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
+            sums2[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
         }
     }
     TISSERAND_STATES for (int b = 0; b < count; b++) {
-        const double J_11 = C3_11 + (sums3[0][b] + sums3[1][b] + (sums3[2][b] + sums3[3][b]));
-        const double J_12 = C3_12 + (sums3[4][b] + sums3[5][b] + (sums3[6][b] + sums3[7][b]));
-        const double J_13 = C3_13 + (sums3[8][b] + sums3[9][b] + (sums3[10][b] + sums3[11][b]));
-        const double J_22 = C3_22 + (sums3[12][b] + sums3[13][b] + (sums3[14][b] + sums3[15][b]));
-        const double J_23 = C3_23 + (sums3[16][b] + sums3[17][b] + (sums3[18][b] + sums3[19][b]));
-        const double J_33 = C3_33 + (sums3[20][b] + sums3[21][b] + (sums3[22][b] + sums3[23][b]));
+        const double J_11 = C3_11 + (sums2[0][b] + sums2[1][b] + (sums2[2][b] + sums2[3][b]));
+        const double J_12 = C3_12 + (sums2[4][b] + sums2[5][b] + (sums2[6][b] + sums2[7][b]));
+        const double J_13 = C3_13 + (sums2[8][b] + sums2[9][b] + (sums2[10][b] + sums2[11][b]));
+        const double J_22 = C3_22 + (sums2[12][b] + sums2[13][b] + (sums2[14][b] + sums2[15][b]));
+        const double J_23 = C3_23 + (sums2[16][b] + sums2[17][b] + (sums2[18][b] + sums2[19][b]));
+        const double J_33 = C3_33 + (sums2[20][b] + sums2[21][b] + (sums2[22][b] + sums2[23][b]));
         M[b] = mass;
         M[all + b] = mass;
         M[2 * all + b] = mass;
@@ -2234,24 +2130,22 @@ TISSERAND_INLINE void body_symbolic_mass_states(
             M[(i + 16) * all + b] = d3_2[i][b];
             M[(i + 25) * all + b] = d3_3[i][b];
             M[(i + 33) * all + b] = 1.0;
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
         }
     }
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int body_symbolic_mass_copied(
-    int count,
+TISSERAND_APART int body_symbolic_mass_copied1(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    double q_b[480], M_b[1312];
+    double q_b[15], M_b[41];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    code = body_symbolic_mass_batch(count, q_b, k, M_b);
-    for (int e = 0; e < 41; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    code = body_symbolic_mass_batch(1, q_b, k, M_b);
+    for (int e = 0; e < 41; e++) M[e * all] = M_b[e];
     return code;
 }
 
@@ -2269,7 +2163,7 @@ TISSERAND_APART int body_symbolic_mass_blocks(
         q += 32; M += 32;
     }
     for (; left > 0; left--) {
-        body_symbolic_mass_copied(1, all, q, k, M);
+        body_symbolic_mass_copied1(all, q, k, M);
         q += 1; M += 1;
     }
     return 0;
@@ -2312,38 +2206,6 @@ TISSERAND_INLINE void body_symbolic_force_states(
     double alpha[8][32], alphadot[8][32], S_11[8][32], S_12[8][32], S_13[8][32], S_22[8][32];
     double S_23[8][32], S_33[8][32], c7dot_1[8][32], c7dot_2[8][32], c7dot_3[8][32], sums2[60][32];
 
-<<<<<<< HEAD
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *v_block = count < 32 ? body_symbolic_block32_pad(all, count, 6, v, v_tail) : v;
-        body_symbolic_block32_gather(all, count, 8, q + 7 * all, alpha);
-        body_symbolic_block32_gather(all, count, 8, v + 6 * all, alphadot);
-        for (int i = 0; i < 8; i += 4) {
-            for (int r = i; r < i + 4; r++) {
-                for (int b = 0; b < 32; b++) {
-                    S_11[r][b] = C4_11[r];
-                    S_12[r][b] = C4_12[r];
-                    S_13[r][b] = C4_13[r];
-                    S_22[r][b] = C4_22[r];
-                    S_23[r][b] = C4_23[r];
-                    S_33[r][b] = C4_33[r];
-                    c7dot_1[r][b] = 0.0;
-                    c7dot_2[r][b] = 0.0;
-                    c7dot_3[r][b] = 0.0;
-                }
-            }
-            for (int j = 0; j < 8; j += 4) {
-                body_symbolic_block32_rows(tables + 72 * i + 36 * j, 36, 1.0, alpha + j, S_11 + i);
-                body_symbolic_block32_rows(tables + 4 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_12 + i);
-                body_symbolic_block32_rows(tables + 8 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_13 + i);
-                body_symbolic_block32_rows(tables + 12 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_22 + i);
-                body_symbolic_block32_rows(tables + 16 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_23 + i);
-                body_symbolic_block32_rows(tables + 20 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_33 + i);
-                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_1 + i);
-                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_2 + i);
-                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_3 + i);
-=======
     body_symbolic_block32_gather(count, all, 8, q + 7 * all, alpha);
     body_symbolic_block32_gather(count, all, 8, v + 6 * all, alphadot);
     for (int i = 0; i < 8; i += 4) {
@@ -2358,19 +2220,18 @@ TISSERAND_INLINE void body_symbolic_force_states(
                 c7dot_1[r][b] = 0.0;
                 c7dot_2[r][b] = 0.0;
                 c7dot_3[r][b] = 0.0;
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
             }
         }
         for (int j = 0; j < 8; j += 4) {
-            body_symbolic_block32_rows(count, tables + 72 * i + 36 * j, 36, alpha + j, S_11 + i);
-            body_symbolic_block32_rows(count, tables + 4 + 72 * i + 36 * j, 36, alpha + j, S_12 + i);
-            body_symbolic_block32_rows(count, tables + 8 + 72 * i + 36 * j, 36, alpha + j, S_13 + i);
-            body_symbolic_block32_rows(count, tables + 12 + 72 * i + 36 * j, 36, alpha + j, S_22 + i);
-            body_symbolic_block32_rows(count, tables + 16 + 72 * i + 36 * j, 36, alpha + j, S_23 + i);
-            body_symbolic_block32_rows(count, tables + 20 + 72 * i + 36 * j, 36, alpha + j, S_33 + i);
-            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, alphadot + j, c7dot_1 + i);
-            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, alphadot + j, c7dot_2 + i);
-            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, alphadot + j, c7dot_3 + i);
+            body_symbolic_block32_rows(count, tables + 72 * i + 36 * j, 36, 1.0, alpha + j, S_11 + i);
+            body_symbolic_block32_rows(count, tables + 4 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_12 + i);
+            body_symbolic_block32_rows(count, tables + 8 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_13 + i);
+            body_symbolic_block32_rows(count, tables + 12 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_22 + i);
+            body_symbolic_block32_rows(count, tables + 16 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_23 + i);
+            body_symbolic_block32_rows(count, tables + 20 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_33 + i);
+            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_1 + i);
+            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_2 + i);
+            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_3 + i);
         }
     }
     for (int i = 0; i < 60; i++) {
@@ -2455,8 +2316,7 @@ TISSERAND_INLINE void body_symbolic_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int body_symbolic_force_copied(
-    int count,
+TISSERAND_APART int body_symbolic_force_copied1(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2464,12 +2324,12 @@ TISSERAND_APART int body_symbolic_force_copied(
     const double *TISSERAND_RESTRICT k,
     double *h)
 {
-    double q_b[480], v_b[448], h_b[448];
+    double q_b[15], v_b[14], h_b[14];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = body_symbolic_force_batch(count, t, q_b, v_b, k, h_b);
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = body_symbolic_force_batch(1, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 14; e++) h[e * all] = h_b[e];
     return code;
 }
 
@@ -2489,7 +2349,7 @@ TISSERAND_APART int body_symbolic_force_blocks(
         q += 32; v += 32; h += 32;
     }
     for (; left > 0; left--) {
-        body_symbolic_force_copied(1, all, t, q, v, k, h);
+        body_symbolic_force_copied1(all, t, q, v, k, h);
         q += 1; v += 1; h += 1;
     }
     return 0;
@@ -2533,17 +2393,12 @@ TISSERAND_INLINE void body_symbolic_mass_force_states(
     const double *C4_33 = k + 616;
     const double *K = k + 624;
     double f4[32], f5[32], f6[32], f7[32], f8[32], f9[32], oo_11[32], oo_22[32], oo_33[32];
-    double alpha[8][32], alphadot[8][32], minus_alpha[8][32], S_11[8][32], S_12[8][32];
-    double S_13[8][32], S_22[8][32], S_23[8][32], S_33[8][32], d3_1[8][32], d3_2[8][32];
-    double d3_3[8][32], c7dot_1[8][32], c7dot_2[8][32], c7dot_3[8][32], sums3[60][32];
+    double alpha[8][32], alphadot[8][32], S_11[8][32], S_12[8][32], S_13[8][32], S_22[8][32];
+    double S_23[8][32], S_33[8][32], d3_1[8][32], d3_2[8][32], d3_3[8][32], c7dot_1[8][32];
+    double c7dot_2[8][32], c7dot_3[8][32], sums2[60][32];
 
     body_symbolic_block32_gather(count, all, 8, q + 7 * all, alpha);
     body_symbolic_block32_gather(count, all, 8, v + 6 * all, alphadot);
-    for (int i = 0; i < 8; i++) {
-        TISSERAND_STATES for (int b = 0; b < count; b++) {
-            minus_alpha[i][b] = -alpha[i][b];
-        }
-    }
     for (int i = 0; i < 8; i += 4) {
         for (int r = i; r < i + 4; r++) {
             TISSERAND_STATES for (int b = 0; b < count; b++) {
@@ -2562,64 +2417,64 @@ TISSERAND_INLINE void body_symbolic_mass_force_states(
             }
         }
         for (int j = 0; j < 8; j += 4) {
-            body_symbolic_block32_rows(count, tables + 72 * i + 36 * j, 36, alpha + j, S_11 + i);
-            body_symbolic_block32_rows(count, tables + 4 + 72 * i + 36 * j, 36, alpha + j, S_12 + i);
-            body_symbolic_block32_rows(count, tables + 8 + 72 * i + 36 * j, 36, alpha + j, S_13 + i);
-            body_symbolic_block32_rows(count, tables + 12 + 72 * i + 36 * j, 36, alpha + j, S_22 + i);
-            body_symbolic_block32_rows(count, tables + 16 + 72 * i + 36 * j, 36, alpha + j, S_23 + i);
-            body_symbolic_block32_rows(count, tables + 20 + 72 * i + 36 * j, 36, alpha + j, S_33 + i);
-            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, minus_alpha + j, d3_1 + i);
-            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, alphadot + j, c7dot_1 + i);
-            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, minus_alpha + j, d3_2 + i);
-            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, alphadot + j, c7dot_2 + i);
-            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, minus_alpha + j, d3_3 + i);
-            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, alphadot + j, c7dot_3 + i);
+            body_symbolic_block32_rows(count, tables + 72 * i + 36 * j, 36, 1.0, alpha + j, S_11 + i);
+            body_symbolic_block32_rows(count, tables + 4 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_12 + i);
+            body_symbolic_block32_rows(count, tables + 8 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_13 + i);
+            body_symbolic_block32_rows(count, tables + 12 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_22 + i);
+            body_symbolic_block32_rows(count, tables + 16 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_23 + i);
+            body_symbolic_block32_rows(count, tables + 20 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_33 + i);
+            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_1 + i);
+            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_1 + i);
+            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_2 + i);
+            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_2 + i);
+            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_3 + i);
+            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_3 + i);
         }
     }
     for (int i = 0; i < 60; i++) {
         TISSERAND_STATES for (int b = 0; b < count; b++) {
-            sums3[i][b] = 0.0;
+            sums2[i][b] = 0.0;
         }
     }
     for (int i = 0; i < 8; i++) {
         const int l = i % 4;
         TISSERAND_STATES for (int b = 0; b < count; b++) {
-            sums3[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
-            sums3[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
-            sums3[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
-            sums3[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
-            sums3[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
-            sums3[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
-            sums3[24 + l][b] += S_11[i][b] * alphadot[i][b];
-            sums3[28 + l][b] += S_12[i][b] * alphadot[i][b];
-            sums3[32 + l][b] += S_13[i][b] * alphadot[i][b];
-            sums3[36 + l][b] += S_22[i][b] * alphadot[i][b];
-            sums3[40 + l][b] += S_23[i][b] * alphadot[i][b];
-            sums3[44 + l][b] += S_33[i][b] * alphadot[i][b];
-            sums3[48 + l][b] += alpha[i][b] * c7dot_1[i][b];
-            sums3[52 + l][b] += alpha[i][b] * c7dot_2[i][b];
-            sums3[56 + l][b] += alpha[i][b] * c7dot_3[i][b];
+            sums2[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
+            sums2[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
+            sums2[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
+            sums2[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
+            sums2[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
+            sums2[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
+            sums2[24 + l][b] += S_11[i][b] * alphadot[i][b];
+            sums2[28 + l][b] += S_12[i][b] * alphadot[i][b];
+            sums2[32 + l][b] += S_13[i][b] * alphadot[i][b];
+            sums2[36 + l][b] += S_22[i][b] * alphadot[i][b];
+            sums2[40 + l][b] += S_23[i][b] * alphadot[i][b];
+            sums2[44 + l][b] += S_33[i][b] * alphadot[i][b];
+            sums2[48 + l][b] += alpha[i][b] * c7dot_1[i][b];
+            sums2[52 + l][b] += alpha[i][b] * c7dot_2[i][b];
+            sums2[56 + l][b] += alpha[i][b] * c7dot_3[i][b];
         }
     }
     TISSERAND_STATES for (int b = 0; b < count; b++) {
         const double omega1 = v[3 * all + b];
         const double omega2 = v[4 * all + b];
         const double omega3 = v[5 * all + b];
-        const double J_11 = C3_11 + (sums3[0][b] + sums3[1][b] + (sums3[2][b] + sums3[3][b]));
-        const double J_12 = C3_12 + (sums3[4][b] + sums3[5][b] + (sums3[6][b] + sums3[7][b]));
-        const double J_13 = C3_13 + (sums3[8][b] + sums3[9][b] + (sums3[10][b] + sums3[11][b]));
-        const double J_22 = C3_22 + (sums3[12][b] + sums3[13][b] + (sums3[14][b] + sums3[15][b]));
-        const double J_23 = C3_23 + (sums3[16][b] + sums3[17][b] + (sums3[18][b] + sums3[19][b]));
-        const double J_33 = C3_33 + (sums3[20][b] + sums3[21][b] + (sums3[22][b] + sums3[23][b]));
-        const double Sdot_11 = sums3[24][b] + sums3[25][b] + (sums3[26][b] + sums3[27][b]);
-        const double Sdot_12 = sums3[28][b] + sums3[29][b] + (sums3[30][b] + sums3[31][b]);
-        const double Sdot_13 = sums3[32][b] + sums3[33][b] + (sums3[34][b] + sums3[35][b]);
-        const double Sdot_22 = sums3[36][b] + sums3[37][b] + (sums3[38][b] + sums3[39][b]);
-        const double Sdot_23 = sums3[40][b] + sums3[41][b] + (sums3[42][b] + sums3[43][b]);
-        const double Sdot_33 = sums3[44][b] + sums3[45][b] + (sums3[46][b] + sums3[47][b]);
-        const double d3dot_1 = sums3[48][b] + sums3[49][b] + (sums3[50][b] + sums3[51][b]);
-        const double d3dot_2 = sums3[52][b] + sums3[53][b] + (sums3[54][b] + sums3[55][b]);
-        const double d3dot_3 = sums3[56][b] + sums3[57][b] + (sums3[58][b] + sums3[59][b]);
+        const double J_11 = C3_11 + (sums2[0][b] + sums2[1][b] + (sums2[2][b] + sums2[3][b]));
+        const double J_12 = C3_12 + (sums2[4][b] + sums2[5][b] + (sums2[6][b] + sums2[7][b]));
+        const double J_13 = C3_13 + (sums2[8][b] + sums2[9][b] + (sums2[10][b] + sums2[11][b]));
+        const double J_22 = C3_22 + (sums2[12][b] + sums2[13][b] + (sums2[14][b] + sums2[15][b]));
+        const double J_23 = C3_23 + (sums2[16][b] + sums2[17][b] + (sums2[18][b] + sums2[19][b]));
+        const double J_33 = C3_33 + (sums2[20][b] + sums2[21][b] + (sums2[22][b] + sums2[23][b]));
+        const double Sdot_11 = sums2[24][b] + sums2[25][b] + (sums2[26][b] + sums2[27][b]);
+        const double Sdot_12 = sums2[28][b] + sums2[29][b] + (sums2[30][b] + sums2[31][b]);
+        const double Sdot_13 = sums2[32][b] + sums2[33][b] + (sums2[34][b] + sums2[35][b]);
+        const double Sdot_22 = sums2[36][b] + sums2[37][b] + (sums2[38][b] + sums2[39][b]);
+        const double Sdot_23 = sums2[40][b] + sums2[41][b] + (sums2[42][b] + sums2[43][b]);
+        const double Sdot_33 = sums2[44][b] + sums2[45][b] + (sums2[46][b] + sums2[47][b]);
+        const double d3dot_1 = sums2[48][b] + sums2[49][b] + (sums2[50][b] + sums2[51][b]);
+        const double d3dot_2 = sums2[52][b] + sums2[53][b] + (sums2[54][b] + sums2[55][b]);
+        const double d3dot_3 = sums2[56][b] + sums2[57][b] + (sums2[58][b] + sums2[59][b]);
         oo_11[b] = omega1 * omega1;
         const double oo_12 = omega1 * omega2;
         const double oo_13 = omega1 * omega3;
@@ -2671,8 +2526,7 @@ TISSERAND_INLINE void body_symbolic_mass_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int body_symbolic_mass_force_copied(
-    int count,
+TISSERAND_APART int body_symbolic_mass_force_copied1(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2681,13 +2535,13 @@ TISSERAND_APART int body_symbolic_mass_force_copied(
     double *M,
     double *h)
 {
-    double q_b[480], v_b[448], M_b[1312], h_b[448];
+    double q_b[15], v_b[14], M_b[41], h_b[14];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = body_symbolic_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
-    for (int e = 0; e < 41; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = body_symbolic_mass_force_batch(1, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 41; e++) M[e * all] = M_b[e];
+    for (int e = 0; e < 14; e++) h[e * all] = h_b[e];
     return code;
 }
 
@@ -2708,7 +2562,7 @@ TISSERAND_APART int body_symbolic_mass_force_blocks(
         q += 32; v += 32; M += 32; h += 32;
     }
     for (; left > 0; left--) {
-        body_symbolic_mass_force_copied(1, all, t, q, v, k, M, h);
+        body_symbolic_mass_force_copied1(all, t, q, v, k, M, h);
         q += 1; v += 1; M += 1; h += 1;
     }
     return 0;
@@ -2750,246 +2604,18 @@ TISSERAND_INLINE int body_symbolic_accel_states(
     const double *C4_23 = k + 608;
     const double *C4_33 = k + 616;
     const double *K = k + 624;
-<<<<<<< HEAD
-    double v_tail[192];
     double f4[32], f5[32], f6[32], f7[32], f8[32], f9[32], M_44[32], M_54[32], M_55[32], M_64[32];
     double M_65[32], M_66[32], h_pi1[32], h_pi2[32], h_pi3[32], oo_11[32], oo_22[32], oo_33[32];
-    double omega1dot[32], omega2dot[32], omega3dot[32], codes[32];
+    double omega1dot[32], omega2dot[32], omega3dot[32];
     double alpha[8][32], alphadot[8][32], S_11[8][32], S_12[8][32], S_13[8][32], S_22[8][32];
     double S_23[8][32], S_33[8][32], d3_1[8][32], d3_2[8][32], d3_3[8][32], c7dot_1[8][32];
     double c7dot_2[8][32], c7dot_3[8][32], sums2[60][32], h[8][32], sums5[36][32], x[8][32];
-    double rows[1][32], sums8[4][32], vdot_block[6][32];
-    const ptrdiff_t all = n;
-    int code = 0;
-
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *v_block = count < 32 ? body_symbolic_block32_pad(all, count, 6, v, v_tail) : v;
-        body_symbolic_block32_gather(all, count, 8, q + 7 * all, alpha);
-        body_symbolic_block32_gather(all, count, 8, v + 6 * all, alphadot);
-        for (int i = 0; i < 8; i += 4) {
-            for (int r = i; r < i + 4; r++) {
-                for (int b = 0; b < 32; b++) {
-                    S_11[r][b] = C4_11[r];
-                    S_12[r][b] = C4_12[r];
-                    S_13[r][b] = C4_13[r];
-                    S_22[r][b] = C4_22[r];
-                    S_23[r][b] = C4_23[r];
-                    S_33[r][b] = C4_33[r];
-                    d3_1[r][b] = 0.0;
-                    d3_2[r][b] = 0.0;
-                    d3_3[r][b] = 0.0;
-                    c7dot_1[r][b] = 0.0;
-                    c7dot_2[r][b] = 0.0;
-                    c7dot_3[r][b] = 0.0;
-                }
-            }
-            for (int j = 0; j < 8; j += 4) {
-                body_symbolic_block32_rows(tables + 72 * i + 36 * j, 36, 1.0, alpha + j, S_11 + i);
-                body_symbolic_block32_rows(tables + 4 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_12 + i);
-                body_symbolic_block32_rows(tables + 8 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_13 + i);
-                body_symbolic_block32_rows(tables + 12 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_22 + i);
-                body_symbolic_block32_rows(tables + 16 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_23 + i);
-                body_symbolic_block32_rows(tables + 20 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_33 + i);
-                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_1 + i);
-                body_symbolic_block32_rows(tables + 24 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_1 + i);
-                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_2 + i);
-                body_symbolic_block32_rows(tables + 28 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_2 + i);
-                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_3 + i);
-                body_symbolic_block32_rows(tables + 32 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_3 + i);
-            }
-        }
-        for (int i = 0; i < 60; i++) {
-            for (int b = 0; b < 32; b++) {
-                sums2[i][b] = 0.0;
-            }
-        }
-        for (int i = 0; i < 8; i++) {
-            const int l = i % 4;
-            for (int b = 0; b < 32; b++) {
-                sums2[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
-                sums2[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
-                sums2[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
-                sums2[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
-                sums2[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
-                sums2[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
-                sums2[24 + l][b] += S_11[i][b] * alphadot[i][b];
-                sums2[28 + l][b] += S_12[i][b] * alphadot[i][b];
-                sums2[32 + l][b] += S_13[i][b] * alphadot[i][b];
-                sums2[36 + l][b] += S_22[i][b] * alphadot[i][b];
-                sums2[40 + l][b] += S_23[i][b] * alphadot[i][b];
-                sums2[44 + l][b] += S_33[i][b] * alphadot[i][b];
-                sums2[48 + l][b] += alpha[i][b] * c7dot_1[i][b];
-                sums2[52 + l][b] += alpha[i][b] * c7dot_2[i][b];
-                sums2[56 + l][b] += alpha[i][b] * c7dot_3[i][b];
-            }
-        }
-        for (int b = 0; b < 32; b++) {
-            const double omega1 = v_block[3 * stride + b];
-            const double omega2 = v_block[4 * stride + b];
-            const double omega3 = v_block[5 * stride + b];
-            const double J_11 = C3_11 + (sums2[0][b] + sums2[1][b] + (sums2[2][b] + sums2[3][b]));
-            const double J_12 = C3_12 + (sums2[4][b] + sums2[5][b] + (sums2[6][b] + sums2[7][b]));
-            const double J_13 = C3_13 + (sums2[8][b] + sums2[9][b] + (sums2[10][b] + sums2[11][b]));
-            const double J_22 = C3_22 + (sums2[12][b] + sums2[13][b] + (sums2[14][b] + sums2[15][b]));
-            const double J_23 = C3_23 + (sums2[16][b] + sums2[17][b] + (sums2[18][b] + sums2[19][b]));
-            const double J_33 = C3_33 + (sums2[20][b] + sums2[21][b] + (sums2[22][b] + sums2[23][b]));
-            const double Sdot_11 = sums2[24][b] + sums2[25][b] + (sums2[26][b] + sums2[27][b]);
-            const double Sdot_12 = sums2[28][b] + sums2[29][b] + (sums2[30][b] + sums2[31][b]);
-            const double Sdot_13 = sums2[32][b] + sums2[33][b] + (sums2[34][b] + sums2[35][b]);
-            const double Sdot_22 = sums2[36][b] + sums2[37][b] + (sums2[38][b] + sums2[39][b]);
-            const double Sdot_23 = sums2[40][b] + sums2[41][b] + (sums2[42][b] + sums2[43][b]);
-            const double Sdot_33 = sums2[44][b] + sums2[45][b] + (sums2[46][b] + sums2[47][b]);
-            const double d3dot_1 = sums2[48][b] + sums2[49][b] + (sums2[50][b] + sums2[51][b]);
-            const double d3dot_2 = sums2[52][b] + sums2[53][b] + (sums2[54][b] + sums2[55][b]);
-            const double d3dot_3 = sums2[56][b] + sums2[57][b] + (sums2[58][b] + sums2[59][b]);
-            oo_11[b] = omega1 * omega1;
-            const double oo_12 = omega1 * omega2;
-            const double oo_13 = omega1 * omega3;
-            oo_22[b] = omega2 * omega2;
-            const double oo_23 = omega2 * omega3;
-            oo_33[b] = omega3 * omega3;
-            f4[b] = 2.0 * oo_12;
-            f5[b] = 2.0 * oo_13;
-            f6[b] = 2.0 * oo_23;
-            f7[b] = 2.0 * omega1;
-            f8[b] = 2.0 * omega2;
-            f9[b] = 2.0 * omega3;
-            const double t1 = 2.0 * Sdot_12;
-            const double t2 = 2.0 * Sdot_13;
-            h_pi1[b] = J_13 * oo_12 + J_23 * oo_22[b] + J_33 * oo_23 + 2.0 * Sdot_11 * omega1 + t1 * omega2
-                + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33[b]
-                - d3dot_2 * omega3;
-            const double t3 = 2.0 * Sdot_23;
-            h_pi2[b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33[b] + t1 * omega1 + 2.0 * Sdot_22 * omega2
-                + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11[b] - J_23 * oo_12 - J_33 * oo_13
-                - d3dot_3 * omega1;
-            h_pi3[b] = J_12 * oo_11[b] + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-                + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22[b] - J_13 * oo_23
-                - d3dot_1 * omega2;
-            M_44[b] = J_11;
-            M_54[b] = J_12;
-            M_64[b] = J_13;
-            M_55[b] = J_22;
-            M_65[b] = J_23;
-            M_66[b] = J_33;
-        }
-        for (int i = 0; i < 8; i++) {
-            for (int b = 0; b < 32; b++) {
-                h[i][b] = K[i] * alpha[i][b] - oo_11[b] * S_11[i][b] - f4[b] * S_12[i][b] - f5[b] * S_13[i][b]
-                    - oo_22[b] * S_22[i][b] - f6[b] * S_23[i][b] - oo_33[b] * S_33[i][b] - f7[b] * c7dot_1[i][b]
-                    - f8[b] * c7dot_2[i][b] - f9[b] * c7dot_3[i][b];
-            }
-        }
-        for (int i = 0; i < 36; i++) {
-            for (int b = 0; b < 32; b++) {
-                sums5[i][b] = 0.0;
-            }
-        }
-        for (int i = 0; i < 8; i++) {
-            const int l = i % 4;
-            for (int b = 0; b < 32; b++) {
-                sums5[0 + l][b] += d3_1[i][b] * d3_1[i][b];
-                sums5[4 + l][b] += d3_1[i][b] * d3_2[i][b];
-                sums5[8 + l][b] += d3_1[i][b] * d3_3[i][b];
-                sums5[12 + l][b] += d3_2[i][b] * d3_2[i][b];
-                sums5[16 + l][b] += d3_2[i][b] * d3_3[i][b];
-                sums5[20 + l][b] += d3_3[i][b] * d3_3[i][b];
-                sums5[24 + l][b] += d3_1[i][b] * h[i][b];
-                sums5[28 + l][b] += d3_2[i][b] * h[i][b];
-                sums5[32 + l][b] += d3_3[i][b] * h[i][b];
-            }
-        }
-        for (int b = 0; b < 32; b++) {
-            const double BB_44 = sums5[0][b] + sums5[1][b] + (sums5[2][b] + sums5[3][b]);
-            const double BB_54 = sums5[4][b] + sums5[5][b] + (sums5[6][b] + sums5[7][b]);
-            const double BB_64 = sums5[8][b] + sums5[9][b] + (sums5[10][b] + sums5[11][b]);
-            const double BB_55 = sums5[12][b] + sums5[13][b] + (sums5[14][b] + sums5[15][b]);
-            const double BB_65 = sums5[16][b] + sums5[17][b] + (sums5[18][b] + sums5[19][b]);
-            const double BB_66 = sums5[20][b] + sums5[21][b] + (sums5[22][b] + sums5[23][b]);
-            const double Bh_4 = sums5[24][b] + sums5[25][b] + (sums5[26][b] + sums5[27][b]);
-            const double Bh_5 = sums5[28][b] + sums5[29][b] + (sums5[30][b] + sums5[31][b]);
-            const double Bh_6 = sums5[32][b] + sums5[33][b] + (sums5[34][b] + sums5[35][b]);
-            const double t4 = M_44[b] - BB_44;
-            const double t5 = M_54[b] - BB_54;
-            const double inverse_t4 = 1.0 / t4;
-            const double t6 = t5 * inverse_t4;
-            const double t7 = M_55[b] - BB_55 - t6 * t5;
-            const double t8 = M_64[b] - BB_64;
-            const double t9 = t8 * inverse_t4;
-            const double t10 = M_65[b] - BB_65 - t9 * t5;
-            const double inverse_t7 = 1.0 / t7;
-            const double t11 = t10 * inverse_t7;
-            const double t12 = M_66[b] - BB_66 - t9 * t8 - t11 * t10;
-            const double t13 = Bh_4 - h_pi1[b];
-            const double t14 = Bh_5 - h_pi2[b] - t6 * t13;
-            omega3dot[b] = (Bh_6 - h_pi3[b] - t9 * t13 - t11 * t14) / t12;
-            omega2dot[b] = t14 * inverse_t7 - t11 * omega3dot[b];
-            omega1dot[b] = t13 * inverse_t4 - t6 * omega2dot[b] - t9 * omega3dot[b];
-            vdot_block[3][b] = omega1dot[b];
-            vdot_block[4][b] = omega2dot[b];
-            vdot_block[5][b] = omega3dot[b];
-            vdot_block[0][b] = 0.0;
-            vdot_block[1][b] = 0.0;
-            vdot_block[2][b] = 0.0;
-            double code_b = 0.0;
-            code_b = t12
-                - 5.684341886080802e-14 * M_66[b] > 0.0 ? code_b : 1.0; /* the pivot of pi3 vanished */
-            code_b = t7
-                - 5.684341886080802e-14 * M_55[b] > 0.0 ? code_b : 1.0; /* the pivot of pi2 vanished */
-            code_b = t4
-                - 5.684341886080802e-14 * M_44[b] > 0.0 ? code_b : 1.0; /* the pivot of pi1 vanished */
-            codes[b] = code_b;
-        }
-        for (int i = 0; i < 8; i++) {
-            for (int b = 0; b < 32; b++) {
-                const double t15 = -(h[i][b] + omega1dot[b] * d3_1[i][b]) - omega2dot[b] * d3_2[i][b]
-                    - omega3dot[b] * d3_3[i][b];
-                x[i][b] = t15;
-                rows[0][b] = t15;
-            }
-            body_symbolic_block32_scatter(all, count, 1, rows, vdot + (6 + i) * all);
-        }
-        for (int i = 0; i < 4; i++) {
-            for (int b = 0; b < 32; b++) {
-                sums8[i][b] = 0.0;
-            }
-        }
-        for (int i = 0; i < 8; i++) {
-            const int l = i % 4;
-            for (int b = 0; b < 32; b++) {
-                sums8[0 + l][b] += x[i][b];
-            }
-        }
-        for (int b = 0; b < 32; b++) {
-            const double shapes = sums8[0][b] + sums8[1][b] + (sums8[2][b] + sums8[3][b]);
-            double code_b = 0.0;
-            const double finite = omega1dot[b] + omega2dot[b] + omega3dot[b] + shapes;
-            code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
-            codes[b] = codes[b] > 0.0 ? codes[b] : code_b;
-        }
-        body_symbolic_block32_scatter(all, count, 6, vdot_block, vdot);
-        const int failed = body_symbolic_block_fail(all, count, 14, codes, vdot);
-=======
-    double f4[32], f5[32], f6[32], f7[32], f8[32], f9[32], M_11[32], M_22[32], M_33[32], M_44[32];
-    double M_54[32], M_55[32], M_64[32], M_65[32], M_66[32], h_c1[32], h_c2[32], h_c3[32];
-    double h_pi1[32], h_pi2[32], h_pi3[32], oo_11[32], oo_22[32], oo_33[32], c1ddot[32];
-    double c2ddot[32], c3ddot[32], omega1dot[32], omega2dot[32], omega3dot[32];
-    double alpha[8][32], alphadot[8][32], minus_alpha[8][32], S_11[8][32], S_12[8][32];
-    double S_13[8][32], S_22[8][32], S_23[8][32], S_33[8][32], d3_1[8][32], d3_2[8][32];
-    double d3_3[8][32], c7dot_1[8][32], c7dot_2[8][32], c7dot_3[8][32], sums3[60][32], h[8][32];
-    double B_4[8][32], B_5[8][32], B_6[8][32], sums6[36][32], x[8][32], sums10[4][32];
+    double sums8[4][32];
     double codes[32];
     unsigned long long failures = 0;
 
     body_symbolic_block32_gather(count, all, 8, q + 7 * all, alpha);
     body_symbolic_block32_gather(count, all, 8, v + 6 * all, alphadot);
-    for (int i = 0; i < 8; i++) {
-        TISSERAND_STATES for (int b = 0; b < count; b++) {
-            minus_alpha[i][b] = -alpha[i][b];
-        }
-    }
     for (int i = 0; i < 8; i += 4) {
         for (int r = i; r < i + 4; r++) {
             TISSERAND_STATES for (int b = 0; b < count; b++) {
@@ -3008,64 +2634,64 @@ TISSERAND_INLINE int body_symbolic_accel_states(
             }
         }
         for (int j = 0; j < 8; j += 4) {
-            body_symbolic_block32_rows(count, tables + 72 * i + 36 * j, 36, alpha + j, S_11 + i);
-            body_symbolic_block32_rows(count, tables + 4 + 72 * i + 36 * j, 36, alpha + j, S_12 + i);
-            body_symbolic_block32_rows(count, tables + 8 + 72 * i + 36 * j, 36, alpha + j, S_13 + i);
-            body_symbolic_block32_rows(count, tables + 12 + 72 * i + 36 * j, 36, alpha + j, S_22 + i);
-            body_symbolic_block32_rows(count, tables + 16 + 72 * i + 36 * j, 36, alpha + j, S_23 + i);
-            body_symbolic_block32_rows(count, tables + 20 + 72 * i + 36 * j, 36, alpha + j, S_33 + i);
-            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, minus_alpha + j, d3_1 + i);
-            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, alphadot + j, c7dot_1 + i);
-            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, minus_alpha + j, d3_2 + i);
-            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, alphadot + j, c7dot_2 + i);
-            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, minus_alpha + j, d3_3 + i);
-            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, alphadot + j, c7dot_3 + i);
+            body_symbolic_block32_rows(count, tables + 72 * i + 36 * j, 36, 1.0, alpha + j, S_11 + i);
+            body_symbolic_block32_rows(count, tables + 4 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_12 + i);
+            body_symbolic_block32_rows(count, tables + 8 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_13 + i);
+            body_symbolic_block32_rows(count, tables + 12 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_22 + i);
+            body_symbolic_block32_rows(count, tables + 16 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_23 + i);
+            body_symbolic_block32_rows(count, tables + 20 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_33 + i);
+            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_1 + i);
+            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_1 + i);
+            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_2 + i);
+            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_2 + i);
+            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, -1.0, alpha + j, d3_3 + i);
+            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_3 + i);
         }
     }
     for (int i = 0; i < 60; i++) {
         TISSERAND_STATES for (int b = 0; b < count; b++) {
-            sums3[i][b] = 0.0;
+            sums2[i][b] = 0.0;
         }
     }
     for (int i = 0; i < 8; i++) {
         const int l = i % 4;
         TISSERAND_STATES for (int b = 0; b < count; b++) {
-            sums3[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
-            sums3[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
-            sums3[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
-            sums3[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
-            sums3[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
-            sums3[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
-            sums3[24 + l][b] += S_11[i][b] * alphadot[i][b];
-            sums3[28 + l][b] += S_12[i][b] * alphadot[i][b];
-            sums3[32 + l][b] += S_13[i][b] * alphadot[i][b];
-            sums3[36 + l][b] += S_22[i][b] * alphadot[i][b];
-            sums3[40 + l][b] += S_23[i][b] * alphadot[i][b];
-            sums3[44 + l][b] += S_33[i][b] * alphadot[i][b];
-            sums3[48 + l][b] += alpha[i][b] * c7dot_1[i][b];
-            sums3[52 + l][b] += alpha[i][b] * c7dot_2[i][b];
-            sums3[56 + l][b] += alpha[i][b] * c7dot_3[i][b];
+            sums2[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
+            sums2[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
+            sums2[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
+            sums2[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
+            sums2[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
+            sums2[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
+            sums2[24 + l][b] += S_11[i][b] * alphadot[i][b];
+            sums2[28 + l][b] += S_12[i][b] * alphadot[i][b];
+            sums2[32 + l][b] += S_13[i][b] * alphadot[i][b];
+            sums2[36 + l][b] += S_22[i][b] * alphadot[i][b];
+            sums2[40 + l][b] += S_23[i][b] * alphadot[i][b];
+            sums2[44 + l][b] += S_33[i][b] * alphadot[i][b];
+            sums2[48 + l][b] += alpha[i][b] * c7dot_1[i][b];
+            sums2[52 + l][b] += alpha[i][b] * c7dot_2[i][b];
+            sums2[56 + l][b] += alpha[i][b] * c7dot_3[i][b];
         }
     }
     TISSERAND_STATES for (int b = 0; b < count; b++) {
         const double omega1 = v[3 * all + b];
         const double omega2 = v[4 * all + b];
         const double omega3 = v[5 * all + b];
-        const double J_11 = C3_11 + (sums3[0][b] + sums3[1][b] + (sums3[2][b] + sums3[3][b]));
-        const double J_12 = C3_12 + (sums3[4][b] + sums3[5][b] + (sums3[6][b] + sums3[7][b]));
-        const double J_13 = C3_13 + (sums3[8][b] + sums3[9][b] + (sums3[10][b] + sums3[11][b]));
-        const double J_22 = C3_22 + (sums3[12][b] + sums3[13][b] + (sums3[14][b] + sums3[15][b]));
-        const double J_23 = C3_23 + (sums3[16][b] + sums3[17][b] + (sums3[18][b] + sums3[19][b]));
-        const double J_33 = C3_33 + (sums3[20][b] + sums3[21][b] + (sums3[22][b] + sums3[23][b]));
-        const double Sdot_11 = sums3[24][b] + sums3[25][b] + (sums3[26][b] + sums3[27][b]);
-        const double Sdot_12 = sums3[28][b] + sums3[29][b] + (sums3[30][b] + sums3[31][b]);
-        const double Sdot_13 = sums3[32][b] + sums3[33][b] + (sums3[34][b] + sums3[35][b]);
-        const double Sdot_22 = sums3[36][b] + sums3[37][b] + (sums3[38][b] + sums3[39][b]);
-        const double Sdot_23 = sums3[40][b] + sums3[41][b] + (sums3[42][b] + sums3[43][b]);
-        const double Sdot_33 = sums3[44][b] + sums3[45][b] + (sums3[46][b] + sums3[47][b]);
-        const double d3dot_1 = sums3[48][b] + sums3[49][b] + (sums3[50][b] + sums3[51][b]);
-        const double d3dot_2 = sums3[52][b] + sums3[53][b] + (sums3[54][b] + sums3[55][b]);
-        const double d3dot_3 = sums3[56][b] + sums3[57][b] + (sums3[58][b] + sums3[59][b]);
+        const double J_11 = C3_11 + (sums2[0][b] + sums2[1][b] + (sums2[2][b] + sums2[3][b]));
+        const double J_12 = C3_12 + (sums2[4][b] + sums2[5][b] + (sums2[6][b] + sums2[7][b]));
+        const double J_13 = C3_13 + (sums2[8][b] + sums2[9][b] + (sums2[10][b] + sums2[11][b]));
+        const double J_22 = C3_22 + (sums2[12][b] + sums2[13][b] + (sums2[14][b] + sums2[15][b]));
+        const double J_23 = C3_23 + (sums2[16][b] + sums2[17][b] + (sums2[18][b] + sums2[19][b]));
+        const double J_33 = C3_33 + (sums2[20][b] + sums2[21][b] + (sums2[22][b] + sums2[23][b]));
+        const double Sdot_11 = sums2[24][b] + sums2[25][b] + (sums2[26][b] + sums2[27][b]);
+        const double Sdot_12 = sums2[28][b] + sums2[29][b] + (sums2[30][b] + sums2[31][b]);
+        const double Sdot_13 = sums2[32][b] + sums2[33][b] + (sums2[34][b] + sums2[35][b]);
+        const double Sdot_22 = sums2[36][b] + sums2[37][b] + (sums2[38][b] + sums2[39][b]);
+        const double Sdot_23 = sums2[40][b] + sums2[41][b] + (sums2[42][b] + sums2[43][b]);
+        const double Sdot_33 = sums2[44][b] + sums2[45][b] + (sums2[46][b] + sums2[47][b]);
+        const double d3dot_1 = sums2[48][b] + sums2[49][b] + (sums2[50][b] + sums2[51][b]);
+        const double d3dot_2 = sums2[52][b] + sums2[53][b] + (sums2[54][b] + sums2[55][b]);
+        const double d3dot_3 = sums2[56][b] + sums2[57][b] + (sums2[58][b] + sums2[59][b]);
         oo_11[b] = omega1 * omega1;
         const double oo_12 = omega1 * omega2;
         const double oo_13 = omega1 * omega3;
@@ -3078,9 +2704,6 @@ TISSERAND_INLINE int body_symbolic_accel_states(
         f7[b] = 2.0 * omega1;
         f8[b] = 2.0 * omega2;
         f9[b] = 2.0 * omega3;
-        h_c1[b] = 0.0;
-        h_c2[b] = 0.0;
-        h_c3[b] = 0.0;
         const double t1 = 2.0 * Sdot_12;
         const double t2 = 2.0 * Sdot_13;
         h_pi1[b] = J_13 * oo_12 + J_23 * oo_22[b] + J_33 * oo_23 + 2.0 * Sdot_11 * omega1 + t1 * omega2
@@ -3093,9 +2716,6 @@ TISSERAND_INLINE int body_symbolic_accel_states(
         h_pi3[b] = J_12 * oo_11[b] + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
             + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22[b] - J_13 * oo_23
             - d3dot_1 * omega2;
-        M_11[b] = mass;
-        M_22[b] = mass;
-        M_33[b] = mass;
         M_44[b] = J_11;
         M_54[b] = J_12;
         M_64[b] = J_13;
@@ -3108,40 +2728,37 @@ TISSERAND_INLINE int body_symbolic_accel_states(
             h[i][b] = K[i] * alpha[i][b] - oo_11[b] * S_11[i][b] - f4[b] * S_12[i][b] - f5[b] * S_13[i][b]
                 - oo_22[b] * S_22[i][b] - f6[b] * S_23[i][b] - oo_33[b] * S_33[i][b] - f7[b] * c7dot_1[i][b]
                 - f8[b] * c7dot_2[i][b] - f9[b] * c7dot_3[i][b];
-            B_4[i][b] = d3_1[i][b];
-            B_5[i][b] = d3_2[i][b];
-            B_6[i][b] = d3_3[i][b];
         }
     }
     for (int i = 0; i < 36; i++) {
         TISSERAND_STATES for (int b = 0; b < count; b++) {
-            sums6[i][b] = 0.0;
+            sums5[i][b] = 0.0;
         }
     }
     for (int i = 0; i < 8; i++) {
         const int l = i % 4;
         TISSERAND_STATES for (int b = 0; b < count; b++) {
-            sums6[0 + l][b] += B_4[i][b] * B_4[i][b];
-            sums6[4 + l][b] += B_4[i][b] * B_5[i][b];
-            sums6[8 + l][b] += B_4[i][b] * B_6[i][b];
-            sums6[12 + l][b] += B_5[i][b] * B_5[i][b];
-            sums6[16 + l][b] += B_5[i][b] * B_6[i][b];
-            sums6[20 + l][b] += B_6[i][b] * B_6[i][b];
-            sums6[24 + l][b] += B_4[i][b] * h[i][b];
-            sums6[28 + l][b] += B_5[i][b] * h[i][b];
-            sums6[32 + l][b] += B_6[i][b] * h[i][b];
+            sums5[0 + l][b] += d3_1[i][b] * d3_1[i][b];
+            sums5[4 + l][b] += d3_1[i][b] * d3_2[i][b];
+            sums5[8 + l][b] += d3_1[i][b] * d3_3[i][b];
+            sums5[12 + l][b] += d3_2[i][b] * d3_2[i][b];
+            sums5[16 + l][b] += d3_2[i][b] * d3_3[i][b];
+            sums5[20 + l][b] += d3_3[i][b] * d3_3[i][b];
+            sums5[24 + l][b] += d3_1[i][b] * h[i][b];
+            sums5[28 + l][b] += d3_2[i][b] * h[i][b];
+            sums5[32 + l][b] += d3_3[i][b] * h[i][b];
         }
     }
     TISSERAND_STATES for (int b = 0; b < count; b++) {
-        const double BB_44 = sums6[0][b] + sums6[1][b] + (sums6[2][b] + sums6[3][b]);
-        const double BB_54 = sums6[4][b] + sums6[5][b] + (sums6[6][b] + sums6[7][b]);
-        const double BB_64 = sums6[8][b] + sums6[9][b] + (sums6[10][b] + sums6[11][b]);
-        const double BB_55 = sums6[12][b] + sums6[13][b] + (sums6[14][b] + sums6[15][b]);
-        const double BB_65 = sums6[16][b] + sums6[17][b] + (sums6[18][b] + sums6[19][b]);
-        const double BB_66 = sums6[20][b] + sums6[21][b] + (sums6[22][b] + sums6[23][b]);
-        const double Bh_4 = sums6[24][b] + sums6[25][b] + (sums6[26][b] + sums6[27][b]);
-        const double Bh_5 = sums6[28][b] + sums6[29][b] + (sums6[30][b] + sums6[31][b]);
-        const double Bh_6 = sums6[32][b] + sums6[33][b] + (sums6[34][b] + sums6[35][b]);
+        const double BB_44 = sums5[0][b] + sums5[1][b] + (sums5[2][b] + sums5[3][b]);
+        const double BB_54 = sums5[4][b] + sums5[5][b] + (sums5[6][b] + sums5[7][b]);
+        const double BB_64 = sums5[8][b] + sums5[9][b] + (sums5[10][b] + sums5[11][b]);
+        const double BB_55 = sums5[12][b] + sums5[13][b] + (sums5[14][b] + sums5[15][b]);
+        const double BB_65 = sums5[16][b] + sums5[17][b] + (sums5[18][b] + sums5[19][b]);
+        const double BB_66 = sums5[20][b] + sums5[21][b] + (sums5[22][b] + sums5[23][b]);
+        const double Bh_4 = sums5[24][b] + sums5[25][b] + (sums5[26][b] + sums5[27][b]);
+        const double Bh_5 = sums5[28][b] + sums5[29][b] + (sums5[30][b] + sums5[31][b]);
+        const double Bh_6 = sums5[32][b] + sums5[33][b] + (sums5[34][b] + sums5[35][b]);
         const double t4 = M_44[b] - BB_44;
         const double t5 = M_54[b] - BB_54;
         const double inverse_t4 = 1.0 / t4;
@@ -3153,12 +2770,6 @@ TISSERAND_INLINE int body_symbolic_accel_states(
         const double inverse_t7 = 1.0 / t7;
         const double t11 = t10 * inverse_t7;
         const double t12 = M_66[b] - BB_66 - t9 * t8 - t11 * t10;
-        c1ddot[b] = -(h_c1[b] / M_11[b]);
-        vdot[b] = c1ddot[b];
-        c2ddot[b] = -(h_c2[b] / M_22[b]);
-        vdot[all + b] = c2ddot[b];
-        c3ddot[b] = -(h_c3[b] / M_33[b]);
-        vdot[2 * all + b] = c3ddot[b];
         const double t13 = Bh_4 - h_pi1[b];
         const double t14 = Bh_5 - h_pi2[b] - t6 * t13;
         omega3dot[b] = (Bh_6 - h_pi3[b] - t9 * t13 - t11 * t14) / t12;
@@ -3167,49 +2778,43 @@ TISSERAND_INLINE int body_symbolic_accel_states(
         vdot[3 * all + b] = omega1dot[b];
         vdot[4 * all + b] = omega2dot[b];
         vdot[5 * all + b] = omega3dot[b];
+        vdot[b] = 0.0;
+        vdot[all + b] = 0.0;
+        vdot[2 * all + b] = 0.0;
         double code = 0.0;
         code = t12 - 5.684341886080802e-14 * M_66[b] > 0.0 ? code : 1.0; /* the pivot of pi3 vanished */
         code = t7 - 5.684341886080802e-14 * M_55[b] > 0.0 ? code : 1.0; /* the pivot of pi2 vanished */
         code = t4 - 5.684341886080802e-14 * M_44[b] > 0.0 ? code : 1.0; /* the pivot of pi1 vanished */
-        code = M_33[b]
-            - 5.684341886080802e-14 * M_33[b] > 0.0 ? code : 1.0; /* the pivot of c3 vanished */
-        code = M_22[b]
-            - 5.684341886080802e-14 * M_22[b] > 0.0 ? code : 1.0; /* the pivot of c2 vanished */
-        code = M_11[b]
-            - 5.684341886080802e-14 * M_11[b] > 0.0 ? code : 1.0; /* the pivot of c1 vanished */
         codes[b] = code;
-        failures |= body_symbolic_block_bits(code);
     }
     for (int i = 0; i < 8; i++) {
         TISSERAND_STATES for (int b = 0; b < count; b++) {
-            x[i][b] = -(h[i][b] + omega1dot[b] * B_4[i][b]) - omega2dot[b] * B_5[i][b]
-                - omega3dot[b] * B_6[i][b];
-        }
-    }
-    for (int i = 0; i < 8; i++) {
-        TISSERAND_STATES for (int b = 0; b < count; b++) {
-            vdot[(i + 6) * all + b] = x[i][b];
+            const double t15 = -(h[i][b] + omega1dot[b] * d3_1[i][b]) - omega2dot[b] * d3_2[i][b]
+                - omega3dot[b] * d3_3[i][b];
+            x[i][b] = t15;
+            vdot[(i + 6) * all + b] = t15;
         }
     }
     for (int i = 0; i < 4; i++) {
         TISSERAND_STATES for (int b = 0; b < count; b++) {
-            sums10[i][b] = 0.0;
+            sums8[i][b] = 0.0;
         }
     }
     for (int i = 0; i < 8; i++) {
         const int l = i % 4;
         TISSERAND_STATES for (int b = 0; b < count; b++) {
-            sums10[0 + l][b] += x[i][b];
+            sums8[0 + l][b] += x[i][b];
         }
     }
     TISSERAND_STATES for (int b = 0; b < count; b++) {
-        const double shapes = sums10[0][b] + sums10[1][b] + (sums10[2][b] + sums10[3][b]);
+        const double shapes = sums8[0][b] + sums8[1][b] + (sums8[2][b] + sums8[3][b]);
         double code = 0.0;
-        const double finite = c1ddot[b] + c2ddot[b] + c3ddot[b] + omega1dot[b] + omega2dot[b]
-            + omega3dot[b] + shapes;
+        const double finite = omega1dot[b] + omega2dot[b] + omega3dot[b] + shapes;
         code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
         codes[b] = codes[b] > 0.0 ? codes[b] : code;
-        failures |= body_symbolic_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= body_symbolic_block_bits(codes[b]);
     }
     if (!failures) return 0;
     body_symbolic_block_nan(count, all, 14, codes, vdot);
@@ -3217,8 +2822,7 @@ TISSERAND_INLINE int body_symbolic_accel_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int body_symbolic_accel_copied(
-    int count,
+TISSERAND_APART int body_symbolic_accel_copied1(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3226,12 +2830,12 @@ TISSERAND_APART int body_symbolic_accel_copied(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-    double q_b[480], v_b[448], vdot_b[448];
+    double q_b[15], v_b[14], vdot_b[14];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = body_symbolic_accel_batch(count, t, q_b, v_b, k, vdot_b);
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = body_symbolic_accel_batch(1, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 14; e++) vdot[e * all] = vdot_b[e];
     return code;
 }
 
@@ -3248,12 +2852,11 @@ TISSERAND_APART int body_symbolic_accel_blocks(
 
     for (; left >= 32; left -= 32) {
         const int failed = body_symbolic_accel_states(32, all, t, q, v, k, vdot);
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
         if (code == 0) code = failed;
         q += 32; v += 32; vdot += 32;
     }
     for (; left > 0; left--) {
-        const int failed = body_symbolic_accel_copied(1, all, t, q, v, k, vdot);
+        const int failed = body_symbolic_accel_copied1(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 1; v += 1; vdot += 1;
     }
@@ -3319,15 +2922,15 @@ TISSERAND_INLINE void body_symbolic_energy_states(
             }
         }
         for (int j = 0; j < 8; j += 4) {
-            body_symbolic_block32_rows(count, tables + 72 * i + 36 * j, 36, alpha + j, S_11 + i);
-            body_symbolic_block32_rows(count, tables + 4 + 72 * i + 36 * j, 36, alpha + j, S_12 + i);
-            body_symbolic_block32_rows(count, tables + 8 + 72 * i + 36 * j, 36, alpha + j, S_13 + i);
-            body_symbolic_block32_rows(count, tables + 12 + 72 * i + 36 * j, 36, alpha + j, S_22 + i);
-            body_symbolic_block32_rows(count, tables + 16 + 72 * i + 36 * j, 36, alpha + j, S_23 + i);
-            body_symbolic_block32_rows(count, tables + 20 + 72 * i + 36 * j, 36, alpha + j, S_33 + i);
-            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, alphadot + j, c7dot_1 + i);
-            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, alphadot + j, c7dot_2 + i);
-            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, alphadot + j, c7dot_3 + i);
+            body_symbolic_block32_rows(count, tables + 72 * i + 36 * j, 36, 1.0, alpha + j, S_11 + i);
+            body_symbolic_block32_rows(count, tables + 4 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_12 + i);
+            body_symbolic_block32_rows(count, tables + 8 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_13 + i);
+            body_symbolic_block32_rows(count, tables + 12 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_22 + i);
+            body_symbolic_block32_rows(count, tables + 16 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_23 + i);
+            body_symbolic_block32_rows(count, tables + 20 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_33 + i);
+            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_1 + i);
+            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_2 + i);
+            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_3 + i);
         }
     }
     for (int i = 0; i < 44; i++) {
@@ -3378,20 +2981,19 @@ TISSERAND_INLINE void body_symbolic_energy_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int body_symbolic_energy_copied(
-    int count,
+TISSERAND_APART int body_symbolic_energy_copied1(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-    double q_b[480], v_b[448], energy_b[64];
+    double q_b[15], v_b[14], energy_b[2];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = body_symbolic_energy_batch(count, q_b, v_b, k, energy_b);
-    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = body_symbolic_energy_batch(1, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) energy[e * all] = energy_b[e];
     return code;
 }
 
@@ -3410,7 +3012,7 @@ TISSERAND_APART int body_symbolic_energy_blocks(
         q += 32; v += 32; energy += 32;
     }
     for (; left > 0; left--) {
-        body_symbolic_energy_copied(1, all, q, v, k, energy);
+        body_symbolic_energy_copied1(all, q, v, k, energy);
         q += 1; v += 1; energy += 1;
     }
     return 0;
@@ -3464,7 +3066,6 @@ TISSERAND_INLINE int body_symbolic_momentum_states(
         code = e0 * e0 + e1 * e1 + e2 * e2
             + e3 * e3 > 0.0 ? code : 2.0; /* the quaternion is zero or NaN */
         codes[b] = code;
-        failures |= body_symbolic_block_bits(code);
     }
     for (int i = 0; i < 8; i += 4) {
         for (int r = i; r < i + 4; r++) {
@@ -3481,15 +3082,15 @@ TISSERAND_INLINE int body_symbolic_momentum_states(
             }
         }
         for (int j = 0; j < 8; j += 4) {
-            body_symbolic_block32_rows(count, tables + 72 * i + 36 * j, 36, alpha + j, S_11 + i);
-            body_symbolic_block32_rows(count, tables + 4 + 72 * i + 36 * j, 36, alpha + j, S_12 + i);
-            body_symbolic_block32_rows(count, tables + 8 + 72 * i + 36 * j, 36, alpha + j, S_13 + i);
-            body_symbolic_block32_rows(count, tables + 12 + 72 * i + 36 * j, 36, alpha + j, S_22 + i);
-            body_symbolic_block32_rows(count, tables + 16 + 72 * i + 36 * j, 36, alpha + j, S_23 + i);
-            body_symbolic_block32_rows(count, tables + 20 + 72 * i + 36 * j, 36, alpha + j, S_33 + i);
-            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, alphadot + j, c7dot_1 + i);
-            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, alphadot + j, c7dot_2 + i);
-            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, alphadot + j, c7dot_3 + i);
+            body_symbolic_block32_rows(count, tables + 72 * i + 36 * j, 36, 1.0, alpha + j, S_11 + i);
+            body_symbolic_block32_rows(count, tables + 4 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_12 + i);
+            body_symbolic_block32_rows(count, tables + 8 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_13 + i);
+            body_symbolic_block32_rows(count, tables + 12 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_22 + i);
+            body_symbolic_block32_rows(count, tables + 16 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_23 + i);
+            body_symbolic_block32_rows(count, tables + 20 + 72 * i + 36 * j, 36, 1.0, alpha + j, S_33 + i);
+            body_symbolic_block32_rows(count, tables + 24 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_1 + i);
+            body_symbolic_block32_rows(count, tables + 28 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_2 + i);
+            body_symbolic_block32_rows(count, tables + 32 + 72 * i + 36 * j, 36, 1.0, alphadot + j, c7dot_3 + i);
         }
     }
     for (int i = 0; i < 36; i++) {
@@ -3568,26 +3169,28 @@ TISSERAND_INLINE int body_symbolic_momentum_states(
         momentum[5 * all + b] = t13 * Q_31 + t14 * Q_32 + t15 * Q_33 + c1 * c2dot * mass
             - c1dot * c2 * mass;
     }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= body_symbolic_block_bits(codes[b]);
+    }
     if (!failures) return 0;
     body_symbolic_block_nan(count, all, 6, codes, momentum);
     return body_symbolic_block_code(codes);
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int body_symbolic_momentum_copied(
-    int count,
+TISSERAND_APART int body_symbolic_momentum_copied1(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-    double q_b[480], v_b[448], momentum_b[192];
+    double q_b[15], v_b[14], momentum_b[6];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = body_symbolic_momentum_batch(count, q_b, v_b, k, momentum_b);
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = body_symbolic_momentum_batch(1, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 6; e++) momentum[e * all] = momentum_b[e];
     return code;
 }
 
@@ -3607,7 +3210,7 @@ TISSERAND_APART int body_symbolic_momentum_blocks(
         q += 32; v += 32; momentum += 32;
     }
     for (; left > 0; left--) {
-        const int failed = body_symbolic_momentum_copied(1, all, q, v, k, momentum);
+        const int failed = body_symbolic_momentum_copied1(all, q, v, k, momentum);
         if (code == 0) code = failed;
         q += 1; v += 1; momentum += 1;
     }
@@ -3669,12 +3272,14 @@ TISSERAND_INLINE int body_symbolic_rates_states(
         code = e0 * e0 + e1 * e1 + e2 * e2
             + e3 * e3 > 0.0 ? code : 2.0; /* the quaternion is zero or NaN */
         codes[b] = code;
-        failures |= body_symbolic_block_bits(code);
     }
     for (int i = 0; i < 8; i++) {
         TISSERAND_STATES for (int b = 0; b < count; b++) {
             qdot[(i + 7) * all + b] = alphadot[i][b];
         }
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= body_symbolic_block_bits(codes[b]);
     }
     if (!failures) return 0;
     body_symbolic_block_nan(count, all, 15, codes, qdot);
@@ -3682,20 +3287,19 @@ TISSERAND_INLINE int body_symbolic_rates_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int body_symbolic_rates_copied(
-    int count,
+TISSERAND_APART int body_symbolic_rates_copied1(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *qdot)
 {
-    double q_b[480], v_b[448], qdot_b[480];
+    double q_b[15], v_b[14], qdot_b[15];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = body_symbolic_rates_batch(count, q_b, v_b, k, qdot_b);
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = body_symbolic_rates_batch(1, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 15; e++) qdot[e * all] = qdot_b[e];
     return code;
 }
 
@@ -3715,7 +3319,7 @@ TISSERAND_APART int body_symbolic_rates_blocks(
         q += 32; v += 32; qdot += 32;
     }
     for (; left > 0; left--) {
-        const int failed = body_symbolic_rates_copied(1, all, q, v, k, qdot);
+        const int failed = body_symbolic_rates_copied1(all, q, v, k, qdot);
         if (code == 0) code = failed;
         q += 1; v += 1; qdot += 1;
     }

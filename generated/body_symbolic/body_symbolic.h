@@ -262,13 +262,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-<<<<<<< HEAD
-#define BODY_SYMBOLIC_HASH "600c872343640c99"
-#define BODY_SYMBOLIC_HASH_600c872343640c99
-=======
-#define BODY_SYMBOLIC_HASH "295acbcc716de1a4"
-#define BODY_SYMBOLIC_HASH_295acbcc716de1a4
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+#define BODY_SYMBOLIC_HASH "c91a9ed3c6218010"
+#define BODY_SYMBOLIC_HASH_c91a9ed3c6218010
 
 /* ---- sizes and indices ---- */
 
@@ -514,19 +509,11 @@ int body_symbolic_jacobian(
     const double *TISSERAND_RESTRICT k,
     double *jac);
 
-<<<<<<< HEAD
-/* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
-   b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
-   (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
-   states are computed at a time, on some 66 kB of stack. accel_batch gives NaN
-   for a state that fails, and returns the code of the first of them; all other states are valid. ---- */
-=======
 /* ---- batches: mass, force, mass_force, accel, energy, momentum and rates of n >= 0 states with the same time and constants.
    Element e of state b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit, for any n and b. Blocks of 32
-   states are computed at a time, on some 73 kB of stack. accel_batch, momentum_batch and rates_batch give NaN
+   states are computed at a time, on some 63 kB of stack. accel_batch, momentum_batch and rates_batch give NaN
    for a state that fails, and return the code of the first of them; all other states are valid. ---- */
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
 
 int body_symbolic_mass_batch(
     int n,

@@ -131,11 +131,7 @@ def _columns(rows, groups, symmetric):
 
 
 NAME = "body_symbolic"
-<<<<<<< HEAD
-HASH = "600c872343640c99"
-=======
-HASH = "295acbcc716de1a4"
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+HASH = "c91a9ed3c6218010"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",

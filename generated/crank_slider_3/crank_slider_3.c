@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef CRANK_SLIDER_3_HASH_eb37c19afc664ddd
+#ifndef CRANK_SLIDER_3_HASH_a3cf9b5e3d609269
 #  error "crank_slider_3.h and crank_slider_3.c are of different builds; run tisserand build again"
 #endif
 
@@ -5591,8 +5591,7 @@ TISSERAND_INLINE void crank_slider_3_mass_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int crank_slider_3_mass_copied(
-    int count,
+TISSERAND_APART int crank_slider_3_mass_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -5600,9 +5599,9 @@ TISSERAND_APART int crank_slider_3_mass_copied(
 {
     double q_b[512], M_b[512];
     int code;
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    code = crank_slider_3_mass_batch(count, q_b, k, M_b);
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    code = crank_slider_3_mass_batch(32, q_b, k, M_b);
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
     return code;
 }
 
@@ -5620,7 +5619,7 @@ TISSERAND_APART int crank_slider_3_mass_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        crank_slider_3_mass_copied(32, all, q, k, M);
+        crank_slider_3_mass_copied32(all, q, k, M);
         q += 32; M += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -5702,8 +5701,7 @@ TISSERAND_INLINE void crank_slider_3_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int crank_slider_3_force_copied(
-    int count,
+TISSERAND_APART int crank_slider_3_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -5713,10 +5711,10 @@ TISSERAND_APART int crank_slider_3_force_copied(
 {
     double q_b[512], v_b[512], h_b[512];
     int code;
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = crank_slider_3_force_batch(count, t, q_b, v_b, k, h_b);
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = crank_slider_3_force_batch(32, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -5736,7 +5734,7 @@ TISSERAND_APART int crank_slider_3_force_blocks(
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        crank_slider_3_force_copied(32, all, t, q, v, k, h);
+        crank_slider_3_force_copied32(all, t, q, v, k, h);
         q += 32; v += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -5843,8 +5841,7 @@ TISSERAND_INLINE void crank_slider_3_mass_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int crank_slider_3_mass_force_copied(
-    int count,
+TISSERAND_APART int crank_slider_3_mass_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -5855,11 +5852,11 @@ TISSERAND_APART int crank_slider_3_mass_force_copied(
 {
     double q_b[512], v_b[512], M_b[512], h_b[512];
     int code;
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = crank_slider_3_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = crank_slider_3_mass_force_batch(32, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -5880,7 +5877,7 @@ TISSERAND_APART int crank_slider_3_mass_force_blocks(
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        crank_slider_3_mass_force_copied(32, all, t, q, v, k, M, h);
+        crank_slider_3_mass_force_copied32(all, t, q, v, k, M, h);
         q += 32; v += 32; M += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -6316,7 +6313,9 @@ TISSERAND_INLINE int crank_slider_3_accel_states(
         code = t14 > 0.0 ? code : 1.0; /* the pivot of crank_pin_1 vanished */
         code = rod_1_J > 0.0 ? code : 1.0; /* the pivot of rod_1_phi vanished */
         codes[b] = code;
-        failures |= crank_slider_3_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= crank_slider_3_block_bits(codes[b]);
     }
     if (!failures) return 0;
     crank_slider_3_block_nan(count, all, 16, codes, vdot);
@@ -6324,8 +6323,7 @@ TISSERAND_INLINE int crank_slider_3_accel_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int crank_slider_3_accel_copied(
-    int count,
+TISSERAND_APART int crank_slider_3_accel_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -6335,10 +6333,28 @@ TISSERAND_APART int crank_slider_3_accel_copied(
 {
     double q_b[512], v_b[512], vdot_b[512];
     int code;
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = crank_slider_3_accel_batch(count, t, q_b, v_b, k, vdot_b);
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = crank_slider_3_accel_batch(32, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) vdot[e * all + b] = vdot_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int crank_slider_3_accel_copied1(
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[16], v_b[16], vdot_b[16];
+    int code;
+    for (int e = 0; e < 16; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 16; e++) v_b[e] = v[e * all];
+    code = crank_slider_3_accel_batch(1, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 16; e++) vdot[e * all] = vdot_b[e];
     return code;
 }
 
@@ -6354,7 +6370,7 @@ TISSERAND_APART int crank_slider_3_accel_blocks(
     int left = n, code = 0;
 
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        const int failed = crank_slider_3_accel_copied(32, all, t, q, v, k, vdot);
+        const int failed = crank_slider_3_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 32; v += 32; vdot += 32;
     }
@@ -6364,7 +6380,7 @@ TISSERAND_APART int crank_slider_3_accel_blocks(
         q += 8; v += 8; vdot += 8;
     }
     for (; left > 0; left--) {
-        const int failed = crank_slider_3_accel_copied(1, all, t, q, v, k, vdot);
+        const int failed = crank_slider_3_accel_copied1(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 1; v += 1; vdot += 1;
     }
@@ -6458,8 +6474,7 @@ TISSERAND_INLINE void crank_slider_3_energy_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int crank_slider_3_energy_copied(
-    int count,
+TISSERAND_APART int crank_slider_3_energy_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -6468,10 +6483,10 @@ TISSERAND_APART int crank_slider_3_energy_copied(
 {
     double q_b[512], v_b[512], energy_b[64];
     int code;
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = crank_slider_3_energy_batch(count, q_b, v_b, k, energy_b);
-    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = crank_slider_3_energy_batch(32, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < 32; b++) energy[e * all + b] = energy_b[32 * e + b];
     return code;
 }
 
@@ -6490,7 +6505,7 @@ TISSERAND_APART int crank_slider_3_energy_blocks(
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        crank_slider_3_energy_copied(32, all, q, v, k, energy);
+        crank_slider_3_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -6574,8 +6589,7 @@ TISSERAND_INLINE void crank_slider_3_momentum_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int crank_slider_3_momentum_copied(
-    int count,
+TISSERAND_APART int crank_slider_3_momentum_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -6584,10 +6598,10 @@ TISSERAND_APART int crank_slider_3_momentum_copied(
 {
     double q_b[512], v_b[512], momentum_b[96];
     int code;
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = crank_slider_3_momentum_batch(count, q_b, v_b, k, momentum_b);
-    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = crank_slider_3_momentum_batch(32, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < 32; b++) momentum[e * all + b] = momentum_b[32 * e + b];
     return code;
 }
 
@@ -6606,7 +6620,7 @@ TISSERAND_APART int crank_slider_3_momentum_blocks(
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        crank_slider_3_momentum_copied(32, all, q, v, k, momentum);
+        crank_slider_3_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -6677,8 +6691,7 @@ TISSERAND_INLINE void crank_slider_3_rates_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int crank_slider_3_rates_copied(
-    int count,
+TISSERAND_APART int crank_slider_3_rates_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -6687,10 +6700,10 @@ TISSERAND_APART int crank_slider_3_rates_copied(
 {
     double q_b[512], v_b[512], qdot_b[512];
     int code;
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = crank_slider_3_rates_batch(count, q_b, v_b, k, qdot_b);
-    for (int e = 0; e < 16; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = crank_slider_3_rates_batch(32, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 16; e++) for (int b = 0; b < 32; b++) qdot[e * all + b] = qdot_b[32 * e + b];
     return code;
 }
 
@@ -6709,7 +6722,7 @@ TISSERAND_APART int crank_slider_3_rates_blocks(
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        crank_slider_3_rates_copied(32, all, q, v, k, qdot);
+        crank_slider_3_rates_copied32(all, q, v, k, qdot);
         q += 32; v += 32; qdot += 32;
     }
     for (; left >= 8; left -= 8) {

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_39e634fa5684c6cb
+#ifndef DOUBLE_PENDULUM_HASH_c7687e2e965e3c36
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -3343,8 +3343,7 @@ TISSERAND_INLINE void double_pendulum_mass_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int double_pendulum_mass_copied(
-    int count,
+TISSERAND_APART int double_pendulum_mass_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -3352,9 +3351,9 @@ TISSERAND_APART int double_pendulum_mass_copied(
 {
     double q_b[320], M_b[320];
     int code;
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    code = double_pendulum_mass_batch(count, q_b, k, M_b);
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    code = double_pendulum_mass_batch(32, q_b, k, M_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
     return code;
 }
 
@@ -3372,7 +3371,7 @@ TISSERAND_APART int double_pendulum_mass_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        double_pendulum_mass_copied(32, all, q, k, M);
+        double_pendulum_mass_copied32(all, q, k, M);
         q += 32; M += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -3439,8 +3438,7 @@ TISSERAND_INLINE void double_pendulum_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int double_pendulum_force_copied(
-    int count,
+TISSERAND_APART int double_pendulum_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3450,10 +3448,10 @@ TISSERAND_APART int double_pendulum_force_copied(
 {
     double q_b[320], v_b[320], h_b[320];
     int code;
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = double_pendulum_force_batch(count, t, q_b, v_b, k, h_b);
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = double_pendulum_force_batch(32, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -3473,7 +3471,7 @@ TISSERAND_APART int double_pendulum_force_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        double_pendulum_force_copied(32, all, t, q, v, k, h);
+        double_pendulum_force_copied32(all, t, q, v, k, h);
         q += 32; v += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -3557,8 +3555,7 @@ TISSERAND_INLINE void double_pendulum_mass_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int double_pendulum_mass_force_copied(
-    int count,
+TISSERAND_APART int double_pendulum_mass_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3569,11 +3566,11 @@ TISSERAND_APART int double_pendulum_mass_force_copied(
 {
     double q_b[320], v_b[320], M_b[320], h_b[320];
     int code;
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = double_pendulum_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = double_pendulum_mass_force_batch(32, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -3594,7 +3591,7 @@ TISSERAND_APART int double_pendulum_mass_force_blocks(
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        double_pendulum_mass_force_copied(32, all, t, q, v, k, M, h);
+        double_pendulum_mass_force_copied32(all, t, q, v, k, M, h);
         q += 32; v += 32; M += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -3785,7 +3782,9 @@ TISSERAND_INLINE int double_pendulum_accel_states(
         code = upper_J > 0.0 ? code : 1.0; /* the pivot of upper_phi vanished */
         code = lower_J > 0.0 ? code : 1.0; /* the pivot of lower_phi vanished */
         codes[b] = code;
-        failures |= double_pendulum_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= double_pendulum_block_bits(codes[b]);
     }
     if (!failures) return 0;
     double_pendulum_block_nan(count, all, 10, codes, vdot);
@@ -3793,8 +3792,7 @@ TISSERAND_INLINE int double_pendulum_accel_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int double_pendulum_accel_copied(
-    int count,
+TISSERAND_APART int double_pendulum_accel_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3804,10 +3802,28 @@ TISSERAND_APART int double_pendulum_accel_copied(
 {
     double q_b[320], v_b[320], vdot_b[320];
     int code;
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = double_pendulum_accel_batch(count, t, q_b, v_b, k, vdot_b);
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = double_pendulum_accel_batch(32, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) vdot[e * all + b] = vdot_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int double_pendulum_accel_copied1(
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[10], v_b[10], vdot_b[10];
+    int code;
+    for (int e = 0; e < 10; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 10; e++) v_b[e] = v[e * all];
+    code = double_pendulum_accel_batch(1, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 10; e++) vdot[e * all] = vdot_b[e];
     return code;
 }
 
@@ -3823,7 +3839,7 @@ TISSERAND_APART int double_pendulum_accel_blocks(
     int left = n, code = 0;
 
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        const int failed = double_pendulum_accel_copied(32, all, t, q, v, k, vdot);
+        const int failed = double_pendulum_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 32; v += 32; vdot += 32;
     }
@@ -3833,7 +3849,7 @@ TISSERAND_APART int double_pendulum_accel_blocks(
         q += 8; v += 8; vdot += 8;
     }
     for (; left > 0; left--) {
-        const int failed = double_pendulum_accel_copied(1, all, t, q, v, k, vdot);
+        const int failed = double_pendulum_accel_copied1(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 1; v += 1; vdot += 1;
     }
@@ -3911,8 +3927,7 @@ TISSERAND_INLINE void double_pendulum_energy_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int double_pendulum_energy_copied(
-    int count,
+TISSERAND_APART int double_pendulum_energy_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -3921,10 +3936,10 @@ TISSERAND_APART int double_pendulum_energy_copied(
 {
     double q_b[320], v_b[320], energy_b[96];
     int code;
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = double_pendulum_energy_batch(count, q_b, v_b, k, energy_b);
-    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = double_pendulum_energy_batch(32, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < 32; b++) energy[e * all + b] = energy_b[32 * e + b];
     return code;
 }
 
@@ -3943,7 +3958,7 @@ TISSERAND_APART int double_pendulum_energy_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        double_pendulum_energy_copied(32, all, q, v, k, energy);
+        double_pendulum_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -4012,8 +4027,7 @@ TISSERAND_INLINE void double_pendulum_momentum_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int double_pendulum_momentum_copied(
-    int count,
+TISSERAND_APART int double_pendulum_momentum_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -4022,10 +4036,10 @@ TISSERAND_APART int double_pendulum_momentum_copied(
 {
     double q_b[320], v_b[320], momentum_b[96];
     int code;
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = double_pendulum_momentum_batch(count, q_b, v_b, k, momentum_b);
-    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = double_pendulum_momentum_batch(32, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < 32; b++) momentum[e * all + b] = momentum_b[32 * e + b];
     return code;
 }
 
@@ -4044,7 +4058,7 @@ TISSERAND_APART int double_pendulum_momentum_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        double_pendulum_momentum_copied(32, all, q, v, k, momentum);
+        double_pendulum_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -4103,8 +4117,7 @@ TISSERAND_INLINE void double_pendulum_rates_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int double_pendulum_rates_copied(
-    int count,
+TISSERAND_APART int double_pendulum_rates_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -4113,10 +4126,10 @@ TISSERAND_APART int double_pendulum_rates_copied(
 {
     double q_b[320], v_b[320], qdot_b[320];
     int code;
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = double_pendulum_rates_batch(count, q_b, v_b, k, qdot_b);
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = double_pendulum_rates_batch(32, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) qdot[e * all + b] = qdot_b[32 * e + b];
     return code;
 }
 
@@ -4135,7 +4148,7 @@ TISSERAND_APART int double_pendulum_rates_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        double_pendulum_rates_copied(32, all, q, v, k, qdot);
+        double_pendulum_rates_copied32(all, q, v, k, qdot);
         q += 32; v += 32; qdot += 32;
     }
     for (; left >= 8; left -= 8) {

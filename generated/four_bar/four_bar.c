@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_c69fb6b17b82c96c
+#ifndef FOUR_BAR_HASH_dfe53fb4d64b8583
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 
@@ -5655,8 +5655,7 @@ TISSERAND_INLINE void four_bar_mass_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int four_bar_mass_copied(
-    int count,
+TISSERAND_APART int four_bar_mass_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -5664,9 +5663,9 @@ TISSERAND_APART int four_bar_mass_copied(
 {
     double q_b[480], M_b[480];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    code = four_bar_mass_batch(count, q_b, k, M_b);
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    code = four_bar_mass_batch(32, q_b, k, M_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
     return code;
 }
 
@@ -5684,7 +5683,7 @@ TISSERAND_APART int four_bar_mass_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        four_bar_mass_copied(32, all, q, k, M);
+        four_bar_mass_copied32(all, q, k, M);
         q += 32; M += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -5771,8 +5770,7 @@ TISSERAND_INLINE void four_bar_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int four_bar_force_copied(
-    int count,
+TISSERAND_APART int four_bar_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -5782,10 +5780,10 @@ TISSERAND_APART int four_bar_force_copied(
 {
     double q_b[480], v_b[480], h_b[480];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = four_bar_force_batch(count, t, q_b, v_b, k, h_b);
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = four_bar_force_batch(32, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -5805,7 +5803,7 @@ TISSERAND_APART int four_bar_force_blocks(
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        four_bar_force_copied(32, all, t, q, v, k, h);
+        four_bar_force_copied32(all, t, q, v, k, h);
         q += 32; v += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -5916,8 +5914,7 @@ TISSERAND_INLINE void four_bar_mass_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int four_bar_mass_force_copied(
-    int count,
+TISSERAND_APART int four_bar_mass_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -5928,11 +5925,11 @@ TISSERAND_APART int four_bar_mass_force_copied(
 {
     double q_b[480], v_b[480], M_b[480], h_b[480];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = four_bar_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = four_bar_mass_force_batch(32, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -5953,7 +5950,7 @@ TISSERAND_APART int four_bar_mass_force_blocks(
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        four_bar_mass_force_copied(32, all, t, q, v, k, M, h);
+        four_bar_mass_force_copied32(all, t, q, v, k, M, h);
         q += 32; v += 32; M += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -6327,7 +6324,9 @@ TISSERAND_INLINE int four_bar_accel_states(
         code = t7 > 0.0 ? code : 1.0; /* the pivot of motor vanished */
         code = crank_J > 0.0 ? code : 1.0; /* the pivot of crank_phi vanished */
         codes[b] = code;
-        failures |= four_bar_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= four_bar_block_bits(codes[b]);
     }
     if (!failures) return 0;
     four_bar_block_nan(count, all, 15, codes, vdot);
@@ -6335,8 +6334,7 @@ TISSERAND_INLINE int four_bar_accel_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int four_bar_accel_copied(
-    int count,
+TISSERAND_APART int four_bar_accel_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -6346,10 +6344,28 @@ TISSERAND_APART int four_bar_accel_copied(
 {
     double q_b[480], v_b[480], vdot_b[480];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = four_bar_accel_batch(count, t, q_b, v_b, k, vdot_b);
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = four_bar_accel_batch(32, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) vdot[e * all + b] = vdot_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int four_bar_accel_copied1(
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[15], v_b[15], vdot_b[15];
+    int code;
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 15; e++) v_b[e] = v[e * all];
+    code = four_bar_accel_batch(1, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 15; e++) vdot[e * all] = vdot_b[e];
     return code;
 }
 
@@ -6365,7 +6381,7 @@ TISSERAND_APART int four_bar_accel_blocks(
     int left = n, code = 0;
 
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        const int failed = four_bar_accel_copied(32, all, t, q, v, k, vdot);
+        const int failed = four_bar_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 32; v += 32; vdot += 32;
     }
@@ -6375,7 +6391,7 @@ TISSERAND_APART int four_bar_accel_blocks(
         q += 8; v += 8; vdot += 8;
     }
     for (; left > 0; left--) {
-        const int failed = four_bar_accel_copied(1, all, t, q, v, k, vdot);
+        const int failed = four_bar_accel_copied1(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 1; v += 1; vdot += 1;
     }
@@ -6471,8 +6487,7 @@ TISSERAND_INLINE void four_bar_energy_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int four_bar_energy_copied(
-    int count,
+TISSERAND_APART int four_bar_energy_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -6481,10 +6496,10 @@ TISSERAND_APART int four_bar_energy_copied(
 {
     double q_b[480], v_b[480], energy_b[64];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = four_bar_energy_batch(count, q_b, v_b, k, energy_b);
-    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = four_bar_energy_batch(32, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < 32; b++) energy[e * all + b] = energy_b[32 * e + b];
     return code;
 }
 
@@ -6503,7 +6518,7 @@ TISSERAND_APART int four_bar_energy_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        four_bar_energy_copied(32, all, q, v, k, energy);
+        four_bar_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -6585,8 +6600,7 @@ TISSERAND_INLINE void four_bar_momentum_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int four_bar_momentum_copied(
-    int count,
+TISSERAND_APART int four_bar_momentum_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -6595,10 +6609,10 @@ TISSERAND_APART int four_bar_momentum_copied(
 {
     double q_b[480], v_b[480], momentum_b[96];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = four_bar_momentum_batch(count, q_b, v_b, k, momentum_b);
-    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = four_bar_momentum_batch(32, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < 32; b++) momentum[e * all + b] = momentum_b[32 * e + b];
     return code;
 }
 
@@ -6617,7 +6631,7 @@ TISSERAND_APART int four_bar_momentum_blocks(
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        four_bar_momentum_copied(32, all, q, v, k, momentum);
+        four_bar_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -6686,8 +6700,7 @@ TISSERAND_INLINE void four_bar_rates_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int four_bar_rates_copied(
-    int count,
+TISSERAND_APART int four_bar_rates_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -6696,10 +6709,10 @@ TISSERAND_APART int four_bar_rates_copied(
 {
     double q_b[480], v_b[480], qdot_b[480];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = four_bar_rates_batch(count, q_b, v_b, k, qdot_b);
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = four_bar_rates_batch(32, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) qdot[e * all + b] = qdot_b[32 * e + b];
     return code;
 }
 
@@ -6718,7 +6731,7 @@ TISSERAND_APART int four_bar_rates_blocks(
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        four_bar_rates_copied(32, all, q, v, k, qdot);
+        four_bar_rates_copied32(all, q, v, k, qdot);
         q += 32; v += 32; qdot += 32;
     }
     for (; left >= 8; left -= 8) {

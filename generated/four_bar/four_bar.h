@@ -339,8 +339,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FOUR_BAR_HASH "c69fb6b17b82c96c"
-#define FOUR_BAR_HASH_c69fb6b17b82c96c
+#define FOUR_BAR_HASH "dfe53fb4d64b8583"
+#define FOUR_BAR_HASH_dfe53fb4d64b8583
 
 /* ---- sizes and indices ---- */
 

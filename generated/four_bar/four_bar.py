@@ -196,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "four_bar"
-HASH = "c69fb6b17b82c96c"
+HASH = "dfe53fb4d64b8583"
 COORDINATES = (
     "crank_c1", "crank_c2", "crank_phi", "crank_alpha1", "crank_alpha2", "coupler_c1",
     "coupler_c2", "coupler_phi", "coupler_alpha1", "coupler_alpha2", "rocker_c1", "rocker_c2",

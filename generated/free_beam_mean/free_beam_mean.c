@@ -13,11 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-<<<<<<< HEAD
-#ifndef FREE_BEAM_MEAN_HASH_bc1dc405f24dc1cc
-=======
-#ifndef FREE_BEAM_MEAN_HASH_53eccebcd0aa69eb
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+#ifndef FREE_BEAM_MEAN_HASH_0519da97ca813c67
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -836,8 +832,7 @@ TISSERAND_INLINE void free_beam_mean_mass_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_mean_mass_copied(
-    int count,
+TISSERAND_APART int free_beam_mean_mass_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -845,9 +840,9 @@ TISSERAND_APART int free_beam_mean_mass_copied(
 {
     double q_b[160], M_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    code = free_beam_mean_mass_batch(count, q_b, k, M_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    code = free_beam_mean_mass_batch(32, q_b, k, M_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
     return code;
 }
 
@@ -865,7 +860,7 @@ TISSERAND_APART int free_beam_mean_mass_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        free_beam_mean_mass_copied(32, all, q, k, M);
+        free_beam_mean_mass_copied32(all, q, k, M);
         q += 32; M += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -921,8 +916,7 @@ TISSERAND_INLINE void free_beam_mean_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_mean_force_copied(
-    int count,
+TISSERAND_APART int free_beam_mean_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -932,10 +926,10 @@ TISSERAND_APART int free_beam_mean_force_copied(
 {
     double q_b[160], v_b[160], h_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = free_beam_mean_force_batch(count, t, q_b, v_b, k, h_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = free_beam_mean_force_batch(32, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -955,7 +949,7 @@ TISSERAND_APART int free_beam_mean_force_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        free_beam_mean_force_copied(32, all, t, q, v, k, h);
+        free_beam_mean_force_copied32(all, t, q, v, k, h);
         q += 32; v += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1022,8 +1016,7 @@ TISSERAND_INLINE void free_beam_mean_mass_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_mean_mass_force_copied(
-    int count,
+TISSERAND_APART int free_beam_mean_mass_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1034,11 +1027,11 @@ TISSERAND_APART int free_beam_mean_mass_force_copied(
 {
     double q_b[160], v_b[160], M_b[160], h_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = free_beam_mean_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = free_beam_mean_mass_force_batch(32, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -1059,7 +1052,7 @@ TISSERAND_APART int free_beam_mean_mass_force_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        free_beam_mean_mass_force_copied(32, all, t, q, v, k, M, h);
+        free_beam_mean_mass_force_copied32(all, t, q, v, k, M, h);
         q += 32; v += 32; M += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1110,10 +1103,12 @@ TISSERAND_INLINE int free_beam_mean_accel_states(
         const double alpha2dot = v[4 * all + b];
         const double t1 = c8_1_1 * alpha1;
         const double t2 = c8_2_2 * alpha2;
-        const double pivot_phi = alpha1 * t1 + alpha2 * t2 + C3;
+        const double sum_1 = alpha1 * t1 + alpha2 * t2;
+        const double sum_2 = alpha1dot * t1 + alpha2dot * t2;
+        const double pivot_phi = sum_1 + C3;
         vdot[b] = 0.0;
         vdot[all + b] = 0.0;
-        const double t3 = 2.0 * phidot * (alpha1dot * t1 + alpha2dot * t2) / pivot_phi;
+        const double t3 = 2.0 * phidot * sum_2 / pivot_phi;
         vdot[2 * all + b] = -t3;
         const double t4 = phidot * phidot;
         const double t5 = (t4 - free_alpha1_alpha1) * alpha1;
@@ -1125,7 +1120,9 @@ TISSERAND_INLINE int free_beam_mean_accel_states(
         code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
         code = pivot_phi > 0.0 ? code : 1.0; /* the pivot of phi vanished */
         codes[b] = code;
-        failures |= free_beam_mean_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= free_beam_mean_block_bits(codes[b]);
     }
     if (!failures) return 0;
     free_beam_mean_block_nan(count, all, 5, codes, vdot);
@@ -1133,8 +1130,7 @@ TISSERAND_INLINE int free_beam_mean_accel_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_mean_accel_copied(
-    int count,
+TISSERAND_APART int free_beam_mean_accel_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1144,10 +1140,10 @@ TISSERAND_APART int free_beam_mean_accel_copied(
 {
     double q_b[160], v_b[160], vdot_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = free_beam_mean_accel_batch(count, t, q_b, v_b, k, vdot_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = free_beam_mean_accel_batch(32, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) vdot[e * all + b] = vdot_b[32 * e + b];
     return code;
 }
 
@@ -1168,7 +1164,7 @@ TISSERAND_APART int free_beam_mean_accel_blocks(
         return code;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        const int failed = free_beam_mean_accel_copied(32, all, t, q, v, k, vdot);
+        const int failed = free_beam_mean_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 32; v += 32; vdot += 32;
     }
@@ -1215,45 +1211,6 @@ TISSERAND_INLINE void free_beam_mean_energy_states(
     const double K_1_1 = k[4];
     const double K_2_2 = k[5];
 
-<<<<<<< HEAD
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_mean_block32_pad(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? free_beam_mean_block32_pad(all, count, 5, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double alpha1 = q_block[3 * stride + b];
-            const double alpha2 = q_block[4 * stride + b];
-            const double phidot = v_block[2 * stride + b];
-            const double alpha1dot = v_block[3 * stride + b];
-            const double alpha2dot = v_block[4 * stride + b];
-            const double t1 = c8_1_1 * alpha1;
-            const double t2 = c8_2_2 * alpha2;
-            const double sum_1 = alpha1 * t1 + alpha2 * t2;
-            const double sum_2 = alpha1dot * t1 + alpha2dot * t2;
-            const double pivot_phi = sum_1 + C3;
-            vdot_block[0][b] = 0.0;
-            vdot_block[1][b] = 0.0;
-            const double t3 = 2.0 * phidot * sum_2 / pivot_phi;
-            vdot_block[2][b] = -t3;
-            const double t4 = phidot * phidot;
-            const double t5 = (t4 - free_alpha1_alpha1) * alpha1;
-            vdot_block[3][b] = t5;
-            const double t6 = (t4 - free_alpha2_alpha2) * alpha2;
-            vdot_block[4][b] = t6;
-            double code_b = 0.0;
-            const double finite = t5 + t6 - t3;
-            code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
-            code_b = pivot_phi > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
-            codes[b] = code_b;
-        }
-        free_beam_mean_block32_scatter(all, count, 5, vdot_block, vdot);
-        const int failed = free_beam_mean_block_fail(all, count, 5, codes, vdot);
-        if (code == 0) code = failed;
-        q += count;
-        v += count;
-        vdot += count;
-=======
     TISSERAND_STATES for (int b = 0; b < count; b++) {
         const double alpha1 = q[3 * all + b];
         const double alpha2 = q[4 * all + b];
@@ -1268,13 +1225,11 @@ TISSERAND_INLINE void free_beam_mean_energy_states(
         energy[b] = 0.5 * (phidot * phidot * J + alpha1dot * alpha1dot * c8_1_1
             + alpha2dot * alpha2dot * c8_2_2 + c1dot * c1dot * mass + c2dot * c2dot * mass);
         energy[all + b] = 0.5 * (K_1_1 * alpha1 * alpha1 + K_2_2 * alpha2 * alpha2);
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
     }
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_mean_energy_copied(
-    int count,
+TISSERAND_APART int free_beam_mean_energy_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1283,10 +1238,10 @@ TISSERAND_APART int free_beam_mean_energy_copied(
 {
     double q_b[160], v_b[160], energy_b[64];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = free_beam_mean_energy_batch(count, q_b, v_b, k, energy_b);
-    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = free_beam_mean_energy_batch(32, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < 32; b++) energy[e * all + b] = energy_b[32 * e + b];
     return code;
 }
 
@@ -1305,7 +1260,7 @@ TISSERAND_APART int free_beam_mean_energy_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        free_beam_mean_energy_copied(32, all, q, v, k, energy);
+        free_beam_mean_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1359,8 +1314,7 @@ TISSERAND_INLINE void free_beam_mean_momentum_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_mean_momentum_copied(
-    int count,
+TISSERAND_APART int free_beam_mean_momentum_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1369,10 +1323,10 @@ TISSERAND_APART int free_beam_mean_momentum_copied(
 {
     double q_b[160], v_b[160], momentum_b[96];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = free_beam_mean_momentum_batch(count, q_b, v_b, k, momentum_b);
-    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = free_beam_mean_momentum_batch(32, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < 32; b++) momentum[e * all + b] = momentum_b[32 * e + b];
     return code;
 }
 
@@ -1391,7 +1345,7 @@ TISSERAND_APART int free_beam_mean_momentum_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        free_beam_mean_momentum_copied(32, all, q, v, k, momentum);
+        free_beam_mean_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1440,8 +1394,7 @@ TISSERAND_INLINE void free_beam_mean_rates_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_mean_rates_copied(
-    int count,
+TISSERAND_APART int free_beam_mean_rates_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1450,10 +1403,10 @@ TISSERAND_APART int free_beam_mean_rates_copied(
 {
     double q_b[160], v_b[160], qdot_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = free_beam_mean_rates_batch(count, q_b, v_b, k, qdot_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = free_beam_mean_rates_batch(32, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) qdot[e * all + b] = qdot_b[32 * e + b];
     return code;
 }
 
@@ -1472,7 +1425,7 @@ TISSERAND_APART int free_beam_mean_rates_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        free_beam_mean_rates_copied(32, all, q, v, k, qdot);
+        free_beam_mean_rates_copied32(all, q, v, k, qdot);
         q += 32; v += 32; qdot += 32;
     }
     for (; left >= 8; left -= 8) {

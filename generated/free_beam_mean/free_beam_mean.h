@@ -261,13 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-<<<<<<< HEAD
-#define FREE_BEAM_MEAN_HASH "bc1dc405f24dc1cc"
-#define FREE_BEAM_MEAN_HASH_bc1dc405f24dc1cc
-=======
-#define FREE_BEAM_MEAN_HASH "53eccebcd0aa69eb"
-#define FREE_BEAM_MEAN_HASH_53eccebcd0aa69eb
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+#define FREE_BEAM_MEAN_HASH "0519da97ca813c67"
+#define FREE_BEAM_MEAN_HASH_0519da97ca813c67
 
 /* ---- sizes and indices ---- */
 

@@ -122,11 +122,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-<<<<<<< HEAD
-HASH = "bc1dc405f24dc1cc"
-=======
-HASH = "53eccebcd0aa69eb"
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+HASH = "0519da97ca813c67"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")

@@ -12,11 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-<<<<<<< HEAD
-#ifndef FREE_BEAM_POINT_HASH_f1a1ba5f21c3a2c7
-=======
-#ifndef FREE_BEAM_POINT_HASH_c9906232bb0f09af
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+#ifndef FREE_BEAM_POINT_HASH_d5badd42cc4c6649
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
@@ -989,16 +985,8 @@ TISSERAND_INLINE void free_beam_point_mass_states(
     const double c6_2 = k[3];
     const double c8_1_1 = k[4];
     const double c8_2_2 = k[5];
-<<<<<<< HEAD
     const double minus_c2_1_2 = k[17];
-    double q_tail[160];
-    double cos_phi[32], sin_phi[32];
-    double M_block[10][32];
-    const ptrdiff_t all = n;
-=======
-    const double minus_c2_1_2 = k[18];
     double cos_phi[8], sin_phi[8];
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
 
     tisserand_sines(count, q + 2 * all, sin_phi, cos_phi);
     TISSERAND_STATES for (int b = 0; b < count; b++) {
@@ -1022,8 +1010,7 @@ TISSERAND_INLINE void free_beam_point_mass_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_point_mass_copied(
-    int count,
+TISSERAND_APART int free_beam_point_mass_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -1031,9 +1018,9 @@ TISSERAND_APART int free_beam_point_mass_copied(
 {
     double q_b[160], M_b[320];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    code = free_beam_point_mass_batch(count, q_b, k, M_b);
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    code = free_beam_point_mass_batch(32, q_b, k, M_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
     return code;
 }
 
@@ -1051,7 +1038,7 @@ TISSERAND_APART int free_beam_point_mass_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        free_beam_point_mass_copied(32, all, q, k, M);
+        free_beam_point_mass_copied32(all, q, k, M);
         q += 32; M += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1115,8 +1102,7 @@ TISSERAND_INLINE void free_beam_point_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_point_force_copied(
-    int count,
+TISSERAND_APART int free_beam_point_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1126,10 +1112,10 @@ TISSERAND_APART int free_beam_point_force_copied(
 {
     double q_b[160], v_b[160], h_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = free_beam_point_force_batch(count, t, q_b, v_b, k, h_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = free_beam_point_force_batch(32, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -1149,7 +1135,7 @@ TISSERAND_APART int free_beam_point_force_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        free_beam_point_force_copied(32, all, t, q, v, k, h);
+        free_beam_point_force_copied32(all, t, q, v, k, h);
         q += 32; v += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1192,7 +1178,7 @@ TISSERAND_INLINE void free_beam_point_mass_force_states(
     const double c8_2_2 = k[5];
     const double K_1_1 = k[6];
     const double K_2_2 = k[7];
-    const double minus_c2_1_2 = k[18];
+    const double minus_c2_1_2 = k[17];
     double cos_phi[8], sin_phi[8];
 
     tisserand_sines(count, q + 2 * all, sin_phi, cos_phi);
@@ -1231,8 +1217,7 @@ TISSERAND_INLINE void free_beam_point_mass_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_point_mass_force_copied(
-    int count,
+TISSERAND_APART int free_beam_point_mass_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1243,11 +1228,11 @@ TISSERAND_APART int free_beam_point_mass_force_copied(
 {
     double q_b[160], v_b[160], M_b[320], h_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = free_beam_point_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
-    for (int e = 0; e < 10; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = free_beam_point_mass_force_batch(32, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 10; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -1268,7 +1253,7 @@ TISSERAND_APART int free_beam_point_mass_force_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        free_beam_point_mass_force_copied(32, all, t, q, v, k, M, h);
+        free_beam_point_mass_force_copied32(all, t, q, v, k, M, h);
         q += 32; v += 32; M += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1312,57 +1297,6 @@ TISSERAND_INLINE int free_beam_point_accel_states(
     const double free_alpha1_alpha1 = k[14];
     const double free_alpha2_alpha2 = k[15];
     const double coupling_alpha2 = k[16];
-<<<<<<< HEAD
-    double q_tail[160], v_tail[160];
-    double cos_phi[32], sin_phi[32], codes[32];
-    double vdot_block[5][32];
-    const ptrdiff_t all = n;
-    int code = 0;
-
-    for (int left = n; left > 0; left -= 32) {
-        const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_point_block32_pad(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? free_beam_point_block32_pad(all, count, 5, v, v_tail) : v;
-        for (int b = 0; b < 32; b++) {
-            const double phi = q_block[2 * stride + b];
-            cos_phi[b] = cos(phi);
-            sin_phi[b] = sin(phi);
-        }
-        for (int b = 0; b < 32; b++) {
-            const double alpha1 = q_block[3 * stride + b];
-            const double alpha2 = q_block[4 * stride + b];
-            const double phidot = v_block[2 * stride + b];
-            const double alpha1dot = v_block[3 * stride + b];
-            const double alpha2dot = v_block[4 * stride + b];
-            const double t1 = inertia_phi_alpha1_alpha1 * alpha1;
-            const double t2 = c8_2_2 * alpha2;
-            const double sum_1 = alpha1 * t1 + alpha2 * t2;
-            const double sum_2 = alpha1dot * t1 + alpha2dot * t2;
-            const double pivot_phi = sum_1 + inertia_phi;
-            const double t3 = phidot * phidot;
-            const double t4 = ((force_phi_alpha2 - t3 * c6_2) * alpha2 - 2.0 * phidot * sum_2) / pivot_phi;
-            const double t5 = (2.0 / 3.0) * (phidot * alpha1dot) + (1.0 / 3.0) * alpha1 * t4;
-            const double t6 = free_x2_alpha1 * alpha1;
-            const double t7 = t5 * cos_phi[b] - t6 * sin_phi[b];
-            vdot_block[0][b] = t7;
-            const double t8 = t6 * cos_phi[b] + t5 * sin_phi[b];
-            vdot_block[1][b] = t8;
-            vdot_block[2][b] = t4;
-            const double t9 = (t3 - free_alpha1_alpha1) * alpha1;
-            vdot_block[3][b] = t9;
-            const double t10 = (t3 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t4;
-            vdot_block[4][b] = t10;
-            double code_b = 0.0;
-            const double finite = t7 + t8 + (t4 + (t9 + t10));
-            code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
-            code_b = pivot_phi > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
-            codes[b] = code_b;
-        }
-        free_beam_point_block32_scatter(all, count, 5, vdot_block, vdot);
-        const int failed = free_beam_point_block_fail(all, count, 5, codes, vdot);
-=======
-    const double eliminated_phi = k[17];
     double cos_phi[8], sin_phi[8];
     double codes[8];
     unsigned long long failures = 0;
@@ -1376,29 +1310,30 @@ TISSERAND_INLINE int free_beam_point_accel_states(
         const double alpha2dot = v[4 * all + b];
         const double t1 = inertia_phi_alpha1_alpha1 * alpha1;
         const double t2 = c8_2_2 * alpha2;
-        const double pivot_phi = alpha1 * t1 + alpha2 * t2 + inertia_phi;
-        const double t3 = (1.0 / 3.0) * alpha1;
-        const double t4 = phidot * phidot;
-        const double t5 = ((force_phi_alpha2 - t4 * c6_2) * alpha2 - 2.0 * phidot * (alpha1dot * t1
-            + alpha2dot * t2)) / pivot_phi;
-        const double t6 = (2.0 / 3.0) * (phidot * alpha1dot) + t3 * t5;
-        const double t7 = free_x2_alpha1 * alpha1;
-        const double t8 = t6 * cos_phi[b] - t7 * sin_phi[b];
-        vdot[b] = t8;
-        const double t9 = t7 * cos_phi[b] + t6 * sin_phi[b];
-        vdot[all + b] = t9;
-        vdot[2 * all + b] = t5;
-        const double t10 = (t4 - free_alpha1_alpha1) * alpha1;
-        vdot[3 * all + b] = t10;
-        const double t11 = (t4 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t5;
-        vdot[4 * all + b] = t11;
+        const double sum_1 = alpha1 * t1 + alpha2 * t2;
+        const double sum_2 = alpha1dot * t1 + alpha2dot * t2;
+        const double pivot_phi = sum_1 + inertia_phi;
+        const double t3 = phidot * phidot;
+        const double t4 = ((force_phi_alpha2 - t3 * c6_2) * alpha2 - 2.0 * phidot * sum_2) / pivot_phi;
+        const double t5 = (2.0 / 3.0) * (phidot * alpha1dot) + (1.0 / 3.0) * alpha1 * t4;
+        const double t6 = free_x2_alpha1 * alpha1;
+        const double t7 = t5 * cos_phi[b] - t6 * sin_phi[b];
+        vdot[b] = t7;
+        const double t8 = t6 * cos_phi[b] + t5 * sin_phi[b];
+        vdot[all + b] = t8;
+        vdot[2 * all + b] = t4;
+        const double t9 = (t3 - free_alpha1_alpha1) * alpha1;
+        vdot[3 * all + b] = t9;
+        const double t10 = (t3 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t4;
+        vdot[4 * all + b] = t10;
         double code = 0.0;
-        const double finite = t8 + t9 + (t5 + (t10 + t11));
+        const double finite = t7 + t8 + (t4 + (t9 + t10));
         code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
-        code = pivot_phi - 5.684341886080802e-14 * (eliminated_phi
-            + mass * (t3 * t3)) > 0.0 ? code : 1.0; /* the pivot of phi vanished */
+        code = pivot_phi > 0.0 ? code : 1.0; /* the pivot of phi vanished */
         codes[b] = code;
-        failures |= free_beam_point_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= free_beam_point_block_bits(codes[b]);
     }
     if (!failures) return 0;
     free_beam_point_block_nan(count, all, 5, codes, vdot);
@@ -1406,8 +1341,7 @@ TISSERAND_INLINE int free_beam_point_accel_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_point_accel_copied(
-    int count,
+TISSERAND_APART int free_beam_point_accel_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1417,10 +1351,10 @@ TISSERAND_APART int free_beam_point_accel_copied(
 {
     double q_b[160], v_b[160], vdot_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = free_beam_point_accel_batch(count, t, q_b, v_b, k, vdot_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = free_beam_point_accel_batch(32, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) vdot[e * all + b] = vdot_b[32 * e + b];
     return code;
 }
 
@@ -1441,7 +1375,7 @@ TISSERAND_APART int free_beam_point_accel_blocks(
         return code;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        const int failed = free_beam_point_accel_copied(32, all, t, q, v, k, vdot);
+        const int failed = free_beam_point_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 32; v += 32; vdot += 32;
     }
@@ -1452,7 +1386,6 @@ TISSERAND_APART int free_beam_point_accel_blocks(
     }
     if (left > 0) {
         const int failed = free_beam_point_accel_states(left, all, t, q, v, k, vdot);
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
         if (code == 0) code = failed;
     }
     return code;
@@ -1517,8 +1450,7 @@ TISSERAND_INLINE void free_beam_point_energy_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_point_energy_copied(
-    int count,
+TISSERAND_APART int free_beam_point_energy_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1527,10 +1459,10 @@ TISSERAND_APART int free_beam_point_energy_copied(
 {
     double q_b[160], v_b[160], energy_b[64];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = free_beam_point_energy_batch(count, q_b, v_b, k, energy_b);
-    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = free_beam_point_energy_batch(32, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < 32; b++) energy[e * all + b] = energy_b[32 * e + b];
     return code;
 }
 
@@ -1549,7 +1481,7 @@ TISSERAND_APART int free_beam_point_energy_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        free_beam_point_energy_copied(32, all, q, v, k, energy);
+        free_beam_point_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1615,8 +1547,7 @@ TISSERAND_INLINE void free_beam_point_momentum_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_point_momentum_copied(
-    int count,
+TISSERAND_APART int free_beam_point_momentum_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1625,10 +1556,10 @@ TISSERAND_APART int free_beam_point_momentum_copied(
 {
     double q_b[160], v_b[160], momentum_b[96];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = free_beam_point_momentum_batch(count, q_b, v_b, k, momentum_b);
-    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = free_beam_point_momentum_batch(32, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < 32; b++) momentum[e * all + b] = momentum_b[32 * e + b];
     return code;
 }
 
@@ -1647,7 +1578,7 @@ TISSERAND_APART int free_beam_point_momentum_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        free_beam_point_momentum_copied(32, all, q, v, k, momentum);
+        free_beam_point_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1696,8 +1627,7 @@ TISSERAND_INLINE void free_beam_point_rates_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int free_beam_point_rates_copied(
-    int count,
+TISSERAND_APART int free_beam_point_rates_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1706,10 +1636,10 @@ TISSERAND_APART int free_beam_point_rates_copied(
 {
     double q_b[160], v_b[160], qdot_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = free_beam_point_rates_batch(count, q_b, v_b, k, qdot_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = free_beam_point_rates_batch(32, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) qdot[e * all + b] = qdot_b[32 * e + b];
     return code;
 }
 
@@ -1728,7 +1658,7 @@ TISSERAND_APART int free_beam_point_rates_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        free_beam_point_rates_copied(32, all, q, v, k, qdot);
+        free_beam_point_rates_copied32(all, q, v, k, qdot);
         q += 32; v += 32; qdot += 32;
     }
     for (; left >= 8; left -= 8) {

@@ -249,13 +249,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-<<<<<<< HEAD
-#define FREE_BEAM_POINT_HASH "f1a1ba5f21c3a2c7"
-#define FREE_BEAM_POINT_HASH_f1a1ba5f21c3a2c7
-=======
-#define FREE_BEAM_POINT_HASH "c9906232bb0f09af"
-#define FREE_BEAM_POINT_HASH_c9906232bb0f09af
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+#define FREE_BEAM_POINT_HASH "d5badd42cc4c6649"
+#define FREE_BEAM_POINT_HASH_d5badd42cc4c6649
 
 /* ---- sizes and indices ---- */
 
@@ -301,14 +296,8 @@ enum {
     FREE_BEAM_POINT_K_free_alpha1_alpha1 = 14,
     FREE_BEAM_POINT_K_free_alpha2_alpha2 = 15,
     FREE_BEAM_POINT_K_coupling_alpha2 = 16,
-<<<<<<< HEAD
     FREE_BEAM_POINT_K_minus_c2_1_2 = 17,
-    FREE_BEAM_POINT_ABI = 7
-=======
-    FREE_BEAM_POINT_K_eliminated_phi = 17,
-    FREE_BEAM_POINT_K_minus_c2_1_2 = 18,
     FREE_BEAM_POINT_ABI = 8
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
 };
 
 /* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a

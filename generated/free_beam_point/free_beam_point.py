@@ -110,11 +110,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_point"
-<<<<<<< HEAD
-HASH = "f1a1ba5f21c3a2c7"
-=======
-HASH = "c9906232bb0f09af"
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+HASH = "d5badd42cc4c6649"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")

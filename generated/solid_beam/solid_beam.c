@@ -12,11 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-<<<<<<< HEAD
-#ifndef SOLID_BEAM_HASH_bcb6e95b05c0be5c
-=======
-#ifndef SOLID_BEAM_HASH_93651fd73b9f2387
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+#ifndef SOLID_BEAM_HASH_5aa88aa4e55c9630
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -3061,8 +3057,7 @@ TISSERAND_INLINE void solid_beam_mass_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int solid_beam_mass_copied(
-    int count,
+TISSERAND_APART int solid_beam_mass_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -3070,9 +3065,24 @@ TISSERAND_APART int solid_beam_mass_copied(
 {
     double q_b[480], M_b[800];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    code = solid_beam_mass_batch(count, q_b, k, M_b);
-    for (int e = 0; e < 25; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    code = solid_beam_mass_batch(32, q_b, k, M_b);
+    for (int e = 0; e < 25; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int solid_beam_mass_copied1(
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    double q_b[15], M_b[25];
+    int code;
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    code = solid_beam_mass_batch(1, q_b, k, M_b);
+    for (int e = 0; e < 25; e++) M[e * all] = M_b[e];
     return code;
 }
 
@@ -3086,7 +3096,7 @@ TISSERAND_APART int solid_beam_mass_blocks(
     int left = n;
 
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        solid_beam_mass_copied(32, all, q, k, M);
+        solid_beam_mass_copied32(all, q, k, M);
         q += 32; M += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -3094,7 +3104,7 @@ TISSERAND_APART int solid_beam_mass_blocks(
         q += 8; M += 8;
     }
     for (; left > 0; left--) {
-        solid_beam_mass_copied(1, all, q, k, M);
+        solid_beam_mass_copied1(all, q, k, M);
         q += 1; M += 1;
     }
     return 0;
@@ -3264,8 +3274,7 @@ TISSERAND_INLINE void solid_beam_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int solid_beam_force_copied(
-    int count,
+TISSERAND_APART int solid_beam_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3275,10 +3284,28 @@ TISSERAND_APART int solid_beam_force_copied(
 {
     double q_b[480], v_b[448], h_b[448];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = solid_beam_force_batch(count, t, q_b, v_b, k, h_b);
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = solid_beam_force_batch(32, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int solid_beam_force_copied1(
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    double q_b[15], v_b[14], h_b[14];
+    int code;
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = solid_beam_force_batch(1, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 14; e++) h[e * all] = h_b[e];
     return code;
 }
 
@@ -3294,7 +3321,7 @@ TISSERAND_APART int solid_beam_force_blocks(
     int left = n;
 
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        solid_beam_force_copied(32, all, t, q, v, k, h);
+        solid_beam_force_copied32(all, t, q, v, k, h);
         q += 32; v += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -3302,7 +3329,7 @@ TISSERAND_APART int solid_beam_force_blocks(
         q += 8; v += 8; h += 8;
     }
     for (; left > 0; left--) {
-        solid_beam_force_copied(1, all, t, q, v, k, h);
+        solid_beam_force_copied1(all, t, q, v, k, h);
         q += 1; v += 1; h += 1;
     }
     return 0;
@@ -3510,8 +3537,7 @@ TISSERAND_INLINE void solid_beam_mass_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int solid_beam_mass_force_copied(
-    int count,
+TISSERAND_APART int solid_beam_mass_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3522,11 +3548,31 @@ TISSERAND_APART int solid_beam_mass_force_copied(
 {
     double q_b[480], v_b[448], M_b[800], h_b[448];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = solid_beam_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
-    for (int e = 0; e < 25; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = solid_beam_mass_force_batch(32, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 25; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int solid_beam_mass_force_copied1(
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *M,
+    double *h)
+{
+    double q_b[15], v_b[14], M_b[25], h_b[14];
+    int code;
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = solid_beam_mass_force_batch(1, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 25; e++) M[e * all] = M_b[e];
+    for (int e = 0; e < 14; e++) h[e * all] = h_b[e];
     return code;
 }
 
@@ -3543,7 +3589,7 @@ TISSERAND_APART int solid_beam_mass_force_blocks(
     int left = n;
 
     for (; n % 64 == 0 && left > 0; left -= 32) {
-        solid_beam_mass_force_copied(32, all, t, q, v, k, M, h);
+        solid_beam_mass_force_copied32(all, t, q, v, k, M, h);
         q += 32; v += 32; M += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -3551,7 +3597,7 @@ TISSERAND_APART int solid_beam_mass_force_blocks(
         q += 8; v += 8; M += 8; h += 8;
     }
     for (; left > 0; left--) {
-        solid_beam_mass_force_copied(1, all, t, q, v, k, M, h);
+        solid_beam_mass_force_copied1(all, t, q, v, k, M, h);
         q += 1; v += 1; M += 1; h += 1;
     }
     return 0;
@@ -3777,7 +3823,9 @@ TISSERAND_INLINE int solid_beam_accel_states(
             - 5.684341886080802e-14 * J_33 > 0.0 ? code : 1.0; /* the pivot of pi3 vanished */
         code = J_22 > 0.0 ? code : 1.0; /* the pivot of pi2 vanished */
         codes[b] = code;
-        failures |= solid_beam_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= solid_beam_block_bits(codes[b]);
     }
     if (!failures) return 0;
     solid_beam_block_nan(count, all, 14, codes, vdot);
@@ -3785,8 +3833,7 @@ TISSERAND_INLINE int solid_beam_accel_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int solid_beam_accel_copied(
-    int count,
+TISSERAND_APART int solid_beam_accel_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3796,10 +3843,28 @@ TISSERAND_APART int solid_beam_accel_copied(
 {
     double q_b[480], v_b[448], vdot_b[448];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = solid_beam_accel_batch(count, t, q_b, v_b, k, vdot_b);
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = solid_beam_accel_batch(32, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) vdot[e * all + b] = vdot_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int solid_beam_accel_copied1(
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[15], v_b[14], vdot_b[14];
+    int code;
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = solid_beam_accel_batch(1, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 14; e++) vdot[e * all] = vdot_b[e];
     return code;
 }
 
@@ -3815,7 +3880,7 @@ TISSERAND_APART int solid_beam_accel_blocks(
     int left = n, code = 0;
 
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        const int failed = solid_beam_accel_copied(32, all, t, q, v, k, vdot);
+        const int failed = solid_beam_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 32; v += 32; vdot += 32;
     }
@@ -3825,7 +3890,7 @@ TISSERAND_APART int solid_beam_accel_blocks(
         q += 8; v += 8; vdot += 8;
     }
     for (; left > 0; left--) {
-        const int failed = solid_beam_accel_copied(1, all, t, q, v, k, vdot);
+        const int failed = solid_beam_accel_copied1(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 1; v += 1; vdot += 1;
     }
@@ -3971,8 +4036,7 @@ TISSERAND_INLINE void solid_beam_energy_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int solid_beam_energy_copied(
-    int count,
+TISSERAND_APART int solid_beam_energy_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -3981,10 +4045,10 @@ TISSERAND_APART int solid_beam_energy_copied(
 {
     double q_b[480], v_b[448], energy_b[64];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = solid_beam_energy_batch(count, q_b, v_b, k, energy_b);
-    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = solid_beam_energy_batch(32, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < 32; b++) energy[e * all + b] = energy_b[32 * e + b];
     return code;
 }
 
@@ -4003,7 +4067,7 @@ TISSERAND_APART int solid_beam_energy_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        solid_beam_energy_copied(32, all, q, v, k, energy);
+        solid_beam_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -4174,7 +4238,9 @@ TISSERAND_INLINE int solid_beam_momentum_states(
         code = e0 * e0 + e1 * e1 + e2 * e2
             + e3 * e3 > 0.0 ? code : 2.0; /* the quaternion is zero or NaN */
         codes[b] = code;
-        failures |= solid_beam_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= solid_beam_block_bits(codes[b]);
     }
     if (!failures) return 0;
     solid_beam_block_nan(count, all, 6, codes, momentum);
@@ -4182,8 +4248,7 @@ TISSERAND_INLINE int solid_beam_momentum_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int solid_beam_momentum_copied(
-    int count,
+TISSERAND_APART int solid_beam_momentum_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -4192,10 +4257,27 @@ TISSERAND_APART int solid_beam_momentum_copied(
 {
     double q_b[480], v_b[448], momentum_b[192];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = solid_beam_momentum_batch(count, q_b, v_b, k, momentum_b);
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = solid_beam_momentum_batch(32, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) momentum[e * all + b] = momentum_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int solid_beam_momentum_copied1(
+    ptrdiff_t all,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *momentum)
+{
+    double q_b[15], v_b[14], momentum_b[6];
+    int code;
+    for (int e = 0; e < 15; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 14; e++) v_b[e] = v[e * all];
+    code = solid_beam_momentum_batch(1, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 6; e++) momentum[e * all] = momentum_b[e];
     return code;
 }
 
@@ -4210,7 +4292,7 @@ TISSERAND_APART int solid_beam_momentum_blocks(
     int left = n, code = 0;
 
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        const int failed = solid_beam_momentum_copied(32, all, q, v, k, momentum);
+        const int failed = solid_beam_momentum_copied32(all, q, v, k, momentum);
         if (code == 0) code = failed;
         q += 32; v += 32; momentum += 32;
     }
@@ -4220,7 +4302,7 @@ TISSERAND_APART int solid_beam_momentum_blocks(
         q += 8; v += 8; momentum += 8;
     }
     for (; left > 0; left--) {
-        const int failed = solid_beam_momentum_copied(1, all, q, v, k, momentum);
+        const int failed = solid_beam_momentum_copied1(all, q, v, k, momentum);
         if (code == 0) code = failed;
         q += 1; v += 1; momentum += 1;
     }
@@ -4295,7 +4377,9 @@ TISSERAND_INLINE int solid_beam_rates_states(
         code = e0 * e0 + e1 * e1 + e2 * e2
             + e3 * e3 > 0.0 ? code : 2.0; /* the quaternion is zero or NaN */
         codes[b] = code;
-        failures |= solid_beam_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= solid_beam_block_bits(codes[b]);
     }
     if (!failures) return 0;
     solid_beam_block_nan(count, all, 15, codes, qdot);
@@ -4303,8 +4387,7 @@ TISSERAND_INLINE int solid_beam_rates_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int solid_beam_rates_copied(
-    int count,
+TISSERAND_APART int solid_beam_rates_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -4313,10 +4396,10 @@ TISSERAND_APART int solid_beam_rates_copied(
 {
     double q_b[480], v_b[448], qdot_b[480];
     int code;
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 14; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = solid_beam_rates_batch(count, q_b, v_b, k, qdot_b);
-    for (int e = 0; e < 15; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 14; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = solid_beam_rates_batch(32, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 15; e++) for (int b = 0; b < 32; b++) qdot[e * all + b] = qdot_b[32 * e + b];
     return code;
 }
 
@@ -4336,7 +4419,7 @@ TISSERAND_APART int solid_beam_rates_blocks(
         return code;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        const int failed = solid_beam_rates_copied(32, all, q, v, k, qdot);
+        const int failed = solid_beam_rates_copied32(all, q, v, k, qdot);
         if (code == 0) code = failed;
         q += 32; v += 32; qdot += 32;
     }

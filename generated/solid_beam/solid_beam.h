@@ -432,13 +432,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-<<<<<<< HEAD
-#define SOLID_BEAM_HASH "bcb6e95b05c0be5c"
-#define SOLID_BEAM_HASH_bcb6e95b05c0be5c
-=======
-#define SOLID_BEAM_HASH "93651fd73b9f2387"
-#define SOLID_BEAM_HASH_93651fd73b9f2387
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+#define SOLID_BEAM_HASH "5aa88aa4e55c9630"
+#define SOLID_BEAM_HASH_5aa88aa4e55c9630
 
 /* ---- sizes and indices ---- */
 

@@ -284,11 +284,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "solid_beam"
-<<<<<<< HEAD
-HASH = "bcb6e95b05c0be5c"
-=======
-HASH = "93651fd73b9f2387"
->>>>>>> 2f14bee (C: batches in blocks of eight states, with sines and cosines of their own)
+HASH = "5aa88aa4e55c9630"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",

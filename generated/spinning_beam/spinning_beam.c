@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPINNING_BEAM_HASH_c9a07595e129a05b
+#ifndef SPINNING_BEAM_HASH_111c08830039acda
 #  error "spinning_beam.h and spinning_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -1447,8 +1447,7 @@ TISSERAND_INLINE void spinning_beam_mass_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spinning_beam_mass_copied(
-    int count,
+TISSERAND_APART int spinning_beam_mass_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -1456,9 +1455,9 @@ TISSERAND_APART int spinning_beam_mass_copied(
 {
     double q_b[160], M_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    code = spinning_beam_mass_batch(count, q_b, k, M_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    code = spinning_beam_mass_batch(32, q_b, k, M_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
     return code;
 }
 
@@ -1476,7 +1475,7 @@ TISSERAND_APART int spinning_beam_mass_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        spinning_beam_mass_copied(32, all, q, k, M);
+        spinning_beam_mass_copied32(all, q, k, M);
         q += 32; M += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1537,8 +1536,7 @@ TISSERAND_INLINE void spinning_beam_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spinning_beam_force_copied(
-    int count,
+TISSERAND_APART int spinning_beam_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1548,10 +1546,10 @@ TISSERAND_APART int spinning_beam_force_copied(
 {
     double q_b[160], v_b[160], h_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = spinning_beam_force_batch(count, t, q_b, v_b, k, h_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = spinning_beam_force_batch(32, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -1571,7 +1569,7 @@ TISSERAND_APART int spinning_beam_force_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        spinning_beam_force_copied(32, all, t, q, v, k, h);
+        spinning_beam_force_copied32(all, t, q, v, k, h);
         q += 32; v += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1643,8 +1641,7 @@ TISSERAND_INLINE void spinning_beam_mass_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spinning_beam_mass_force_copied(
-    int count,
+TISSERAND_APART int spinning_beam_mass_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1655,11 +1652,11 @@ TISSERAND_APART int spinning_beam_mass_force_copied(
 {
     double q_b[160], v_b[160], M_b[160], h_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = spinning_beam_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = spinning_beam_mass_force_batch(32, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -1680,7 +1677,7 @@ TISSERAND_APART int spinning_beam_mass_force_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        spinning_beam_mass_force_copied(32, all, t, q, v, k, M, h);
+        spinning_beam_mass_force_copied32(all, t, q, v, k, M, h);
         q += 32; v += 32; M += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1757,7 +1754,9 @@ TISSERAND_INLINE int spinning_beam_accel_states(
         code = finite - finite == 0.0 ? code : 2.0; /* a result is not finite */
         code = beam_J > 0.0 ? code : 1.0; /* the pivot of beam_phi vanished */
         codes[b] = code;
-        failures |= spinning_beam_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= spinning_beam_block_bits(codes[b]);
     }
     if (!failures) return 0;
     spinning_beam_block_nan(count, all, 5, codes, vdot);
@@ -1765,8 +1764,7 @@ TISSERAND_INLINE int spinning_beam_accel_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spinning_beam_accel_copied(
-    int count,
+TISSERAND_APART int spinning_beam_accel_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1776,10 +1774,10 @@ TISSERAND_APART int spinning_beam_accel_copied(
 {
     double q_b[160], v_b[160], vdot_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = spinning_beam_accel_batch(count, t, q_b, v_b, k, vdot_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = spinning_beam_accel_batch(32, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) vdot[e * all + b] = vdot_b[32 * e + b];
     return code;
 }
 
@@ -1800,7 +1798,7 @@ TISSERAND_APART int spinning_beam_accel_blocks(
         return code;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        const int failed = spinning_beam_accel_copied(32, all, t, q, v, k, vdot);
+        const int failed = spinning_beam_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 32; v += 32; vdot += 32;
     }
@@ -1868,8 +1866,7 @@ TISSERAND_INLINE void spinning_beam_energy_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spinning_beam_energy_copied(
-    int count,
+TISSERAND_APART int spinning_beam_energy_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1878,10 +1875,10 @@ TISSERAND_APART int spinning_beam_energy_copied(
 {
     double q_b[160], v_b[160], energy_b[64];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = spinning_beam_energy_batch(count, q_b, v_b, k, energy_b);
-    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = spinning_beam_energy_batch(32, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < 32; b++) energy[e * all + b] = energy_b[32 * e + b];
     return code;
 }
 
@@ -1900,7 +1897,7 @@ TISSERAND_APART int spinning_beam_energy_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        spinning_beam_energy_copied(32, all, q, v, k, energy);
+        spinning_beam_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -1955,8 +1952,7 @@ TISSERAND_INLINE void spinning_beam_momentum_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spinning_beam_momentum_copied(
-    int count,
+TISSERAND_APART int spinning_beam_momentum_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1965,10 +1961,10 @@ TISSERAND_APART int spinning_beam_momentum_copied(
 {
     double q_b[160], v_b[160], momentum_b[96];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = spinning_beam_momentum_batch(count, q_b, v_b, k, momentum_b);
-    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = spinning_beam_momentum_batch(32, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < 32; b++) momentum[e * all + b] = momentum_b[32 * e + b];
     return code;
 }
 
@@ -1987,7 +1983,7 @@ TISSERAND_APART int spinning_beam_momentum_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        spinning_beam_momentum_copied(32, all, q, v, k, momentum);
+        spinning_beam_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -2036,8 +2032,7 @@ TISSERAND_INLINE void spinning_beam_rates_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spinning_beam_rates_copied(
-    int count,
+TISSERAND_APART int spinning_beam_rates_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -2046,10 +2041,10 @@ TISSERAND_APART int spinning_beam_rates_copied(
 {
     double q_b[160], v_b[160], qdot_b[160];
     int code;
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = spinning_beam_rates_batch(count, q_b, v_b, k, qdot_b);
-    for (int e = 0; e < 5; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = spinning_beam_rates_batch(32, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 5; e++) for (int b = 0; b < 32; b++) qdot[e * all + b] = qdot_b[32 * e + b];
     return code;
 }
 
@@ -2068,7 +2063,7 @@ TISSERAND_APART int spinning_beam_rates_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        spinning_beam_rates_copied(32, all, q, v, k, qdot);
+        spinning_beam_rates_copied32(all, q, v, k, qdot);
         q += 32; v += 32; qdot += 32;
     }
     for (; left >= 8; left -= 8) {

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPUN_UP_CANTILEVER_HASH_1040e63bd51300eb
+#ifndef SPUN_UP_CANTILEVER_HASH_c0b8154d5bc51f82
 #  error "spun_up_cantilever.h and spun_up_cantilever.c are of different builds; run tisserand build again"
 #endif
 
@@ -2371,8 +2371,7 @@ TISSERAND_INLINE void spun_up_cantilever_mass_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spun_up_cantilever_mass_copied(
-    int count,
+TISSERAND_APART int spun_up_cantilever_mass_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -2380,9 +2379,9 @@ TISSERAND_APART int spun_up_cantilever_mass_copied(
 {
     double q_b[192], M_b[640];
     int code;
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    code = spun_up_cantilever_mass_batch(count, q_b, k, M_b);
-    for (int e = 0; e < 20; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    code = spun_up_cantilever_mass_batch(32, q_b, k, M_b);
+    for (int e = 0; e < 20; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
     return code;
 }
 
@@ -2400,7 +2399,7 @@ TISSERAND_APART int spun_up_cantilever_mass_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        spun_up_cantilever_mass_copied(32, all, q, k, M);
+        spun_up_cantilever_mass_copied32(all, q, k, M);
         q += 32; M += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -2470,8 +2469,7 @@ TISSERAND_INLINE void spun_up_cantilever_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spun_up_cantilever_force_copied(
-    int count,
+TISSERAND_APART int spun_up_cantilever_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2481,10 +2479,10 @@ TISSERAND_APART int spun_up_cantilever_force_copied(
 {
     double q_b[192], v_b[192], h_b[192];
     int code;
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = spun_up_cantilever_force_batch(count, t, q_b, v_b, k, h_b);
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = spun_up_cantilever_force_batch(32, t, q_b, v_b, k, h_b);
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -2504,7 +2502,7 @@ TISSERAND_APART int spun_up_cantilever_force_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        spun_up_cantilever_force_copied(32, all, t, q, v, k, h);
+        spun_up_cantilever_force_copied32(all, t, q, v, k, h);
         q += 32; v += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -2599,8 +2597,7 @@ TISSERAND_INLINE void spun_up_cantilever_mass_force_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spun_up_cantilever_mass_force_copied(
-    int count,
+TISSERAND_APART int spun_up_cantilever_mass_force_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2611,11 +2608,11 @@ TISSERAND_APART int spun_up_cantilever_mass_force_copied(
 {
     double q_b[192], v_b[192], M_b[640], h_b[192];
     int code;
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = spun_up_cantilever_mass_force_batch(count, t, q_b, v_b, k, M_b, h_b);
-    for (int e = 0; e < 20; e++) for (int b = 0; b < count; b++) M[e * all + b] = M_b[e * count + b];
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) h[e * all + b] = h_b[e * count + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = spun_up_cantilever_mass_force_batch(32, t, q_b, v_b, k, M_b, h_b);
+    for (int e = 0; e < 20; e++) for (int b = 0; b < 32; b++) M[e * all + b] = M_b[32 * e + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) h[e * all + b] = h_b[32 * e + b];
     return code;
 }
 
@@ -2636,7 +2633,7 @@ TISSERAND_APART int spun_up_cantilever_mass_force_blocks(
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
-        spun_up_cantilever_mass_force_copied(32, all, t, q, v, k, M, h);
+        spun_up_cantilever_mass_force_copied32(all, t, q, v, k, M, h);
         q += 32; v += 32; M += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -2821,7 +2818,9 @@ TISSERAND_INLINE int spun_up_cantilever_accel_states(
         code = pivot_beam_alpha2
             - (39.0 / 153931627888640.0) > 0.0 ? code : 1.0; /* the pivot of beam_alpha2 vanished */
         codes[b] = code;
-        failures |= spun_up_cantilever_block_bits(code);
+    }
+    TISSERAND_STATES for (int b = 0; b < count; b++) {
+        failures |= spun_up_cantilever_block_bits(codes[b]);
     }
     if (!failures) return 0;
     spun_up_cantilever_block_nan(count, all, 6, codes, vdot);
@@ -2829,8 +2828,7 @@ TISSERAND_INLINE int spun_up_cantilever_accel_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spun_up_cantilever_accel_copied(
-    int count,
+TISSERAND_APART int spun_up_cantilever_accel_copied32(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2840,10 +2838,28 @@ TISSERAND_APART int spun_up_cantilever_accel_copied(
 {
     double q_b[192], v_b[192], vdot_b[192];
     int code;
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = spun_up_cantilever_accel_batch(count, t, q_b, v_b, k, vdot_b);
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) vdot[e * all + b] = vdot_b[e * count + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = spun_up_cantilever_accel_batch(32, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) vdot[e * all + b] = vdot_b[32 * e + b];
+    return code;
+}
+
+/* States in arrays of their own. */
+TISSERAND_APART int spun_up_cantilever_accel_copied1(
+    ptrdiff_t all,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    double q_b[6], v_b[6], vdot_b[6];
+    int code;
+    for (int e = 0; e < 6; e++) q_b[e] = q[e * all];
+    for (int e = 0; e < 6; e++) v_b[e] = v[e * all];
+    code = spun_up_cantilever_accel_batch(1, t, q_b, v_b, k, vdot_b);
+    for (int e = 0; e < 6; e++) vdot[e * all] = vdot_b[e];
     return code;
 }
 
@@ -2859,7 +2875,7 @@ TISSERAND_APART int spun_up_cantilever_accel_blocks(
     int left = n, code = 0;
 
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        const int failed = spun_up_cantilever_accel_copied(32, all, t, q, v, k, vdot);
+        const int failed = spun_up_cantilever_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 32; v += 32; vdot += 32;
     }
@@ -2869,7 +2885,7 @@ TISSERAND_APART int spun_up_cantilever_accel_blocks(
         q += 8; v += 8; vdot += 8;
     }
     for (; left > 0; left--) {
-        const int failed = spun_up_cantilever_accel_copied(1, all, t, q, v, k, vdot);
+        const int failed = spun_up_cantilever_accel_copied1(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 1; v += 1; vdot += 1;
     }
@@ -2943,8 +2959,7 @@ TISSERAND_INLINE void spun_up_cantilever_energy_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spun_up_cantilever_energy_copied(
-    int count,
+TISSERAND_APART int spun_up_cantilever_energy_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -2953,10 +2968,10 @@ TISSERAND_APART int spun_up_cantilever_energy_copied(
 {
     double q_b[192], v_b[192], energy_b[64];
     int code;
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = spun_up_cantilever_energy_batch(count, q_b, v_b, k, energy_b);
-    for (int e = 0; e < 2; e++) for (int b = 0; b < count; b++) energy[e * all + b] = energy_b[e * count + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = spun_up_cantilever_energy_batch(32, q_b, v_b, k, energy_b);
+    for (int e = 0; e < 2; e++) for (int b = 0; b < 32; b++) energy[e * all + b] = energy_b[32 * e + b];
     return code;
 }
 
@@ -2975,7 +2990,7 @@ TISSERAND_APART int spun_up_cantilever_energy_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        spun_up_cantilever_energy_copied(32, all, q, v, k, energy);
+        spun_up_cantilever_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -3046,8 +3061,7 @@ TISSERAND_INLINE void spun_up_cantilever_momentum_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spun_up_cantilever_momentum_copied(
-    int count,
+TISSERAND_APART int spun_up_cantilever_momentum_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -3056,10 +3070,10 @@ TISSERAND_APART int spun_up_cantilever_momentum_copied(
 {
     double q_b[192], v_b[192], momentum_b[96];
     int code;
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = spun_up_cantilever_momentum_batch(count, q_b, v_b, k, momentum_b);
-    for (int e = 0; e < 3; e++) for (int b = 0; b < count; b++) momentum[e * all + b] = momentum_b[e * count + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = spun_up_cantilever_momentum_batch(32, q_b, v_b, k, momentum_b);
+    for (int e = 0; e < 3; e++) for (int b = 0; b < 32; b++) momentum[e * all + b] = momentum_b[32 * e + b];
     return code;
 }
 
@@ -3078,7 +3092,7 @@ TISSERAND_APART int spun_up_cantilever_momentum_blocks(
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
-        spun_up_cantilever_momentum_copied(32, all, q, v, k, momentum);
+        spun_up_cantilever_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
     }
     for (; left >= 8; left -= 8) {
@@ -3129,8 +3143,7 @@ TISSERAND_INLINE void spun_up_cantilever_rates_states(
 }
 
 /* States in arrays of their own. */
-TISSERAND_APART int spun_up_cantilever_rates_copied(
-    int count,
+TISSERAND_APART int spun_up_cantilever_rates_copied32(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -3139,10 +3152,10 @@ TISSERAND_APART int spun_up_cantilever_rates_copied(
 {
     double q_b[192], v_b[192], qdot_b[192];
     int code;
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) q_b[e * count + b] = q[e * all + b];
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) v_b[e * count + b] = v[e * all + b];
-    code = spun_up_cantilever_rates_batch(count, q_b, v_b, k, qdot_b);
-    for (int e = 0; e < 6; e++) for (int b = 0; b < count; b++) qdot[e * all + b] = qdot_b[e * count + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) q_b[32 * e + b] = q[e * all + b];
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) v_b[32 * e + b] = v[e * all + b];
+    code = spun_up_cantilever_rates_batch(32, q_b, v_b, k, qdot_b);
+    for (int e = 0; e < 6; e++) for (int b = 0; b < 32; b++) qdot[e * all + b] = qdot_b[32 * e + b];
     return code;
 }
 
@@ -3161,7 +3174,7 @@ TISSERAND_APART int spun_up_cantilever_rates_blocks(
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
-        spun_up_cantilever_rates_copied(32, all, q, v, k, qdot);
+        spun_up_cantilever_rates_copied32(all, q, v, k, qdot);
         q += 32; v += 32; qdot += 32;
     }
     for (; left >= 8; left -= 8) {

@@ -239,8 +239,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPUN_UP_CANTILEVER_HASH "1040e63bd51300eb"
-#define SPUN_UP_CANTILEVER_HASH_1040e63bd51300eb
+#define SPUN_UP_CANTILEVER_HASH "c0b8154d5bc51f82"
+#define SPUN_UP_CANTILEVER_HASH_c0b8154d5bc51f82
 
 /* ---- sizes and indices ---- */
 
