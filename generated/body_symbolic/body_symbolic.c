@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_c91a9ed3c6218010
+#ifndef BODY_SYMBOLIC_HASH_386c157cbc6c2541
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -1994,7 +1994,7 @@ TISSERAND_INLINE void body_symbolic_block32_gather(
     }
 }
 
-/* y += sign A x for 4 rows and 4 columns of A, where rows of x and y have up to 32 states */
+/* y += sign A x for 4 rows and 4 columns of A; rows of x and y have up to 32 states */
 TISSERAND_INLINE void body_symbolic_block32_rows(
     int count,
     const double *TISSERAND_RESTRICT a,

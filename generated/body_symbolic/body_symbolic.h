@@ -262,8 +262,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "c91a9ed3c6218010"
-#define BODY_SYMBOLIC_HASH_c91a9ed3c6218010
+#define BODY_SYMBOLIC_HASH "386c157cbc6c2541"
+#define BODY_SYMBOLIC_HASH_386c157cbc6c2541
 
 /* ---- sizes and indices ---- */
 

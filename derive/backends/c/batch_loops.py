@@ -226,7 +226,7 @@ def totals(loop: Accumulate, name: str) -> tuple[Let, ...]:
 def rows_helper(prefix: str, width: int) -> Lines:
     """y += sign A x for the rows of a block and four columns of A, of which a row has the states of a block."""
     lines = [
-        f"/* y += sign A x for {LANES} rows and {LANES} columns of A, where rows of x and y have up to {width} states */",
+        f"/* y += sign A x for {LANES} rows and {LANES} columns of A; rows of x and y have up to {width} states */",
         f"TISSERAND_INLINE void {prefix}_rows(",
         "    int count,",
         "    const double *TISSERAND_RESTRICT a,",
