@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from derive.backends.c.batch_block import SHARED, Block, declarations
+from derive.backends.c.batch_block import SHARED, StateBlock, declarations
 from derive.backends.c.batch_loops import Lines, rows_helper
 from derive.backends.c.signatures import names, parameters, signature
 from derive.ir.model import Argument, Kernel, Model
@@ -43,7 +43,7 @@ def batch_widths(model: Model) -> dict[str, int]:
 
 
 def _width(model: Model, kernel: Kernel) -> int:
-    if Block(kernel, model.name, STRAIGHT).is_straight:
+    if StateBlock(kernel, model.name, STRAIGHT).is_straight:
         return STRAIGHT
     return next(w for w, most in WIDTHS.items() if _fits(stack(model, kernel.name, w), most))
 
@@ -56,7 +56,7 @@ def stack(model: Model, name: str, width: int) -> int:
     """Bytes that the arrays of a block take, or copies of states."""
     kernel = model.kernel(name)
     copies = 8 * _copies(kernel) * sum(_copied(kernel).values())
-    return max(8 * width * Block(kernel, model.name, width).rows, copies)
+    return max(8 * width * StateBlock(kernel, model.name, width).rows, copies)
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class BatchFunction:
 
 def batch_function(model: Model, kernel: Kernel, width: int) -> BatchFunction:
     """The function for the batches of a kernel, with blocks of `width` states."""
-    block, name = Block(kernel, model.name, width), f"{model.name}_{kernel.name}"
+    block, name = StateBlock(kernel, model.name, width), f"{model.name}_{kernel.name}"
     arguments = ["int n", *parameters(kernel)]
     lines = [*block.text(), ""]
     counts = [*([_copies(kernel)] if _spacing(block) else []), *([] if _is_short(block) else [1])]
@@ -81,7 +81,7 @@ def batch_function(model: Model, kernel: Kernel, width: int) -> BatchFunction:
     return BatchFunction("\n".join(lines), "\n".join(head), "\n".join(body))
 
 
-def _is_short(block: Block) -> bool:
+def _is_short(block: StateBlock) -> bool:
     return block.is_straight and len(block.kernel.statements) <= SHORT
 
 
@@ -101,7 +101,7 @@ def _copies(kernel: Kernel) -> int:
     return next(count for count, most in COPIES.items() if _fits(count * size, most))
 
 
-def _spacing(block: Block) -> int:
+def _spacing(block: StateBlock) -> int:
     """The number of states whose multiples have rows that displace each other from the cache; 0 if there is none.
 
     Lines of 64 bytes that lie a multiple of 4 kB apart go to one of 64 sets of a first-level cache, each with 8 places.
@@ -129,7 +129,7 @@ def _body(model: Model, kernel: Kernel, checked: bool) -> Lines:
     return [*single, f"    return {name}_blocks(n, {passed});"]
 
 
-def _blocks(model: Model, kernel: Kernel, block: Block) -> Lines:
+def _blocks(model: Model, kernel: Kernel, block: StateBlock) -> Lines:
     """A batch of one block has a stride that compilers know."""
     name, passed = f"{model.name}_{kernel.name}", ", ".join(names(kernel))
     checked, short = block.checked, _is_short(block)
@@ -198,7 +198,7 @@ def batch_helpers(model: Model, widths: Mapping[str, int]) -> str:
         kernels = [model.kernel(kernel) for kernel, w in widths.items() if w == width]
         multiplies = any(isinstance(s, MatVec) for k in kernels for s in k.statements)
         products = "".join(f"{line}\n" for line in rows_helper(name, width)) if multiplies else ""
-        gathers = any(Block(kernel, model.name, width).views for kernel in kernels)
+        gathers = any(StateBlock(kernel, model.name, width).views for kernel in kernels)
         blocks.append(WidthHelpers(name, width, gathers, products))
-    checked = any(Block(model.kernel(name), model.name, width).checked for name, width in widths.items())
+    checked = any(StateBlock(model.kernel(name), model.name, width).checked for name, width in widths.items())
     return render("c/block.c.jinja", {"name": model.name, "blocks": blocks, "checked": checked})

@@ -21,7 +21,7 @@ SHARED = ("k", "u")
 """Arguments that all states of a batch share."""
 
 
-class Block:
+class StateBlock:
     """The function of a kernel for a block of at most `width` states."""
 
     def __init__(self, kernel: Kernel, model: str, width: int) -> None:

@@ -24,7 +24,7 @@ class Angle:
 
 
 @dataclass(frozen=True)
-class Stage:
+class EarlyLines:
     """Straight lines in a loop over the states, and the angles of which they are followed by the sines and cosines."""
 
     lets: tuple[Let, ...]
@@ -39,7 +39,7 @@ class StraightLines:
     for all states of a block.
     """
 
-    stages: tuple[Stage, ...]
+    stages: tuple[EarlyLines, ...]
     lines: tuple[ScalarStatement, ...]
 
 
@@ -100,22 +100,22 @@ def _straight_lines(lines: tuple[ScalarStatement, ...], number: int, states: fro
 
 
 @dataclass
-class _Stage:
+class _EarlyLines:
     """A stage while it is collected: the names of the sine and the cosine by the expression of their angle."""
 
     lets: list[Let] = field(default_factory=list)
     calls: dict[Expr, dict[Operator, str]] = field(default_factory=dict)
 
 
-def _stages(early: Iterable[Let], number: int, states: frozenset[str]) -> tuple[Stage, ...]:
+def _stages(early: Iterable[Let], number: int, states: frozenset[str]) -> tuple[EarlyLines, ...]:
     """As few stages as possible: sines of angles that need no sines come first, all together."""
-    stages = [_Stage()]
+    stages = [_EarlyLines()]
     ready: dict[str, int] = {}
     for let in early:
         level = max((ready[name] for name in reads(let) if name in ready), default=0)
         match let.expr:
             case Operation(Operator.SIN | Operator.COS as kind, (angle,)):
-                stages += [_Stage()] if level + 1 == len(stages) else []
+                stages += [_EarlyLines()] if level + 1 == len(stages) else []
                 stages[level].calls.setdefault(angle, {})[kind] = let.name
                 ready[let.name] = level + 1
             case _:
@@ -127,7 +127,7 @@ def _stages(early: Iterable[Let], number: int, states: frozenset[str]) -> tuple[
     )
 
 
-def _finished(stage: _Stage, suffix: str, arrays: frozenset[str]) -> Stage:
+def _finished(stage: _EarlyLines, suffix: str, arrays: frozenset[str]) -> EarlyLines:
     """Angles get a name, unless they are among those that have a value for each state."""
     lets, angles = list(stage.lets), []
     for k, (angle, names) in enumerate(stage.calls.items()):
@@ -139,7 +139,7 @@ def _finished(stage: _Stage, suffix: str, arrays: frozenset[str]) -> Stage:
         sine = names.get(Operator.SIN, f"sine_{suffix}_{k}")
         cosine = names.get(Operator.COS, f"cosine_{suffix}_{k}")
         angles.append(Angle(name, sine, cosine))
-    return Stage(tuple(lets), tuple(angles))
+    return EarlyLines(tuple(lets), tuple(angles))
 
 
 def _read(lines: tuple[ScalarStatement, ...], early: frozenset[str]) -> tuple[ScalarStatement, ...]:
