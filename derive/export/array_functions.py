@@ -6,6 +6,7 @@ an array of elements; `_valid`, which makes a NaN of it where a requirement does
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import assert_never
 
 from derive.backends.description import kernel_text, section_text
@@ -79,3 +80,8 @@ def _requirement(statement: Require) -> BreakableText:
             return join("xp.isfinite", value)
         case _:
             assert_never(statement.kind)
+
+
+def wrapped(values: Iterable[object]) -> str:
+    """The items of a tuple of literals, in lines of a function."""
+    return "\n".join(prefixed(["".join(f"{value!r}, " for value in values)], "        "))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE, description, model_text, pattern_texts
 from derive.backends.wrapping import prefixed
-from derive.export.array_functions import array_functions
+from derive.export.array_functions import array_functions, wrapped
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
 from derive.rendering import render
@@ -22,7 +22,7 @@ def jax_files(host: HostModel) -> tuple[File, ...]:
         "patterns": pattern_texts(model, "        "),
         "functions": array_functions(model),
         "scene": bool(model.bodies),
-        "wrapped": lambda values: "\n".join(prefixed(["".join(f"{value!r}, " for value in values)], "        ")),
+        "wrapped": wrapped,
     }
     return File(f"{host.name}.py", render("export/jax/module.py.jinja", values)), File(
         "manifest.json", host.manifest.text

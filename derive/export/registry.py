@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from derive.export.acados_model import ACADOS
 from derive.export.casadi_external import CASADI
 from derive.export.cmake import CMAKE
 from derive.export.fmi import FMU2, FMU3
@@ -22,6 +23,7 @@ INTERFACES: Registry[Interface] = Registry(
         "fmu2": FMU2,
         "fmu3": FMU3,
         "casadi": CASADI,
+        "acados": ACADOS,
         "jax": JAX,
     },
 )
