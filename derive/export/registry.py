@@ -11,6 +11,7 @@ from derive.export.host_model import host_model
 from derive.export.interface import HostFile, Interface, exported_files
 from derive.export.jax_module import JAX
 from derive.export.rust import RUST
+from derive.export.sundials import SUNDIALS
 from derive.registry import Registry
 from derive.spec.model.scene import Specification
 
@@ -25,6 +26,7 @@ INTERFACES: Registry[Interface] = Registry(
         "casadi": CASADI,
         "acados": ACADOS,
         "jax": JAX,
+        "sundials": SUNDIALS,
     },
 )
 

@@ -44,9 +44,9 @@ def test_every_return_code_has_a_row() -> None:
     stated = {int(row[0]): row for row in rows("## Return codes")}
     assert all(row[3] for row in stated.values())
     codes = {int(code): "" for code in ReturnCode}
-    for header in ("fixed_step.h", "adaptive.h"):
+    for header in ("fixed_step.h", "adaptive.h", "ida.h", "ode.h"):
         text = (ROOT / "templates/host" / header).read_text()
-        found = re.findall(r"^ +(TISSERAND_\w+) = (\d+)", text, re.MULTILINE)
+        found = re.findall(r"^(?: +|enum \{ )(TISSERAND_\w+) = (\d+)", text, re.MULTILINE)
         codes |= {int(number): name for name, number in found if int(number) not in codes}
     assert codes.keys() == stated.keys()
     assert all(f"`{name}`" in stated[code][1] for code, name in codes.items() if name)
