@@ -15,7 +15,8 @@ from derive.mechanics.motion.planar import planar_motion
 from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import Family
 from derive.mechanics.tables import CoefficientTable, planar_tables
-from derive.mechanics.terms import ModelConstant, ParameterSymbol
+from derive.mechanics.terms import ModelConstant, ParameterSymbol, Term
+from derive.mechanics.virtual_work_equations import generic_inertia, rigid_inertia
 from derive.spec.model.body import DisplacementOrder
 
 if TYPE_CHECKING:  # a planar body needs no NumPy, nor does a specification that is read
@@ -75,6 +76,16 @@ class Body:
     def rigid_motion(self) -> Motion:
         """The motion of the body without assumed modes."""
         return (planar_motion if self.dimension == 2 else spatial_motion)(0, self.truncated)
+
+    @cached_property
+    def rigid_inertia(self) -> tuple[Term, ...]:
+        """The virtual work of the inertia on the rigid displacements; sums are named."""
+        return rigid_inertia(self.rigid_motion)
+
+    @cached_property
+    def generic_inertia(self) -> tuple[Term, ...]:
+        """The same on a variation of alpha_i, for a generic mode i."""
+        return generic_inertia(self.rigid_motion)
 
     @property
     def truncated(self) -> bool:

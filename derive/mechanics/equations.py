@@ -10,6 +10,7 @@ from functools import cached_property
 import sympy as sp
 
 from derive import display
+from derive.garbage_collection import paused
 from derive.mechanics.body import Body
 from derive.mechanics.expansion import expand
 from derive.mechanics.sums import ModeSum, TableSum
@@ -120,7 +121,8 @@ class Equations:
     @cached_property
     def _expanded(self) -> Equations:
         assert self.body is not None
-        form = expand(self.body)
+        with paused():
+            form = expand(self.body)
         return replace(
             self, tables=(), table_sums=(), mode_sums=(), **{name: getattr(form, name) for name in form.__match_args__}
         )

@@ -25,12 +25,10 @@ from derive.mechanics.terms import (
 )
 from derive.mechanics.virtual_work_equations import (
     angular_momentum,
-    generic_inertia,
     generic_weight,
     gravity_definitions,
     kinetic_energy,
     linear_momentum,
-    rigid_inertia,
     rigid_weight,
     weight_energy,
 )
@@ -86,7 +84,7 @@ def expand(body: Body) -> ExpandedEquations:
     rotary = tuple(_products(motion, "rotary", "(10)", body.rotary_inertia, accelerations))
     elastic = tuple(_products(motion, "elastic", "(13), (22)", body.stiffness, motion.alpha, reasons))
     damping = tuple(_products(motion, "damping", "(13)", body.damping, motion.alphadot, reasons))
-    inertia = tuple(_inertia(fields))
+    inertia = (*body.rigid_inertia, *_of_each_shape(fields, body.generic_inertia))
     written = (replace(t, expr=sums.put_in(t.expr)) for t in inertia)
     complete = (*dependent.projected(written), *rotary, *elastic, *at_rest, *damping)
     if body.gravity:
@@ -123,12 +121,6 @@ def _moments(
         return fields.definitions_without(reasons)
     in_amplitudes = (replace(d, expr=dependent.put_in(d.expr)) for d in fields.definitions)
     return zeros.drop_definitions(tuple(in_amplitudes), reasons)
-
-
-def _inertia(motion: Motion) -> Iterator[Term]:
-    """The virtual work of the inertia forces; sums are named."""
-    yield from rigid_inertia(motion)
-    yield from _of_each_shape(motion, generic_inertia(motion))
 
 
 def _of_each_shape(motion: Motion, generic: tuple[Term, ...]) -> Iterator[Term]:

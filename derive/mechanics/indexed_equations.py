@@ -35,12 +35,10 @@ from derive.mechanics.terms import Coordinate, EquationOfMotion, Reason, Term
 from derive.mechanics.virtual_work_equations import (
     SHAPE_ROW,
     angular_momentum,
-    generic_inertia,
     generic_weight,
     gravity_definitions,
     kinetic_energy,
     linear_momentum,
-    rigid_inertia,
     rigid_weight,
     weight_energy,
 )
@@ -107,7 +105,7 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
         indexed_sums, forces, strain = (*indexed_sums, PRELOAD_SUM), (*forces, PRELOAD_TERM), strain + PRELOAD_WORK
     for indexed_sum in indexed_sums:
         sums.add(indexed_sum)
-    complete = (*rigid_inertia(motion), *(generic_inertia(motion) if body.modes or not planar else ()), *forces)
+    complete = (*body.rigid_inertia, *(body.generic_inertia if body.modes or not planar else ()), *forces)
     if body.gravity:
         complete += (*rigid_weight(motion), *generic_weight(motion))
     terms, vanished = zeros.drop_terms(complete, sums.reasons)
