@@ -14,13 +14,22 @@ INTEGRATOR = ("adaptive_rows", "adaptive", "dormand_prince", "fixed_step")
 """The parts of `templates/host` with which exports integrate."""
 
 
-def integrator_files(folder: str) -> list[File]:
-    """The C files of the integrator and their headers, with our mark, in a folder."""
-    return [_copy(folder, f"{part}{ending}") for part in INTEGRATOR for ending in (".c", ".h")]
+def integrator_files(folder: str, model: str = "") -> list[File]:
+    """The C files of the integrator and their headers, with our mark, in a folder.
+
+    model: the name of the model that they are for, where a compiler is not told by -DTISSERAND_HEADER.
+    """
+    header = f'#define TISSERAND_HEADER "{model}.h"\n' if model else ""
+    return [
+        _copy(folder, f"{part}{ending}", header if ending == ".c" else "")
+        for part in INTEGRATOR
+        for ending in (".c", ".h")
+    ]
 
 
-def _copy(folder: str, name: str) -> File:
-    return File(f"{folder}{name}", f"/* {MARK}: a copy of templates/host/{name}. */\n{render(f'host/{name}', {})}")
+def _copy(folder: str, name: str, head: str) -> File:
+    text = render(f"host/{name}", {})
+    return File(f"{folder}{name}", f"/* {MARK}: a copy of templates/host/{name}. */\n{head}{text}")
 
 
 def motion_file(model: HostModel, folder: str) -> File:

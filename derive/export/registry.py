@@ -10,6 +10,7 @@ from derive.export.fortran import FORTRAN
 from derive.export.host_model import host_model
 from derive.export.interface import HostFile, Interface, exported_files
 from derive.export.jax_module import JAX
+from derive.export.octave import OCTAVE
 from derive.export.rust import RUST
 from derive.export.sundials import SUNDIALS
 from derive.registry import Registry
@@ -21,6 +22,7 @@ INTERFACES: Registry[Interface] = Registry(
         "cmake": CMAKE,
         "fortran": FORTRAN,
         "rust": RUST,
+        "octave": OCTAVE,
         "fmu2": FMU2,
         "fmu3": FMU3,
         "casadi": CASADI,

@@ -1,0 +1,70 @@
+"""`--to octave`: the MEX function has the motion of a simulation and the numbers of Python, and explains its errors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from host_models import PUSHED, STEERED, prepared
+from programs import program, run
+
+import derive
+from derive.export.octave import octave_files
+
+pytestmark = pytest.mark.hosts
+
+MODELS = {"pushed": PUSHED, "steered": STEERED}
+
+
+@pytest.fixture(scope="module", params=MODELS)
+def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("octave") / str(request.param)
+    derive.write(octave_files(prepared(MODELS[request.param])), folder)
+    program("mkoctfile")
+    octave(folder, "build.m")
+    return folder
+
+
+def octave(folder: Path, *arguments: str) -> str:
+    return run(program("octave-cli"), "--no-history", "--quiet", *arguments, cwd=folder)
+
+
+def test_the_sample_has_the_motion_of_a_simulation(built: Path) -> None:
+    name = built.name
+    said = octave(built, "sample.m")
+    assert f"{name}: largest difference from Tisserand:" in said
+    model = prepared(MODELS[name])
+    native = derive.load_scene(model.files)
+    k = native.with_inputs(native.setup(), model.held_inputs)
+    vdot = native.accel(0.0, *([x.start for x in part] for part in (model.coordinates, model.velocities)), k)
+    (line,) = (line.split()[1:] for line in said.splitlines() if line.startswith("vdot "))
+    assert list(map(float, line)) == vdot.tolist()
+
+
+def test_the_names_units_and_start_values_are_those_of_the_model(built: Path) -> None:
+    name, model = built.name, prepared(MODELS[built.name])
+    ask = "i = {0}_info(); printf('%s|', i.states.names{{:}}, i.inputs.units{{:}}); printf('%.17g|', i.states.start)"
+    said = octave(built, "--eval", ask.format(name)).strip("|\n").split("|")
+    names, units = [x.name for x in model.states], [u.unit for u in model.inputs]
+    assert said[: len(names) + len(units)] == names + units
+    assert list(map(float, said[len(names) + len(units) :])) == [x.start for x in model.states]
+
+
+ERRORS = {
+    "pushed_mex('setup', -1)": "tisserand:not_finite setup: a value is not finite or not positive",
+    "pushed_mex('setup', [1, 2])": "tisserand:arguments setup: p has to be a real vector of 1 doubles",
+    "pushed_mex('setup', 1i)": "tisserand:arguments setup: p has to be a real vector of 1 doubles",
+    "pushed_mex('setup')": "tisserand:arguments setup takes 1 arguments and has 1 results",
+    "pushed_mex('acel')": "tisserand:arguments pushed has no function acel; see pushed.h",
+    "pushed_mex('motion', 3, [0, 1], 1e-9, k, 0, q, v)": "tisserand:arguments motion: count has to be",
+    "pushed_mex('motion', 2, [0, -1], 1e-9, k, 0, q, v)": "tisserand:integrator motion: code 4 of adaptive.h",
+}
+
+
+@pytest.mark.parametrize("built", ["pushed"], indirect=True)
+@pytest.mark.parametrize("call", ERRORS)
+def test_errors_say_what_is_wrong(call: str, built: Path) -> None:
+    start = "x = pushed_info().states.start; q = x(1:5); v = x(6:10); k = pushed_mex('setup', 10);"
+    said = octave(built, "--eval", f"{start} try; {call}; catch e; disp([e.identifier ' ' e.message]); end")
+    identifier, message = ERRORS[call].split(" ", 1)
+    assert said.startswith(f"{identifier} pushed_mex: {message}")
