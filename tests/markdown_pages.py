@@ -59,7 +59,7 @@ def copy_tree(folder: Path) -> Path:
     ignore = shutil.ignore_patterns(".venv", ".git", "__pycache__", ".*_cache", "results")
     shutil.copytree(ROOT, tree, ignore=ignore)
     (tree / ".venv" / "bin").mkdir(parents=True)
-    for tool in ("tisserand", "python"):
+    for tool in ("tisserand", "python", "fmpy"):
         script = tree / ".venv" / "bin" / tool
         script.write_text(f'#!/bin/sh\nexec "{Path(sys.executable).parent / tool}" "$@"\n')
         script.chmod(0o755)
