@@ -12,7 +12,7 @@ import beams
 import derive
 from conftest import QUICK
 from derive.ir.interpreter import RequirementError, interpret
-from derive.ir.statements import Accumulate, Let, Map, MatrixStore, MatVec, Packing, Require, Store
+from derive.ir.statements import Accumulate, Let, Map, MatrixStore, MatVec, Packing, Require, Requirement, Store
 from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import FLAGS
 from derive.runtime.native_call import ModelError
@@ -218,6 +218,15 @@ def test_tables_of_a_function_are_read_once_and_in_order() -> None:
         assert tuple(tables) == sum(packing.groups[:groups], ())
         cells = ((i, j, t) for group in packing.groups[:groups] for i in (0, 4) for j in range(8) for t in group)
         assert [packing.position(t, i, j) for i, j, t in cells] == list(range(0, len(tables) * 64, 4))
+
+
+def test_translations_without_force_and_coupling_are_no_part_of_the_system() -> None:
+    """In the mean frame three pivots are left, and one more for each direction of gravity."""
+    for gravity, pivots in ((None, 3), ([0, 0, 1], 4), ([1, 1, 1], 6)):
+        spec = derive.symbolic_body("loops", 8, frame="mean", gravity=gravity, lowering="table")
+        kernel = derive.lower(derive.derive(spec)).kernel("accel")
+        checks = [s for s in kernel.statements if isinstance(s, Require) and s.kind is Requirement.POSITIVE]
+        assert len([s for s in checks if "pivot" in s.text]) == pivots
 
 
 @pytest.mark.parametrize("n", [1, 2])
