@@ -62,7 +62,8 @@ class StateBlock:
         return [*head, "{", *self._declarations(), "", *(f"    {line}" for line in self.inner), *self._failures(), "}"]
 
     def _declarations(self) -> Lines:
-        lines = [f"    (void) {name};" for name in (*self.unused, *([] if self._has_rows() else ["all"]))]
+        empty = [o.name for o in self.kernel.outputs if not o.size]
+        lines = [f"    (void) {name};" for name in (*self.unused, *empty, *([] if self._has_rows() else ["all"]))]
         used = self.kernel.used
         lines += [f"    const double {name} = k[{index}];" for index, name in self.k.named_elements if name in used]
         read = [(index, name) for index, name in self.inputs if name in used]

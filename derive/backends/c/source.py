@@ -129,7 +129,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "checked_forces": bool(model.bodies) and _is_checked(model.kernel("force")),
         "attitude": any(q.role is Role.QUATERNION for q in model.coordinates),
         "several_checked": len(checked) > 1,
-        "checked_batches": f"{enumerated(checked)} give{'s' if len(checked) == 1 else ''}",
+        "checked_batches": f"{enumerated(checked)} give{'s' if len(checked) == 1 else ''}" if checked else "",
         "entries": entries(model, BATCHED),
         "packed": list(packed_functions(model, BATCHED)),
         "energies": len(model.kernel("energy").outputs[0].elements),
