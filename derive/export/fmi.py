@@ -1,4 +1,4 @@
-"""`--to fmu2`, `--to fmu3`: functional mock-up units, with their sources and a binary for this platform."""
+"""`--to fmu2`, `--to fmu3`: functional mock-up units, with their sources and binaries for this or for all platforms."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from functools import partial
 
 from derive.artifacts import MARK, BinaryFile
 from derive.backends.description import LICENCE
-from derive.export.fmi_binaries import Platform, c_files, compiled, this_platform
+from derive.export.fmi_binaries import PLATFORMS, Platform, c_files, compiled, this_platform
 from derive.export.fmi_units import unit_definitions
 from derive.export.fmi_variables import Causality, FmiVariable, fmi_variables
 from derive.export.host_model import HostModel
@@ -134,13 +134,17 @@ def _structure(variables: Sequence[FmiVariable]) -> dict[str, list[FmiVariable]]
     return {"Outputs": outputs, "Derivatives": derivatives, "InitialUnknowns": initial}
 
 
-def _files(version: int, model: HostModel) -> tuple[HostFile, ...]:
-    return (BinaryFile(f"{model.name}.fmu", fmu(model, version, [this_platform()]), record=RECORD),)
+def _files(version: int, everywhere: bool, model: HostModel) -> tuple[HostFile, ...]:
+    platforms = [*PLATFORMS.values()] if everywhere else [this_platform()]
+    return (BinaryFile(f"{model.name}.fmu", fmu(model, version, platforms), record=RECORD),)
 
 
-def _interface(version: int) -> Interface:
+def _interface(version: int, everywhere: bool = False) -> Interface:
     doc = f"programs that take functional mock-up units of FMI {version}.0, for model exchange and co-simulation"
-    return Interface(doc, partial(_files, version), "fmpy validate {folder}/{name}.fmu", sensitivities=True)
+    where = ", with binaries for Linux, Windows and macOS" if everywhere else ""
+    files = partial(_files, version, everywhere)
+    return Interface(doc + where, files, "fmpy validate {folder}/{name}.fmu", sensitivities=True)
 
 
 FMU2, FMU3 = _interface(2), _interface(3)
+FMU2_ALL, FMU3_ALL = _interface(2, everywhere=True), _interface(3, everywhere=True)

@@ -87,12 +87,12 @@ def _crossed(sources: Mapping[str, str], folder: Path, target: Platform) -> byte
     key = cache.key("library", "ziglang", version("ziglang"), *flags, *(f"{n}\0{text}" for n, text in sources.items()))
     data = cache.read(key)
     if data is None:
-        library = folder / f"library.{target.ending}"
-        files = [str(folder / file) for file in c_files(sources)]
-        command = [sys.executable, "-m", "ziglang", "cc", *flags, "-shared", "-fPIC", "-o", str(library), *files, "-lm"]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        library = f"library.{target.ending}"  # without the folder, of which libraries keep the name
+        command = [sys.executable, "-m", "ziglang", "cc", *flags, "-shared", "-fPIC", "-o", library]
+        command += [*c_files(sources), "-lm"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode:
             raise CompilerError(f"zig for {target.target}:\n{done.stderr}")
-        data = library.read_bytes()
+        data = (folder / library).read_bytes()
         cache.write(key, data)
     return data
