@@ -204,6 +204,7 @@ def _add_export(commands: Any) -> None:
         metavar="KIND",
         help="the interface: cmake (C and C++ by CMake and pkg-config), fortran (a module by iso_c_binding), "
         "rust (a crate), octave (a MEX function), fmu2 (FMI 2.0), fmu3 (FMI 3.0), "
+        "fmu2-all (FMI 2.0, with binaries for all platforms), fmu3-all (likewise), "
         "casadi (CasADi, with exact derivatives), "
         "acados (an AcadosModel), jax (a Python module for JAX), sundials (CVODE, CVODES, ARKODE and IDA in C)",
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from derive.export.acados_model import ACADOS
 from derive.export.casadi_external import CASADI
 from derive.export.cmake import CMAKE
-from derive.export.fmi import FMU2, FMU3
+from derive.export.fmi import FMU2, FMU2_ALL, FMU3, FMU3_ALL
 from derive.export.fortran import FORTRAN
 from derive.export.host_model import host_model
 from derive.export.interface import HostFile, Interface, exported_files
@@ -25,6 +25,8 @@ INTERFACES: Registry[Interface] = Registry(
         "octave": OCTAVE,
         "fmu2": FMU2,
         "fmu3": FMU3,
+        "fmu2-all": FMU2_ALL,
+        "fmu3-all": FMU3_ALL,
         "casadi": CASADI,
         "acados": ACADOS,
         "jax": JAX,

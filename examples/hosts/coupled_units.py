@@ -1,11 +1,11 @@
 """Two functional mock-up units, coupled by a small master.
 
-A motor drives a rotor, to which a flexible arm is welded. The rotor is one unit: it takes the torque of the motor and that of
-the arm, and gives its angle with two time derivatives. The arm is the other: it takes this motion, and gives the torque
-that it needs. Acceleration and torque depend on each other at the same instant. Both relations are linear, and
-the directional derivatives of the units are their slopes, so that the master solves them exactly. It integrates the states
-of both units with the classical Runge-Kutta method. The number is the distance of the tip of the arm from
-where it is in one scene of both bodies, over the length of the arm.
+A motor drives a rotor, to which a flexible arm is welded. The rotor is one unit: it takes the torques of the motor and
+of the arm, and gives its angle with two time derivatives. The arm is the other: it takes this motion, and gives the
+torque that it needs. Acceleration and torque depend on each other at the same instant. Both relations are linear, and
+the directional derivatives of the units are their slopes, so that the master solves them exactly. It integrates the
+states of both units with the classical Runge-Kutta method. The number is the largest distance (m) of the tip of the arm
+from where it is in one scene of both bodies.
 """
 
 import tempfile
@@ -80,16 +80,20 @@ class Unit:
         description = fmpy.read_model_description(path)
         self.references = {x.name: x.valueReference for x in description.modelVariables}
         self.size = description.numberOfContinuousStates
-        self.fmu: FMU2Model = fmpy.instantiate_fmu(fmpy.extract(path, folder / scene.name), description, "ModelExchange")
+        self.fmu: FMU2Model = fmpy.instantiate_fmu(
+            fmpy.extract(path, folder / scene.name), description, "ModelExchange"
+        )
         self.fmu.setupExperiment(startTime=0.0)
         self.fmu.enterInitializationMode()
         self.fmu.exitInitializationMode()
         self.update()
 
     def set(self, **values: float) -> None:
+        """Set inputs."""
         self.fmu.setReal([self.references[name] for name in values], [*values.values()])
 
     def get(self, *names: str) -> list[float]:
+        """The values of variables."""
         return list(self.fmu.getReal([self.references[name] for name in names]))
 
     def slope(self, output: str, given: str) -> float:
@@ -98,11 +102,13 @@ class Unit:
         return float(result)
 
     def array(self, fill: Callable[[object, int], None]) -> Vector:
+        """An array of states, which a function of the unit fills."""
         values = (fmi2Real * self.size)()
         fill(values, self.size)
         return np.array(values)
 
     def move(self, t: float, x: Vector) -> None:
+        """Set the time and the states."""
         self.fmu.setTime(t)
         self.fmu.setContinuousStates((fmi2Real * self.size)(*x), self.size)
 
@@ -142,7 +148,7 @@ def rates(t: float, x: Vector, units: tuple[Unit, Unit]) -> Vector:
 
 
 def main() -> float:
-    """Return the largest distance of the tips over the length of the arm."""
+    """Return the largest distance of the tips, m."""
     with tempfile.TemporaryDirectory() as folder:
         units = Unit(rotor, Path(folder)), Unit(arm, Path(folder))
         x = np.concatenate([unit.array(unit.fmu.getContinuousStates) for unit in units])
@@ -161,7 +167,9 @@ def main() -> float:
             unit.fmu.freeInstance()
     expected = derive.simulate(both).solution.outputs[:, :2]
     error = float(np.max(np.hypot(*(np.array(tips)[::10] - expected).T)))
-    print(f"after {DURATION:g} s the arm is at {tips[-1][0]:.6f}, {tips[-1][1]:.6f} m; largest difference {error:.1e} m")
+    print(
+        f"after {DURATION:g} s the arm is at {tips[-1][0]:.6f}, {tips[-1][1]:.6f} m; largest difference {error:.1e} m"
+    )
     return error
 
 

@@ -10,6 +10,7 @@ from fmus import KINDS, VERSIONS, fmpy, model_of, prepared, simulated, unit
 from host_models import PUSHED
 
 import derive
+from conftest import ROOT
 from derive.export.fmi_variables import fmi_variables
 from derive.export.host_model import HostModel
 
@@ -164,3 +165,7 @@ def test_what_is_wrong_is_said(version: int, tmp_path: Path) -> None:
     with pytest.raises(Exception, match="fail"):
         instance.doStep(0.0, 0.1)
     assert "not finite or not positive" in logged[0]
+
+
+def test_the_page_states_the_version_of_fmpy() -> None:
+    assert f"Tried with FMPy {fmpy().__version__}," in (ROOT / "docs/hosts.md").read_text()
