@@ -62,7 +62,7 @@ def _archive(content: Mapping[str, bytes]) -> bytes:
 def _sources(model: HostModel, version: int) -> dict[str, str]:
     """The C of a unit by file names, with a model.c that has no token yet."""
     copies = [("host", f"{part}{ending}") for part in INTEGRATOR for ending in (".h", ".c")]
-    parts = ("instance", "derivatives", f"fmi{version}")
+    parts = ("instance", "motion", "derivatives", f"fmi{version}")
     copies += [("export/fmi", f"{part}{ending}") for part in parts for ending in (".h", ".c")]
     every = {f"{model.name}.h": model.header.text, f"{model.name}.c": model.source.text}
     for folder, name in copies:
@@ -90,6 +90,7 @@ def _start(model: HostModel, token: str) -> str:
         "name": model.name,
         "token": token,
         "tolerance": _simulation(model).tolerance,
+        "inputs": model.inputs,
         "started": (*model.inputs, *model.states),
         "sizes": [1.0 if x.unit in ANGULAR else length for x in model.states],
         "breaks": () if scene is None else breaks(scene),

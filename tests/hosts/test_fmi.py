@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmus import KINDS, VERSIONS, fmpy, model_of, prepared, simulated, unit
-from host_models import PUSHED
+from host_models import PUSHED, STEERED
 
 import derive
 from conftest import ROOT
@@ -71,6 +71,23 @@ def test_inputs_move_the_model(version: int, kind: str, tmp_path: Path) -> None:
     assert 1e-4 < np.max(np.abs(fine - expected)) < 1e-3
     left = {"ModelExchange": 4e-5, "CoSimulation": 2e-6}[kind]  # FMPy makes steps to the times of the signal as well
     assert np.max(np.abs(2 * fine - coarse - expected)) < left
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_prescribed_motions_go_on_within_steps(version: int, tmp_path: Path) -> None:
+    """A motion that was constant in each step would be 1e-3 rad behind."""
+    t = np.linspace(0.0, 1.0, 1001)
+    motion = 0.5 * (1 + np.sin(4 * t)) + 3 * t**2, 2 * np.cos(4 * t) + 6 * t, -8 * np.sin(4 * t) + 6
+    names = ["time", "angle", "angledot", "angleddot"]
+    signal = np.array([*zip(t, *motion, strict=True)], dtype=[(name, float) for name in names])
+    path = unit(prepared(STEERED), version, tmp_path)
+    states = [x.name for x in fmi_variables(prepared(STEERED)) if x.state]
+    settings = {"stop_time": 1.0, "output_interval": 1e-3, "relative_tolerance": 1e-9, "input": signal}
+    theirs = simulated(path, "CoSimulation", states, **settings)[::10]
+    spec = prepared(STEERED.replace("[inputs.side]\n", "[inputs.side]\nvalue = 0\n")).spec
+    ours = derive.simulate(spec, duration=1.0, output=0.01).solution
+    assert np.max(np.abs(theirs[:, :4] - ours.q)) < 1e-6
+    assert np.max(np.abs(theirs[:, 4:] - ours.v)) < 1e-4
 
 
 @pytest.mark.parametrize("version", VERSIONS)

@@ -2,6 +2,7 @@
 
 #include "instance.h"
 #include "derivatives.h"
+#include "motion.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -55,7 +56,7 @@ fmu_instance *fmu_create(const char *token, void (*log)(void *, fmu_status, cons
     const int nx = model->nq + model->nv, nu = model->ports == NULL ? 0 : model->ports->nu;
     const int nout = model->ports == NULL ? 0 : model->ports->nout;
     const int count = FMU_FIRST + nu + model->np + 2 * nx;
-    const int more = model->nk + 3 * nx + nout + model->nenergy + model->nlambda;
+    const int more = model->nk + fmu_motion_work(model) + 3 * nx + nout + model->nenergy + model->nlambda;
     fmu_instance *fmu;
     double *next;
 
@@ -88,7 +89,7 @@ fmu_instance *fmu_create(const char *token, void (*log)(void *, fmu_status, cons
     fmu->start = fmu->p + model->np;
     fmu->x = fmu->start + nx;
     fmu->k = fmu->x + nx;
-    fmu->xdot = fmu->k + model->nk;
+    fmu->xdot = fmu->k + model->nk + fmu_motion_work(model);
     fmu->out = fmu->xdot + nx;
     fmu->energy = fmu->out + nout;
     fmu->lambda = fmu->energy + model->nenergy;
@@ -430,7 +431,8 @@ fmu_status fmu_step(fmu_instance *fmu, double t, double step)
     }
     code = prepare(fmu);
     if (code == 0) {
-        code = tisserand_adaptive_start(s, model, &options, now, end > now ? end : now, fmu->k, fmu->x,
+        fmu_motion_begin(fmu);
+        code = tisserand_adaptive_start(s, &fmu->moving, &options, now, end > now ? end : now, fmu->k, fmu->x,
                                         fmu->x + model->nq, fmu->work);
     }
     if (code != 0) {

@@ -22,6 +22,7 @@ extern const char fmu_token[];         /* the hash of the sources */
 extern const double fmu_tolerance;     /* of integrations that are given none */
 extern const double fmu_start[];       /* u, x */
 extern const double fmu_size[];        /* of each state: absolute tolerances are this times the tolerance */
+extern const int fmu_orders[];         /* of each input: which time derivative of a prescribed motion it is, 0 of all others */
 extern const int fmu_breaks;           /* the number of times at which functions of time are not smooth */
 extern const double fmu_break_times[]; /* increasing; one more than there are */
 const tisserand_model *fmu_model(void);
@@ -46,6 +47,8 @@ typedef struct {
     int evaluated; /* whether x (before the simulation), xdot, out, energy and lambda belong to the state */
     int linearised; /* whether the Jacobians in derivatives belong to the state */
     tisserand_adaptive solver;
+    tisserand_model moving; /* the model with prescribed motions that go on within a step of co-simulation */
+    tisserand_scene moving_scene;
     void (*log)(void *owner, fmu_status status, const char *message);
     void *owner;
 } fmu_instance;
@@ -133,7 +136,7 @@ fmu_status fmu_event(
     double *next,
     int *has_next);
 
-/* Integrate by a step. Of a step that fails, the part up to a later state than before may have been made. */
+/* Integrate by a step. Inputs are constant in it, but for motions, which follow their time derivatives. Of a step that fails, the part up to a later state than before may have been made. */
 fmu_status fmu_step(
     fmu_instance *fmu,
     double t,
