@@ -110,7 +110,7 @@ def test_names_lead_to_the_lines_that_define_them(name: str) -> None:
         for cells in table.rows:
             for link in links(cells[4]):
                 line = shown[link.to.removeprefix("#")]
-                assert re.search(r"const double \w+ = |_panel\(|\[i\] = ", line.text), line.text
+                assert re.search(r"const double \w+ = |\w+ [-+]= |\[i\] = ", line.text), line.text
                 found += 1
     assert found > 10
 
