@@ -32,8 +32,8 @@ AMPLITUDES = (4e-3, 2e-3, 1e-3)
     [
         ("mean", "flat", 60, 187, 534, 558),
         ("point", "flat", 96, 256, 619, 673),
-        ("mean", "table", 68, 1310, 1679, 2071),
-        ("point", "table", 134, 1540, 1909, 2448),
+        ("mean", "table", 68, 1302, 1679, 2063),
+        ("point", "table", 134, 1532, 1909, 2440),
     ],
 )
 def test_the_mean_frame_is_sparser(frame: str, lowering: str, nonzeros: int, mass: int, force: int, both: int) -> None:

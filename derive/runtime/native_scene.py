@@ -52,7 +52,7 @@ class Forms(dict[str, Dae]):
     def __missing__(self, name: str) -> Dae:
         raise CompilerError(
             f"the form {name} is not in this library, which has {', '.join(self)}: forms of reduced index are left out "
-            f"where the C is compiled with {OptionalPart.REDUCED_FORMS.value}"
+            f"where the C is compiled with {OptionalPart.REDUCED_FORMS.value}, as simulations do; `load_scene` does not"
         )
 
 

@@ -87,6 +87,7 @@ def test_indices_of_coordinates_and_velocities() -> None:
 def test_constants_have_names_that_say_what_they_are() -> None:
     """In the enum of the header, where `constant_1` would tell nothing."""
     header = text_of(beams.made("point", 2), ".h")
-    assert "BEAM_POINT_2_K_c6_2_over_c8_2_2 = " in header
-    assert "c6_2_over_c8_2_2  c6_2 / c8_2_2\n" in header
+    assert "BEAM_POINT_2_K_coupling_alpha2 = " in header
+    assert "coupling_alpha2  acceleration of alpha2 due to that of phi\n" in header
+    assert "BEAM_POINT_2_K_minus_c2_1_2 = " in header and "minus_c2_1_2  -c2_1_2\n" in header
     assert "_K_constant_" not in header

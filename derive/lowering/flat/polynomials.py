@@ -11,6 +11,7 @@ import sympy as sp
 from sympy.polys.polyerrors import CoercionFailed
 from sympy.polys.rings import PolyRing
 
+from derive.errors import TisserandError
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, identity
 
@@ -21,7 +22,7 @@ Coefficient: TypeAlias = Any
 """An element of the field of the coefficients: a rational number, or a rational function of the parameters."""
 
 
-class NotPolynomialError(Exception):
+class NotPolynomialError(TisserandError):
     """An expression is no polynomial in the state, or its coefficients are no rational functions of the parameters."""
 
 

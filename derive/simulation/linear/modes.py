@@ -131,10 +131,9 @@ def _of_scene(scene: Scene, at: float | None, progress: Progress | None) -> _Sta
     if at is not None and at > 0.0:
         motion = _motion(scene_with_values(scene), at, progress)
         t, q, v = float(motion.t[-1]), motion.q[-1], motion.v[-1]
-        if not scene.inputs:
-            return _State(motion.native, motion.k, t, q, v)
-        native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))
-        return _State(native, native.with_inputs(native.setup(), input_values(scene, native, t)), t, q, v)
+        native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))  # simulations leave out what is needed here
+        k = native.setup()
+        return _State(native, native.with_inputs(k, input_values(scene, native, t)) if scene.inputs else k, t, q, v)
     native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))
     k = native.setup()
     if scene.inputs:
