@@ -21,13 +21,14 @@ def integrator_files(folder: str, model: str = "") -> list[File]:
     """
     header = f'#define TISSERAND_HEADER "{model}.h"\n' if model else ""
     return [
-        _copy(folder, f"{part}{ending}", header if ending == ".c" else "")
+        host_copy(folder, f"{part}{ending}", header if ending == ".c" else "")
         for part in INTEGRATOR
         for ending in (".c", ".h")
     ]
 
 
-def _copy(folder: str, name: str, head: str) -> File:
+def host_copy(folder: str, name: str, head: str = "") -> File:
+    """A file of `templates/host` in a folder, with our mark and further lines at its head."""
     text = render(f"host/{name}", {})
     return File(f"{folder}{name}", f"/* {MARK}: a copy of templates/host/{name}. */\n{head}{text}")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from derive.artifacts import MARK, File
 from derive.backends.c.source import ABI
 from derive.backends.description import LICENCE
-from derive.backends.wrapping import prefixed
+from derive.export.c_parts import c_numbers, host_copy
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
 from derive.export.reference_motion import reference_motion
@@ -35,9 +35,9 @@ def sundials_files(model: HostModel) -> tuple[File, ...]:
         "multipliers": model.multipliers,
         "event": len(model.velocities) - 1,
         "times": motion.times,
-        "times_text": _numbers(motion.times.tolist()),
-        "states_text": _numbers(motion.states.ravel().tolist()),
-        "tolerances_text": _numbers(motion.tolerances.tolist()),
+        "times_text": c_numbers(motion.times.tolist()),
+        "states_text": c_numbers(motion.states.ravel().tolist()),
+        "tolerances_text": c_numbers(motion.tolerances.tolist()),
         "number": repr,
     }
     programs = (File(path, render(f"export/sundials/{path}.jinja", values)) for path in (*PROGRAMS, "sample.h"))
@@ -48,17 +48,8 @@ def sundials_files(model: HostModel) -> tuple[File, ...]:
         File("manifest.json", model.manifest.text),
         *programs,
         File("reference.h", render("export/cmake/reference.h.jinja", values)),
-        *(_copy(f"{part}{ending}") for part in HOSTS for ending in (".c", ".h")),
+        *(host_copy("", f"{part}{ending}") for part in HOSTS for ending in (".c", ".h")),
     )
-
-
-def _copy(name: str) -> File:
-    """A file of `templates/host`, with our mark."""
-    return File(name, f"/* {MARK}: a copy of templates/host/{name}. */\n{render(f'host/{name}', {})}")
-
-
-def _numbers(values: list[float]) -> str:
-    return "\n".join(prefixed([", ".join(map(repr, values))], "    "))
 
 
 SUNDIALS = Interface(
