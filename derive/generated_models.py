@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import gc
 import hashlib
 import io
 import pickle
 import platform
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -17,6 +14,7 @@ from typing import Any
 from derive import cache as kept
 from derive.artifacts import File
 from derive.backends.model_files import BACKENDS, fingerprint, model_files
+from derive.garbage_collection import paused
 from derive.ir.model import Model
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import FORCES
@@ -56,7 +54,7 @@ def generated(spec: Specification) -> Generated:
     data = kept.read(name)
     if data is not None:
         try:
-            with _no_collection():
+            with paused():  # the search would go through the many objects again and again while they are read
                 result: Generated = _Reader(io.BytesIO(data)).load()
         except (pickle.UnpicklingError, AttributeError, EOFError, ImportError):  # it has been written by other means
             pass
@@ -87,18 +85,6 @@ def package_hash() -> str:
 
 def _versions() -> tuple[str, ...]:
     return VERSION, platform.python_version(), *(f"{name} {version(name)}" for name in PACKAGES)
-
-
-@contextmanager
-def _no_collection() -> Iterator[None]:
-    """Without garbage collection, which looks through the many objects of a model again and again while it is read."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
 
 
 class _Reader(pickle.Unpickler):

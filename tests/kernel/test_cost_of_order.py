@@ -25,7 +25,7 @@ def operations(frame: str, n: int, terms: str = "") -> tuple[int, int]:
 
 
 @pytest.mark.parametrize("n", range(1, 7))
-def test_truncated_beams_in_the_mean_frame_cost_what_beams_of_first_order_cost(n: int) -> None:
+def test_truncated_beams_in_the_mean_frame_cost_little_more_than_beams_of_first_order(n: int) -> None:
     """M stays diagonal, and the N moments int rho X . Psi_nn are part of C5, which first order has as C5 = c8.
 
     The accelerations take a product and a change of sign more for a shape: in first order the centrifugal forces on the

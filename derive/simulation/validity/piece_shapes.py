@@ -78,23 +78,9 @@ class PieceShapes:
         """(shapes, len(xi)): derivatives of the shapes by xi."""
         return np.array([function_values(f.derivative(order), xi) for f in shape_functions(self.beam)])
 
-    def strain_energies(self, amplitudes: Matrix) -> tuple[Vector, Vector]:
-        """(n,) each: the strain energy of amplitudes (n, shapes), J, and the part that the last shape adds to it.
-
-        The part is what the other shapes cannot represent. With K = L L^T the energy is 1/2 |L^T a|^2, and the last
-        element of L^T a has the amplitude of the last shape alone.
-        """
-        parts = (amplitudes @ np.linalg.cholesky(self.stiffness)) ** 2 / 2
-        return parts.sum(axis=1), parts[:, -1]
-
     def amplitudes_in(self, native: ConstrainedSystem, piece: str) -> list[int]:
         """The numbers of the coordinates of a scene that are the amplitudes of a piece."""
         return [_index(native, owned(amplitude(i + 1), piece).name) for i in range(len(self.stiffness))]
-
-    @staticmethod
-    def origin_in(native: ConstrainedSystem, piece: str) -> list[int]:
-        """The numbers of the coordinates that are the position of a piece."""
-        return [_index(native, owned(quantity(Family.TRANSLATION, i), piece).name) for i in (1, 2)]
 
     @staticmethod
     def rotation_in(native: ConstrainedSystem, piece: str) -> int:
