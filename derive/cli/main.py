@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from derive.cache import no_cache
-from derive.cli.arguments import parser
+from derive.cli.arguments.command_line import parser
 from derive.errors import TisserandError, printable
 from derive.terminal import show_progress
 

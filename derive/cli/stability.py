@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from derive.artifacts import MARK, File, check_folder, sha256, write
-from derive.cli.stability_arguments import NEVER
+from derive.cli.arguments.stability import NEVER
 from derive.errors import Problem, SpecError
 from derive.spec.model.scene import Scene
 from derive.spec.set_values import with_values

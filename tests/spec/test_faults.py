@@ -38,6 +38,7 @@ KEYS = (
     ("lines", "message"),
     [
         ("mas = 1", '3: beam.mas: unknown key; did you mean "mass"?'),
+        ("masss = 1", '3: beam.masss: unknown key; did you mean "masses" or "mass"?'),
         ("colour = 1", f"3: beam.colour: unknown key; the keys here are {KEYS}"),
         ('"a b" = 1', f'3: beam."a b": unknown key; the keys here are {KEYS}'),
         ("mass = true", f"3: beam.mass: {NUMBER}, not true"),

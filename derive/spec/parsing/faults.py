@@ -69,9 +69,12 @@ def unknown_key(key: str, known: Iterable[str]) -> str:
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """The end of a sentence on an unknown name: the known name that resembles it, or `otherwise`, if there is one."""
+    """The end of a sentence on an unknown name: one or two known names that resemble it most, or `otherwise`, if given."""
     lower = {name_known.lower(): name_known for name_known in known}
-    near = difflib.get_close_matches(name[:40].lower(), lower, n=1)
+    asked = name[:40].lower()
+    near = difflib.get_close_matches(asked, lower, n=2)
     if near:
-        return f"; did you mean {quoted(lower[near[0]])}?"
+        first, last = (difflib.SequenceMatcher(None, asked, match).ratio() for match in (near[0], near[-1]))
+        alike = near if first - last < 0.03 else near[:1]  # `masss` is as near to `mass` as to `masses`
+        return f"; did you mean {' or '.join(quoted(lower[match]) for match in alike)}?"
     return otherwise and f"; {otherwise}"

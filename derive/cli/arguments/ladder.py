@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import difflib
 
-from derive.cli.argument_types import count, pieces
+from derive.cli.arguments.types import count, pieces
 
 MAX_SHAPES = 12
 """The largest number of shape functions in a ladder."""

@@ -8,7 +8,9 @@ import math
 from pathlib import Path
 from typing import Any
 
-from derive.cli.argument_types import (
+from derive.cli.arguments.study import add_study
+from derive.cli.arguments.sweep import add_sweep
+from derive.cli.arguments.types import (
     SPEC,
     add_command,
     add_no_cache,
@@ -18,8 +20,6 @@ from derive.cli.argument_types import (
     seconds,
     tolerance,
 )
-from derive.cli.study_arguments import add_study
-from derive.cli.sweep_arguments import add_sweep
 from derive.version import VERSION
 
 DESCRIPTION = """\

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from derive.cli.argument_types import SPEC, add_command, add_no_cache, count, pieces, tolerance
-from derive.cli.ladder_arguments import add_ladder, among
-from derive.cli.stability_arguments import add_stability
+from derive.cli.arguments.ladder import add_ladder, among
+from derive.cli.arguments.stability import add_stability
+from derive.cli.arguments.types import SPEC, add_command, add_no_cache, count, pieces, tolerance
 
 
 def add_study(commands: Any) -> None:

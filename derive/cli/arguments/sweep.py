@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from derive.cli.argument_types import SPEC, add_command, add_no_cache, assignment, count, seconds, tolerance
+from derive.cli.arguments.types import SPEC, add_command, add_no_cache, assignment, count, seconds, tolerance
 
 
 def add_sweep(commands: Any) -> None:

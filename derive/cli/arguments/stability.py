@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 from typing import Any
 
-from derive.cli.argument_types import SPEC, add_command, add_no_cache, add_set, number
-from derive.cli.ladder_arguments import add_ladder
+from derive.cli.arguments.ladder import add_ladder
+from derive.cli.arguments.types import SPEC, add_command, add_no_cache, add_set, number
 
 MAX_VALUES = 10_000
 """The largest number of values of a parameter."""
