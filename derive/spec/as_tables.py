@@ -75,6 +75,10 @@ def scene_tables(scene: Scene) -> Data:
     return tables
 
 
+_OTHERS = {"ground": ("ground.markers", "marker"), "masses": ("beam.masses", "attached mass")}
+"""Where elements with names are that no table of a scene has, and what one is called."""
+
+
 def named(kind: str, elements: Any) -> Any:
     """Elements with names, given as a mapping or as a sequence of typed values, as one table.
 
@@ -85,9 +89,8 @@ def named(kind: str, elements: Any) -> Any:
     tables: Data = {}
     for element in elements:
         if element.name in tables:
-            what = "marker" if kind == "ground" else NAMED[kind]
-            path = "ground.markers" if kind == "ground" else kind
-            text = f"{quoted(element.name)} is taken: there is a {what} {quoted(element.name)}"
+            path, what = _OTHERS[kind] if kind in _OTHERS else (kind, NAMED[kind])
+            text = f"{quoted(element.name)} is taken by another {what}"
             raise SpecError((Problem(f"{path}.{element.name}", f"{text}; names must differ in more than case"),))
         tables[element.name] = as_table(element)
     return tables

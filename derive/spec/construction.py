@@ -80,7 +80,6 @@ def planar_beam(
     `mass` (kg) and `inertia` (kg m^2), or AttachedMass.
     """
     keys = {"ansatz": as_table(ansatz), "mass": mass, "length": length, "bending_stiffness": bending_stiffness}
-    attached = masses if isinstance(masses, Mapping) else {m.name: m for m in masses}
     optional = {
         "frame": frame,
         "orthogonal": orthogonal,
@@ -90,7 +89,7 @@ def planar_beam(
         "damping": as_table(damping),
     }
     optional |= {"terms": terms, "order": None if order == 1 else order}
-    parts = {"markers": markers or {}, "masses": as_table(attached), **without_none(**optional)}
+    parts = {"markers": markers or {}, "masses": named("masses", masses) or {}, **without_none(**optional)}
     result = _validate({"name": name, "beam": {**keys, **parts}})
     assert isinstance(result, PlanarBeam)
     return result

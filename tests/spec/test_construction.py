@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import derive
+from derive.spec.model.body import AttachedMass
 from derive.spec.toml.read import parse
 
 SCENES = sorted(Path(__file__).resolve().parents[2].joinpath("scenes").glob("*.toml"))
@@ -137,13 +138,20 @@ def test_dataclasses_check_nothing_until_they_are_validated():
 def test_two_elements_of_one_name_are_refused():
     rod = derive.RigidBody("rod", mass=1, inertia=1)
     assert problems(lambda: derive.scene("two", bodies=[rod, rod])) == [
-        ("bodies.rod", '"rod" is taken: there is a body "rod"; names must differ in more than case')
+        ("bodies.rod", '"rod" is taken by another body; names must differ in more than case')
+    ]
+    tip = AttachedMass("tip", at=Fraction(1), mass=Fraction(1))
+    assert problems(lambda: derive.planar_beam("b", ansatz=["xi^2"], masses=[tip, tip])) == [
+        ("beam.masses.tip", '"tip" is taken by another attached mass; names must differ in more than case')
     ]
 
 
 def test_what_is_no_list_of_typed_values_is_refused_in_words():
     assert problems(lambda: derive.scene("two", bodies=5)) == [
         ("bodies", "a table of bodies by their names is needed, such as [bodies.rod], not a number")
+    ]
+    assert problems(lambda: derive.planar_beam("b", ansatz=["xi^2"], masses=[{"at": 1, "mass": 1}])) == [
+        ("beam.masses", "a table of masses by their names is needed, such as [bodies.rod.masses.tip], not a list")
     ]
 
 
