@@ -141,7 +141,7 @@ def test_two_elements_of_one_name_are_refused():
         ("bodies.rod", '"rod" is taken by another body; names must differ in more than case')
     ]
     tip = AttachedMass("tip", at=Fraction(1), mass=Fraction(1))
-    assert problems(lambda: derive.planar_beam("b", ansatz=["xi^2"], masses=[tip, tip])) == [
+    assert problems(lambda: derive.planar_beam("b", ansatz=["1", "xi", "xi^2"], masses=[tip, tip])) == [
         ("beam.masses.tip", '"tip" is taken by another attached mass; names must differ in more than case')
     ]
 
@@ -150,7 +150,7 @@ def test_what_is_no_list_of_typed_values_is_refused_in_words():
     assert problems(lambda: derive.scene("two", bodies=5)) == [
         ("bodies", "a table of bodies by their names is needed, such as [bodies.rod], not a number")
     ]
-    assert problems(lambda: derive.planar_beam("b", ansatz=["xi^2"], masses=[{"at": 1, "mass": 1}])) == [
+    assert problems(lambda: derive.planar_beam("b", ansatz=["1", "xi", "xi^2"], masses=[{"at": 1, "mass": 1}])) == [
         ("beam.masses", "a table of masses by their names is needed, such as [bodies.rod.masses.tip], not a list")
     ]
 
