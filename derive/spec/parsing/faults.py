@@ -69,7 +69,7 @@ def unknown_key(key: str, known: Iterable[str]) -> str:
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """The end of a sentence on an unknown name: the one or two names that resemble it, or `otherwise`, if there is one."""
+    """The end of a sentence on an unknown name: one or two known names that resemble it, or `otherwise`, if given."""
     lower = {name_known.lower(): name_known for name_known in known}
     asked = name[:40].lower()
     near = difflib.get_close_matches(asked, lower, n=2)
