@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_386c157cbc6c2541
+#ifndef BODY_SYMBOLIC_HASH_9f51e3354ec25526
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -22,11 +22,33 @@
 #include <stddef.h>
 #include <string.h>
 
+/* Lanes are computed TISSERAND_WIDTH at a time: in the vectors of gcc and clang, else, and with -DTISSERAND_NO_VECTORS,
+   one by one. All widths give the same bits. gcc does not align the stack for vectors of 32 bytes on Windows. */
+#ifndef TISSERAND_WIDTH
+#  if !defined(__GNUC__) || defined(TISSERAND_NO_VECTORS)
+#    define TISSERAND_WIDTH 1
+#  elif defined(__AVX__) && (defined(__clang__) || !defined(_WIN32))
+#    define TISSERAND_WIDTH 4
+#  elif defined(__SSE2__) || defined(__aarch64__)
+#    define TISSERAND_WIDTH 2
+#  else
+#    define TISSERAND_WIDTH 1
+#  endif
+#  if TISSERAND_WIDTH > 1
+typedef double tisserand_lanes __attribute__((vector_size(8 * TISSERAND_WIDTH)));
+typedef double tisserand_loose __attribute__((vector_size(8 * TISSERAND_WIDTH), aligned(8), may_alias));
+#  else
+typedef double tisserand_lanes, tisserand_loose;
+#  endif
+#  define TISSERAND_LOAD(address) (*(const tisserand_loose *) (address))
+#  define TISSERAND_STORE(address, value) (*(tisserand_loose *) (address) = (value))
+#endif
+
 /* Before a short loop: gcc would unroll it first, and then not make vectors of it. */
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
-#  define TISSERAND_LANES _Pragma("GCC unroll 1")
+#  define TISSERAND_SHORT _Pragma("GCC unroll 1")
 #else
-#  define TISSERAND_LANES
+#  define TISSERAND_SHORT
 #endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
@@ -72,8 +94,8 @@ int body_symbolic_setup(
 
     /* constants (appendix): shape integrals and stiffness in the layout of the loops */
     for (int i = 0; i < 639; i++) k[i] = 0.0;
-    TISSERAND_LANES for (int j = 0; j < 8; j++) {
-        TISSERAND_LANES for (int i = 0; i < 8; i++) {
+    TISSERAND_SHORT for (int j = 0; j < 8; j++) {
+        TISSERAND_SHORT for (int i = 0; i < 8; i++) {
             const int low = i < j ? i : j, high = i < j ? j : i;
             const int even = low * 8 - low * (low - 1) / 2 + high - low;
             k[0 + 288 * (i / 4) + i % 4 + 36 * j] = p_C5[6 * even + 0];
@@ -91,7 +113,7 @@ int body_symbolic_setup(
             }
         }
     }
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
+    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
         k[576 + i] = p_C4[6 * i];
         k[584 + i] = p_C4[6 * i + 1];
         k[592 + i] = p_C4[6 * i + 2];
@@ -151,62 +173,68 @@ int body_symbolic_mass(
         const double *c7_1 = tables + 24 + 72 * i;
         const double *c7_2 = tables + 28 + 72 * i;
         const double *c7_3 = tables + 32 + 72 * i;
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            double S_11_l = C4_11[i + l];
-            double S_12_l = C4_12[i + l];
-            double S_13_l = C4_13[i + l];
-            double S_22_l = C4_22[i + l];
-            double S_23_l = C4_23[i + l];
-            double S_33_l = C4_33[i + l];
-            double d3_1_l = 0.0;
-            double d3_2_l = 0.0;
-            double d3_3_l = 0.0;
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            tisserand_lanes S_11_l = TISSERAND_LOAD(C4_11 + i + l);
+            tisserand_lanes S_12_l = TISSERAND_LOAD(C4_12 + i + l);
+            tisserand_lanes S_13_l = TISSERAND_LOAD(C4_13 + i + l);
+            tisserand_lanes S_22_l = TISSERAND_LOAD(C4_22 + i + l);
+            tisserand_lanes S_23_l = TISSERAND_LOAD(C4_23 + i + l);
+            tisserand_lanes S_33_l = TISSERAND_LOAD(C4_33 + i + l);
+            tisserand_lanes d3_1_l = {0.0};
+            tisserand_lanes d3_2_l = {0.0};
+            tisserand_lanes d3_3_l = {0.0};
             for (int j = 0; j < 8; j++) {
-                S_11_l += C5_11[36 * j + l] * alpha[j];
-                S_12_l += C5_12[36 * j + l] * alpha[j];
-                S_13_l += C5_13[36 * j + l] * alpha[j];
-                S_22_l += C5_22[36 * j + l] * alpha[j];
-                S_23_l += C5_23[36 * j + l] * alpha[j];
-                S_33_l += C5_33[36 * j + l] * alpha[j];
-                d3_1_l -= c7_1[36 * j + l] * alpha[j];
-                d3_2_l -= c7_2[36 * j + l] * alpha[j];
-                d3_3_l -= c7_3[36 * j + l] * alpha[j];
+                S_11_l += TISSERAND_LOAD(C5_11 + 36 * j + l) * alpha[j];
+                S_12_l += TISSERAND_LOAD(C5_12 + 36 * j + l) * alpha[j];
+                S_13_l += TISSERAND_LOAD(C5_13 + 36 * j + l) * alpha[j];
+                S_22_l += TISSERAND_LOAD(C5_22 + 36 * j + l) * alpha[j];
+                S_23_l += TISSERAND_LOAD(C5_23 + 36 * j + l) * alpha[j];
+                S_33_l += TISSERAND_LOAD(C5_33 + 36 * j + l) * alpha[j];
+                d3_1_l -= TISSERAND_LOAD(c7_1 + 36 * j + l) * alpha[j];
+                d3_2_l -= TISSERAND_LOAD(c7_2 + 36 * j + l) * alpha[j];
+                d3_3_l -= TISSERAND_LOAD(c7_3 + 36 * j + l) * alpha[j];
             }
-            S_11[i + l] = S_11_l;
-            S_12[i + l] = S_12_l;
-            S_13[i + l] = S_13_l;
-            S_22[i + l] = S_22_l;
-            S_23[i + l] = S_23_l;
-            S_33[i + l] = S_33_l;
-            d3_1[i + l] = d3_1_l;
-            d3_2[i + l] = d3_2_l;
-            d3_3[i + l] = d3_3_l;
+            TISSERAND_STORE(S_11 + i + l, S_11_l);
+            TISSERAND_STORE(S_12 + i + l, S_12_l);
+            TISSERAND_STORE(S_13 + i + l, S_13_l);
+            TISSERAND_STORE(S_22 + i + l, S_22_l);
+            TISSERAND_STORE(S_23 + i + l, S_23_l);
+            TISSERAND_STORE(S_33 + i + l, S_33_l);
+            TISSERAND_STORE(d3_1 + i + l, d3_1_l);
+            TISSERAND_STORE(d3_2 + i + l, d3_2_l);
+            TISSERAND_STORE(d3_3 + i + l, d3_3_l);
         }
     }
 
     /* sums (appendix): J = int rho ((r . r) I - r r) */
     double sums1[6][4];
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double J_11_l = 0.0;
-        double J_12_l = 0.0;
-        double J_13_l = 0.0;
-        double J_22_l = 0.0;
-        double J_23_l = 0.0;
-        double J_33_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes J_11_l = {0.0};
+        tisserand_lanes J_12_l = {0.0};
+        tisserand_lanes J_13_l = {0.0};
+        tisserand_lanes J_22_l = {0.0};
+        tisserand_lanes J_23_l = {0.0};
+        tisserand_lanes J_33_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
+            J_11_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_11 + i + l) + TISSERAND_LOAD(S_11 + i
+                + l));
+            J_12_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_12 + i + l) + TISSERAND_LOAD(S_12 + i
+                + l));
+            J_13_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_13 + i + l) + TISSERAND_LOAD(S_13 + i
+                + l));
+            J_22_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_22 + i + l) + TISSERAND_LOAD(S_22 + i
+                + l));
+            J_23_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_23 + i + l) + TISSERAND_LOAD(S_23 + i
+                + l));
+            J_33_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_33 + i + l) + TISSERAND_LOAD(S_33 + i
+                + l));
         }
-        sums1[0][l] = J_11_l;
-        sums1[1][l] = J_12_l;
-        sums1[2][l] = J_13_l;
-        sums1[3][l] = J_22_l;
-        sums1[4][l] = J_23_l;
-        sums1[5][l] = J_33_l;
+        TISSERAND_STORE(sums1[0] + l, J_11_l);
+        TISSERAND_STORE(sums1[1] + l, J_12_l);
+        TISSERAND_STORE(sums1[2] + l, J_13_l);
+        TISSERAND_STORE(sums1[3] + l, J_22_l);
+        TISSERAND_STORE(sums1[4] + l, J_23_l);
+        TISSERAND_STORE(sums1[5] + l, J_33_l);
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -227,7 +255,7 @@ int body_symbolic_mass(
     M[24] = J_33;
 
     /* M_i (15): factors of the accelerations, for each mode */
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
+    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
         M[6 + i] = d3_1[i];
         M[16 + i] = d3_2[i];
         M[25 + i] = d3_3[i];
@@ -284,36 +312,36 @@ int body_symbolic_force(
         const double *c7_1 = tables + 24 + 72 * i;
         const double *c7_2 = tables + 28 + 72 * i;
         const double *c7_3 = tables + 32 + 72 * i;
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            double S_11_l = C4_11[i + l];
-            double S_12_l = C4_12[i + l];
-            double S_13_l = C4_13[i + l];
-            double S_22_l = C4_22[i + l];
-            double S_23_l = C4_23[i + l];
-            double S_33_l = C4_33[i + l];
-            double c7dot_1_l = 0.0;
-            double c7dot_2_l = 0.0;
-            double c7dot_3_l = 0.0;
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            tisserand_lanes S_11_l = TISSERAND_LOAD(C4_11 + i + l);
+            tisserand_lanes S_12_l = TISSERAND_LOAD(C4_12 + i + l);
+            tisserand_lanes S_13_l = TISSERAND_LOAD(C4_13 + i + l);
+            tisserand_lanes S_22_l = TISSERAND_LOAD(C4_22 + i + l);
+            tisserand_lanes S_23_l = TISSERAND_LOAD(C4_23 + i + l);
+            tisserand_lanes S_33_l = TISSERAND_LOAD(C4_33 + i + l);
+            tisserand_lanes c7dot_1_l = {0.0};
+            tisserand_lanes c7dot_2_l = {0.0};
+            tisserand_lanes c7dot_3_l = {0.0};
             for (int j = 0; j < 8; j++) {
-                S_11_l += C5_11[36 * j + l] * alpha[j];
-                S_12_l += C5_12[36 * j + l] * alpha[j];
-                S_13_l += C5_13[36 * j + l] * alpha[j];
-                S_22_l += C5_22[36 * j + l] * alpha[j];
-                S_23_l += C5_23[36 * j + l] * alpha[j];
-                S_33_l += C5_33[36 * j + l] * alpha[j];
-                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
-                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
-                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+                S_11_l += TISSERAND_LOAD(C5_11 + 36 * j + l) * alpha[j];
+                S_12_l += TISSERAND_LOAD(C5_12 + 36 * j + l) * alpha[j];
+                S_13_l += TISSERAND_LOAD(C5_13 + 36 * j + l) * alpha[j];
+                S_22_l += TISSERAND_LOAD(C5_22 + 36 * j + l) * alpha[j];
+                S_23_l += TISSERAND_LOAD(C5_23 + 36 * j + l) * alpha[j];
+                S_33_l += TISSERAND_LOAD(C5_33 + 36 * j + l) * alpha[j];
+                c7dot_1_l += TISSERAND_LOAD(c7_1 + 36 * j + l) * alphadot[j];
+                c7dot_2_l += TISSERAND_LOAD(c7_2 + 36 * j + l) * alphadot[j];
+                c7dot_3_l += TISSERAND_LOAD(c7_3 + 36 * j + l) * alphadot[j];
             }
-            S_11[i + l] = S_11_l;
-            S_12[i + l] = S_12_l;
-            S_13[i + l] = S_13_l;
-            S_22[i + l] = S_22_l;
-            S_23[i + l] = S_23_l;
-            S_33[i + l] = S_33_l;
-            c7dot_1[i + l] = c7dot_1_l;
-            c7dot_2[i + l] = c7dot_2_l;
-            c7dot_3[i + l] = c7dot_3_l;
+            TISSERAND_STORE(S_11 + i + l, S_11_l);
+            TISSERAND_STORE(S_12 + i + l, S_12_l);
+            TISSERAND_STORE(S_13 + i + l, S_13_l);
+            TISSERAND_STORE(S_22 + i + l, S_22_l);
+            TISSERAND_STORE(S_23 + i + l, S_23_l);
+            TISSERAND_STORE(S_33 + i + l, S_33_l);
+            TISSERAND_STORE(c7dot_1 + i + l, c7dot_1_l);
+            TISSERAND_STORE(c7dot_2 + i + l, c7dot_2_l);
+            TISSERAND_STORE(c7dot_3 + i + l, c7dot_3_l);
         }
     }
 
@@ -322,58 +350,64 @@ int body_symbolic_force(
      *     rates; d3dot = int rho r x rdot
      */
     double sums1[15][4];
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double J_11_l = 0.0;
-        double J_12_l = 0.0;
-        double J_13_l = 0.0;
-        double J_22_l = 0.0;
-        double J_23_l = 0.0;
-        double J_33_l = 0.0;
-        double Sdot_11_l = 0.0;
-        double Sdot_12_l = 0.0;
-        double Sdot_13_l = 0.0;
-        double Sdot_22_l = 0.0;
-        double Sdot_23_l = 0.0;
-        double Sdot_33_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes J_11_l = {0.0};
+        tisserand_lanes J_12_l = {0.0};
+        tisserand_lanes J_13_l = {0.0};
+        tisserand_lanes J_22_l = {0.0};
+        tisserand_lanes J_23_l = {0.0};
+        tisserand_lanes J_33_l = {0.0};
+        tisserand_lanes Sdot_11_l = {0.0};
+        tisserand_lanes Sdot_12_l = {0.0};
+        tisserand_lanes Sdot_13_l = {0.0};
+        tisserand_lanes Sdot_22_l = {0.0};
+        tisserand_lanes Sdot_23_l = {0.0};
+        tisserand_lanes Sdot_33_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            Sdot_11_l += S_11[i + l] * alphadot[i + l];
-            Sdot_12_l += S_12[i + l] * alphadot[i + l];
-            Sdot_13_l += S_13[i + l] * alphadot[i + l];
-            Sdot_22_l += S_22[i + l] * alphadot[i + l];
-            Sdot_23_l += S_23[i + l] * alphadot[i + l];
-            Sdot_33_l += S_33[i + l] * alphadot[i + l];
+            J_11_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_11 + i + l) + TISSERAND_LOAD(S_11 + i
+                + l));
+            J_12_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_12 + i + l) + TISSERAND_LOAD(S_12 + i
+                + l));
+            J_13_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_13 + i + l) + TISSERAND_LOAD(S_13 + i
+                + l));
+            J_22_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_22 + i + l) + TISSERAND_LOAD(S_22 + i
+                + l));
+            J_23_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_23 + i + l) + TISSERAND_LOAD(S_23 + i
+                + l));
+            J_33_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_33 + i + l) + TISSERAND_LOAD(S_33 + i
+                + l));
+            Sdot_11_l += TISSERAND_LOAD(S_11 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_12_l += TISSERAND_LOAD(S_12 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_13_l += TISSERAND_LOAD(S_13 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_22_l += TISSERAND_LOAD(S_22 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_23_l += TISSERAND_LOAD(S_23 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_33_l += TISSERAND_LOAD(S_33 + i + l) * TISSERAND_LOAD(alphadot + i + l);
         }
-        sums1[0][l] = J_11_l;
-        sums1[1][l] = J_12_l;
-        sums1[2][l] = J_13_l;
-        sums1[3][l] = J_22_l;
-        sums1[4][l] = J_23_l;
-        sums1[5][l] = J_33_l;
-        sums1[6][l] = Sdot_11_l;
-        sums1[7][l] = Sdot_12_l;
-        sums1[8][l] = Sdot_13_l;
-        sums1[9][l] = Sdot_22_l;
-        sums1[10][l] = Sdot_23_l;
-        sums1[11][l] = Sdot_33_l;
+        TISSERAND_STORE(sums1[0] + l, J_11_l);
+        TISSERAND_STORE(sums1[1] + l, J_12_l);
+        TISSERAND_STORE(sums1[2] + l, J_13_l);
+        TISSERAND_STORE(sums1[3] + l, J_22_l);
+        TISSERAND_STORE(sums1[4] + l, J_23_l);
+        TISSERAND_STORE(sums1[5] + l, J_33_l);
+        TISSERAND_STORE(sums1[6] + l, Sdot_11_l);
+        TISSERAND_STORE(sums1[7] + l, Sdot_12_l);
+        TISSERAND_STORE(sums1[8] + l, Sdot_13_l);
+        TISSERAND_STORE(sums1[9] + l, Sdot_22_l);
+        TISSERAND_STORE(sums1[10] + l, Sdot_23_l);
+        TISSERAND_STORE(sums1[11] + l, Sdot_33_l);
     }
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double d3dot_1_l = 0.0;
-        double d3dot_2_l = 0.0;
-        double d3dot_3_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes d3dot_1_l = {0.0};
+        tisserand_lanes d3dot_2_l = {0.0};
+        tisserand_lanes d3dot_3_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
-            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
-            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
+            d3dot_1_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_1 + i + l);
+            d3dot_2_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_2 + i + l);
+            d3dot_3_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_3 + i + l);
         }
-        sums1[12][l] = d3dot_1_l;
-        sums1[13][l] = d3dot_2_l;
-        sums1[14][l] = d3dot_3_l;
+        TISSERAND_STORE(sums1[12] + l, d3dot_1_l);
+        TISSERAND_STORE(sums1[13] + l, d3dot_2_l);
+        TISSERAND_STORE(sums1[14] + l, d3dot_3_l);
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -423,7 +457,7 @@ int body_symbolic_force(
         - d3dot_1 * omega2;
 
     /* h_i (15): centrifugal, Coriolis, elastic and other forces, for each mode */
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
+    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
         h[6 + i] = K[i] * alpha[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
             - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
     }
@@ -486,45 +520,45 @@ int body_symbolic_mass_force(
         const double *c7_1 = tables + 24 + 72 * i;
         const double *c7_2 = tables + 28 + 72 * i;
         const double *c7_3 = tables + 32 + 72 * i;
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            double S_11_l = C4_11[i + l];
-            double S_12_l = C4_12[i + l];
-            double S_13_l = C4_13[i + l];
-            double S_22_l = C4_22[i + l];
-            double S_23_l = C4_23[i + l];
-            double S_33_l = C4_33[i + l];
-            double d3_1_l = 0.0;
-            double c7dot_1_l = 0.0;
-            double d3_2_l = 0.0;
-            double c7dot_2_l = 0.0;
-            double d3_3_l = 0.0;
-            double c7dot_3_l = 0.0;
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            tisserand_lanes S_11_l = TISSERAND_LOAD(C4_11 + i + l);
+            tisserand_lanes S_12_l = TISSERAND_LOAD(C4_12 + i + l);
+            tisserand_lanes S_13_l = TISSERAND_LOAD(C4_13 + i + l);
+            tisserand_lanes S_22_l = TISSERAND_LOAD(C4_22 + i + l);
+            tisserand_lanes S_23_l = TISSERAND_LOAD(C4_23 + i + l);
+            tisserand_lanes S_33_l = TISSERAND_LOAD(C4_33 + i + l);
+            tisserand_lanes d3_1_l = {0.0};
+            tisserand_lanes c7dot_1_l = {0.0};
+            tisserand_lanes d3_2_l = {0.0};
+            tisserand_lanes c7dot_2_l = {0.0};
+            tisserand_lanes d3_3_l = {0.0};
+            tisserand_lanes c7dot_3_l = {0.0};
             for (int j = 0; j < 8; j++) {
-                S_11_l += C5_11[36 * j + l] * alpha[j];
-                S_12_l += C5_12[36 * j + l] * alpha[j];
-                S_13_l += C5_13[36 * j + l] * alpha[j];
-                S_22_l += C5_22[36 * j + l] * alpha[j];
-                S_23_l += C5_23[36 * j + l] * alpha[j];
-                S_33_l += C5_33[36 * j + l] * alpha[j];
-                d3_1_l -= c7_1[36 * j + l] * alpha[j];
-                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
-                d3_2_l -= c7_2[36 * j + l] * alpha[j];
-                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
-                d3_3_l -= c7_3[36 * j + l] * alpha[j];
-                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+                S_11_l += TISSERAND_LOAD(C5_11 + 36 * j + l) * alpha[j];
+                S_12_l += TISSERAND_LOAD(C5_12 + 36 * j + l) * alpha[j];
+                S_13_l += TISSERAND_LOAD(C5_13 + 36 * j + l) * alpha[j];
+                S_22_l += TISSERAND_LOAD(C5_22 + 36 * j + l) * alpha[j];
+                S_23_l += TISSERAND_LOAD(C5_23 + 36 * j + l) * alpha[j];
+                S_33_l += TISSERAND_LOAD(C5_33 + 36 * j + l) * alpha[j];
+                d3_1_l -= TISSERAND_LOAD(c7_1 + 36 * j + l) * alpha[j];
+                c7dot_1_l += TISSERAND_LOAD(c7_1 + 36 * j + l) * alphadot[j];
+                d3_2_l -= TISSERAND_LOAD(c7_2 + 36 * j + l) * alpha[j];
+                c7dot_2_l += TISSERAND_LOAD(c7_2 + 36 * j + l) * alphadot[j];
+                d3_3_l -= TISSERAND_LOAD(c7_3 + 36 * j + l) * alpha[j];
+                c7dot_3_l += TISSERAND_LOAD(c7_3 + 36 * j + l) * alphadot[j];
             }
-            S_11[i + l] = S_11_l;
-            S_12[i + l] = S_12_l;
-            S_13[i + l] = S_13_l;
-            S_22[i + l] = S_22_l;
-            S_23[i + l] = S_23_l;
-            S_33[i + l] = S_33_l;
-            d3_1[i + l] = d3_1_l;
-            c7dot_1[i + l] = c7dot_1_l;
-            d3_2[i + l] = d3_2_l;
-            c7dot_2[i + l] = c7dot_2_l;
-            d3_3[i + l] = d3_3_l;
-            c7dot_3[i + l] = c7dot_3_l;
+            TISSERAND_STORE(S_11 + i + l, S_11_l);
+            TISSERAND_STORE(S_12 + i + l, S_12_l);
+            TISSERAND_STORE(S_13 + i + l, S_13_l);
+            TISSERAND_STORE(S_22 + i + l, S_22_l);
+            TISSERAND_STORE(S_23 + i + l, S_23_l);
+            TISSERAND_STORE(S_33 + i + l, S_33_l);
+            TISSERAND_STORE(d3_1 + i + l, d3_1_l);
+            TISSERAND_STORE(c7dot_1 + i + l, c7dot_1_l);
+            TISSERAND_STORE(d3_2 + i + l, d3_2_l);
+            TISSERAND_STORE(c7dot_2 + i + l, c7dot_2_l);
+            TISSERAND_STORE(d3_3 + i + l, d3_3_l);
+            TISSERAND_STORE(c7dot_3 + i + l, c7dot_3_l);
         }
     }
 
@@ -533,58 +567,64 @@ int body_symbolic_mass_force(
      *     rates; d3dot = int rho r x rdot
      */
     double sums1[15][4];
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double J_11_l = 0.0;
-        double J_12_l = 0.0;
-        double J_13_l = 0.0;
-        double J_22_l = 0.0;
-        double J_23_l = 0.0;
-        double J_33_l = 0.0;
-        double Sdot_11_l = 0.0;
-        double Sdot_12_l = 0.0;
-        double Sdot_13_l = 0.0;
-        double Sdot_22_l = 0.0;
-        double Sdot_23_l = 0.0;
-        double Sdot_33_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes J_11_l = {0.0};
+        tisserand_lanes J_12_l = {0.0};
+        tisserand_lanes J_13_l = {0.0};
+        tisserand_lanes J_22_l = {0.0};
+        tisserand_lanes J_23_l = {0.0};
+        tisserand_lanes J_33_l = {0.0};
+        tisserand_lanes Sdot_11_l = {0.0};
+        tisserand_lanes Sdot_12_l = {0.0};
+        tisserand_lanes Sdot_13_l = {0.0};
+        tisserand_lanes Sdot_22_l = {0.0};
+        tisserand_lanes Sdot_23_l = {0.0};
+        tisserand_lanes Sdot_33_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            Sdot_11_l += S_11[i + l] * alphadot[i + l];
-            Sdot_12_l += S_12[i + l] * alphadot[i + l];
-            Sdot_13_l += S_13[i + l] * alphadot[i + l];
-            Sdot_22_l += S_22[i + l] * alphadot[i + l];
-            Sdot_23_l += S_23[i + l] * alphadot[i + l];
-            Sdot_33_l += S_33[i + l] * alphadot[i + l];
+            J_11_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_11 + i + l) + TISSERAND_LOAD(S_11 + i
+                + l));
+            J_12_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_12 + i + l) + TISSERAND_LOAD(S_12 + i
+                + l));
+            J_13_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_13 + i + l) + TISSERAND_LOAD(S_13 + i
+                + l));
+            J_22_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_22 + i + l) + TISSERAND_LOAD(S_22 + i
+                + l));
+            J_23_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_23 + i + l) + TISSERAND_LOAD(S_23 + i
+                + l));
+            J_33_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_33 + i + l) + TISSERAND_LOAD(S_33 + i
+                + l));
+            Sdot_11_l += TISSERAND_LOAD(S_11 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_12_l += TISSERAND_LOAD(S_12 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_13_l += TISSERAND_LOAD(S_13 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_22_l += TISSERAND_LOAD(S_22 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_23_l += TISSERAND_LOAD(S_23 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_33_l += TISSERAND_LOAD(S_33 + i + l) * TISSERAND_LOAD(alphadot + i + l);
         }
-        sums1[0][l] = J_11_l;
-        sums1[1][l] = J_12_l;
-        sums1[2][l] = J_13_l;
-        sums1[3][l] = J_22_l;
-        sums1[4][l] = J_23_l;
-        sums1[5][l] = J_33_l;
-        sums1[6][l] = Sdot_11_l;
-        sums1[7][l] = Sdot_12_l;
-        sums1[8][l] = Sdot_13_l;
-        sums1[9][l] = Sdot_22_l;
-        sums1[10][l] = Sdot_23_l;
-        sums1[11][l] = Sdot_33_l;
+        TISSERAND_STORE(sums1[0] + l, J_11_l);
+        TISSERAND_STORE(sums1[1] + l, J_12_l);
+        TISSERAND_STORE(sums1[2] + l, J_13_l);
+        TISSERAND_STORE(sums1[3] + l, J_22_l);
+        TISSERAND_STORE(sums1[4] + l, J_23_l);
+        TISSERAND_STORE(sums1[5] + l, J_33_l);
+        TISSERAND_STORE(sums1[6] + l, Sdot_11_l);
+        TISSERAND_STORE(sums1[7] + l, Sdot_12_l);
+        TISSERAND_STORE(sums1[8] + l, Sdot_13_l);
+        TISSERAND_STORE(sums1[9] + l, Sdot_22_l);
+        TISSERAND_STORE(sums1[10] + l, Sdot_23_l);
+        TISSERAND_STORE(sums1[11] + l, Sdot_33_l);
     }
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double d3dot_1_l = 0.0;
-        double d3dot_2_l = 0.0;
-        double d3dot_3_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes d3dot_1_l = {0.0};
+        tisserand_lanes d3dot_2_l = {0.0};
+        tisserand_lanes d3dot_3_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
-            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
-            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
+            d3dot_1_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_1 + i + l);
+            d3dot_2_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_2 + i + l);
+            d3dot_3_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_3 + i + l);
         }
-        sums1[12][l] = d3dot_1_l;
-        sums1[13][l] = d3dot_2_l;
-        sums1[14][l] = d3dot_3_l;
+        TISSERAND_STORE(sums1[12] + l, d3dot_1_l);
+        TISSERAND_STORE(sums1[13] + l, d3dot_2_l);
+        TISSERAND_STORE(sums1[14] + l, d3dot_3_l);
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -643,7 +683,7 @@ int body_symbolic_mass_force(
         - d3dot_1 * omega2;
 
     /* M and h_i (15): factors of the accelerations, and forces, for each mode */
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
+    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
         M[6 + i] = d3_1[i];
         M[16 + i] = d3_2[i];
         M[25 + i] = d3_3[i];
@@ -708,45 +748,45 @@ int body_symbolic_accel(
         const double *c7_1 = tables + 24 + 72 * i;
         const double *c7_2 = tables + 28 + 72 * i;
         const double *c7_3 = tables + 32 + 72 * i;
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            double S_11_l = C4_11[i + l];
-            double S_12_l = C4_12[i + l];
-            double S_13_l = C4_13[i + l];
-            double S_22_l = C4_22[i + l];
-            double S_23_l = C4_23[i + l];
-            double S_33_l = C4_33[i + l];
-            double d3_1_l = 0.0;
-            double c7dot_1_l = 0.0;
-            double d3_2_l = 0.0;
-            double c7dot_2_l = 0.0;
-            double d3_3_l = 0.0;
-            double c7dot_3_l = 0.0;
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            tisserand_lanes S_11_l = TISSERAND_LOAD(C4_11 + i + l);
+            tisserand_lanes S_12_l = TISSERAND_LOAD(C4_12 + i + l);
+            tisserand_lanes S_13_l = TISSERAND_LOAD(C4_13 + i + l);
+            tisserand_lanes S_22_l = TISSERAND_LOAD(C4_22 + i + l);
+            tisserand_lanes S_23_l = TISSERAND_LOAD(C4_23 + i + l);
+            tisserand_lanes S_33_l = TISSERAND_LOAD(C4_33 + i + l);
+            tisserand_lanes d3_1_l = {0.0};
+            tisserand_lanes c7dot_1_l = {0.0};
+            tisserand_lanes d3_2_l = {0.0};
+            tisserand_lanes c7dot_2_l = {0.0};
+            tisserand_lanes d3_3_l = {0.0};
+            tisserand_lanes c7dot_3_l = {0.0};
             for (int j = 0; j < 8; j++) {
-                S_11_l += C5_11[36 * j + l] * alpha[j];
-                S_12_l += C5_12[36 * j + l] * alpha[j];
-                S_13_l += C5_13[36 * j + l] * alpha[j];
-                S_22_l += C5_22[36 * j + l] * alpha[j];
-                S_23_l += C5_23[36 * j + l] * alpha[j];
-                S_33_l += C5_33[36 * j + l] * alpha[j];
-                d3_1_l -= c7_1[36 * j + l] * alpha[j];
-                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
-                d3_2_l -= c7_2[36 * j + l] * alpha[j];
-                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
-                d3_3_l -= c7_3[36 * j + l] * alpha[j];
-                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+                S_11_l += TISSERAND_LOAD(C5_11 + 36 * j + l) * alpha[j];
+                S_12_l += TISSERAND_LOAD(C5_12 + 36 * j + l) * alpha[j];
+                S_13_l += TISSERAND_LOAD(C5_13 + 36 * j + l) * alpha[j];
+                S_22_l += TISSERAND_LOAD(C5_22 + 36 * j + l) * alpha[j];
+                S_23_l += TISSERAND_LOAD(C5_23 + 36 * j + l) * alpha[j];
+                S_33_l += TISSERAND_LOAD(C5_33 + 36 * j + l) * alpha[j];
+                d3_1_l -= TISSERAND_LOAD(c7_1 + 36 * j + l) * alpha[j];
+                c7dot_1_l += TISSERAND_LOAD(c7_1 + 36 * j + l) * alphadot[j];
+                d3_2_l -= TISSERAND_LOAD(c7_2 + 36 * j + l) * alpha[j];
+                c7dot_2_l += TISSERAND_LOAD(c7_2 + 36 * j + l) * alphadot[j];
+                d3_3_l -= TISSERAND_LOAD(c7_3 + 36 * j + l) * alpha[j];
+                c7dot_3_l += TISSERAND_LOAD(c7_3 + 36 * j + l) * alphadot[j];
             }
-            S_11[i + l] = S_11_l;
-            S_12[i + l] = S_12_l;
-            S_13[i + l] = S_13_l;
-            S_22[i + l] = S_22_l;
-            S_23[i + l] = S_23_l;
-            S_33[i + l] = S_33_l;
-            d3_1[i + l] = d3_1_l;
-            c7dot_1[i + l] = c7dot_1_l;
-            d3_2[i + l] = d3_2_l;
-            c7dot_2[i + l] = c7dot_2_l;
-            d3_3[i + l] = d3_3_l;
-            c7dot_3[i + l] = c7dot_3_l;
+            TISSERAND_STORE(S_11 + i + l, S_11_l);
+            TISSERAND_STORE(S_12 + i + l, S_12_l);
+            TISSERAND_STORE(S_13 + i + l, S_13_l);
+            TISSERAND_STORE(S_22 + i + l, S_22_l);
+            TISSERAND_STORE(S_23 + i + l, S_23_l);
+            TISSERAND_STORE(S_33 + i + l, S_33_l);
+            TISSERAND_STORE(d3_1 + i + l, d3_1_l);
+            TISSERAND_STORE(c7dot_1 + i + l, c7dot_1_l);
+            TISSERAND_STORE(d3_2 + i + l, d3_2_l);
+            TISSERAND_STORE(c7dot_2 + i + l, c7dot_2_l);
+            TISSERAND_STORE(d3_3 + i + l, d3_3_l);
+            TISSERAND_STORE(c7dot_3 + i + l, c7dot_3_l);
         }
     }
 
@@ -755,58 +795,64 @@ int body_symbolic_accel(
      *     rates; d3dot = int rho r x rdot
      */
     double sums1[15][4];
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double J_11_l = 0.0;
-        double J_12_l = 0.0;
-        double J_13_l = 0.0;
-        double J_22_l = 0.0;
-        double J_23_l = 0.0;
-        double J_33_l = 0.0;
-        double Sdot_11_l = 0.0;
-        double Sdot_12_l = 0.0;
-        double Sdot_13_l = 0.0;
-        double Sdot_22_l = 0.0;
-        double Sdot_23_l = 0.0;
-        double Sdot_33_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes J_11_l = {0.0};
+        tisserand_lanes J_12_l = {0.0};
+        tisserand_lanes J_13_l = {0.0};
+        tisserand_lanes J_22_l = {0.0};
+        tisserand_lanes J_23_l = {0.0};
+        tisserand_lanes J_33_l = {0.0};
+        tisserand_lanes Sdot_11_l = {0.0};
+        tisserand_lanes Sdot_12_l = {0.0};
+        tisserand_lanes Sdot_13_l = {0.0};
+        tisserand_lanes Sdot_22_l = {0.0};
+        tisserand_lanes Sdot_23_l = {0.0};
+        tisserand_lanes Sdot_33_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            Sdot_11_l += S_11[i + l] * alphadot[i + l];
-            Sdot_12_l += S_12[i + l] * alphadot[i + l];
-            Sdot_13_l += S_13[i + l] * alphadot[i + l];
-            Sdot_22_l += S_22[i + l] * alphadot[i + l];
-            Sdot_23_l += S_23[i + l] * alphadot[i + l];
-            Sdot_33_l += S_33[i + l] * alphadot[i + l];
+            J_11_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_11 + i + l) + TISSERAND_LOAD(S_11 + i
+                + l));
+            J_12_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_12 + i + l) + TISSERAND_LOAD(S_12 + i
+                + l));
+            J_13_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_13 + i + l) + TISSERAND_LOAD(S_13 + i
+                + l));
+            J_22_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_22 + i + l) + TISSERAND_LOAD(S_22 + i
+                + l));
+            J_23_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_23 + i + l) + TISSERAND_LOAD(S_23 + i
+                + l));
+            J_33_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_33 + i + l) + TISSERAND_LOAD(S_33 + i
+                + l));
+            Sdot_11_l += TISSERAND_LOAD(S_11 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_12_l += TISSERAND_LOAD(S_12 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_13_l += TISSERAND_LOAD(S_13 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_22_l += TISSERAND_LOAD(S_22 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_23_l += TISSERAND_LOAD(S_23 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_33_l += TISSERAND_LOAD(S_33 + i + l) * TISSERAND_LOAD(alphadot + i + l);
         }
-        sums1[0][l] = J_11_l;
-        sums1[1][l] = J_12_l;
-        sums1[2][l] = J_13_l;
-        sums1[3][l] = J_22_l;
-        sums1[4][l] = J_23_l;
-        sums1[5][l] = J_33_l;
-        sums1[6][l] = Sdot_11_l;
-        sums1[7][l] = Sdot_12_l;
-        sums1[8][l] = Sdot_13_l;
-        sums1[9][l] = Sdot_22_l;
-        sums1[10][l] = Sdot_23_l;
-        sums1[11][l] = Sdot_33_l;
+        TISSERAND_STORE(sums1[0] + l, J_11_l);
+        TISSERAND_STORE(sums1[1] + l, J_12_l);
+        TISSERAND_STORE(sums1[2] + l, J_13_l);
+        TISSERAND_STORE(sums1[3] + l, J_22_l);
+        TISSERAND_STORE(sums1[4] + l, J_23_l);
+        TISSERAND_STORE(sums1[5] + l, J_33_l);
+        TISSERAND_STORE(sums1[6] + l, Sdot_11_l);
+        TISSERAND_STORE(sums1[7] + l, Sdot_12_l);
+        TISSERAND_STORE(sums1[8] + l, Sdot_13_l);
+        TISSERAND_STORE(sums1[9] + l, Sdot_22_l);
+        TISSERAND_STORE(sums1[10] + l, Sdot_23_l);
+        TISSERAND_STORE(sums1[11] + l, Sdot_33_l);
     }
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double d3dot_1_l = 0.0;
-        double d3dot_2_l = 0.0;
-        double d3dot_3_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes d3dot_1_l = {0.0};
+        tisserand_lanes d3dot_2_l = {0.0};
+        tisserand_lanes d3dot_3_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
-            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
-            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
+            d3dot_1_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_1 + i + l);
+            d3dot_2_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_2 + i + l);
+            d3dot_3_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_3 + i + l);
         }
-        sums1[12][l] = d3dot_1_l;
-        sums1[13][l] = d3dot_2_l;
-        sums1[14][l] = d3dot_3_l;
+        TISSERAND_STORE(sums1[12] + l, d3dot_1_l);
+        TISSERAND_STORE(sums1[13] + l, d3dot_2_l);
+        TISSERAND_STORE(sums1[14] + l, d3dot_3_l);
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -860,43 +906,43 @@ int body_symbolic_accel(
 
     /* h and B_i (15): forces, and coupling of rigid-body motion and modes, for each mode */
     double h[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
+    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
         h[i] = K[i] * alpha[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
             - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
     }
 
     /* sums (appendix): BB = B^T c8^-1 B; Bh = B^T c8^-1 h */
     double sums2[9][4];
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double BB_44_l = 0.0;
-        double BB_54_l = 0.0;
-        double BB_64_l = 0.0;
-        double BB_55_l = 0.0;
-        double BB_65_l = 0.0;
-        double BB_66_l = 0.0;
-        double Bh_4_l = 0.0;
-        double Bh_5_l = 0.0;
-        double Bh_6_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes BB_44_l = {0.0};
+        tisserand_lanes BB_54_l = {0.0};
+        tisserand_lanes BB_64_l = {0.0};
+        tisserand_lanes BB_55_l = {0.0};
+        tisserand_lanes BB_65_l = {0.0};
+        tisserand_lanes BB_66_l = {0.0};
+        tisserand_lanes Bh_4_l = {0.0};
+        tisserand_lanes Bh_5_l = {0.0};
+        tisserand_lanes Bh_6_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            BB_44_l += d3_1[i + l] * d3_1[i + l];
-            BB_54_l += d3_1[i + l] * d3_2[i + l];
-            BB_64_l += d3_1[i + l] * d3_3[i + l];
-            BB_55_l += d3_2[i + l] * d3_2[i + l];
-            BB_65_l += d3_2[i + l] * d3_3[i + l];
-            BB_66_l += d3_3[i + l] * d3_3[i + l];
-            Bh_4_l += d3_1[i + l] * h[i + l];
-            Bh_5_l += d3_2[i + l] * h[i + l];
-            Bh_6_l += d3_3[i + l] * h[i + l];
+            BB_44_l += TISSERAND_LOAD(d3_1 + i + l) * TISSERAND_LOAD(d3_1 + i + l);
+            BB_54_l += TISSERAND_LOAD(d3_1 + i + l) * TISSERAND_LOAD(d3_2 + i + l);
+            BB_64_l += TISSERAND_LOAD(d3_1 + i + l) * TISSERAND_LOAD(d3_3 + i + l);
+            BB_55_l += TISSERAND_LOAD(d3_2 + i + l) * TISSERAND_LOAD(d3_2 + i + l);
+            BB_65_l += TISSERAND_LOAD(d3_2 + i + l) * TISSERAND_LOAD(d3_3 + i + l);
+            BB_66_l += TISSERAND_LOAD(d3_3 + i + l) * TISSERAND_LOAD(d3_3 + i + l);
+            Bh_4_l += TISSERAND_LOAD(d3_1 + i + l) * TISSERAND_LOAD(h + i + l);
+            Bh_5_l += TISSERAND_LOAD(d3_2 + i + l) * TISSERAND_LOAD(h + i + l);
+            Bh_6_l += TISSERAND_LOAD(d3_3 + i + l) * TISSERAND_LOAD(h + i + l);
         }
-        sums2[0][l] = BB_44_l;
-        sums2[1][l] = BB_54_l;
-        sums2[2][l] = BB_64_l;
-        sums2[3][l] = BB_55_l;
-        sums2[4][l] = BB_65_l;
-        sums2[5][l] = BB_66_l;
-        sums2[6][l] = Bh_4_l;
-        sums2[7][l] = Bh_5_l;
-        sums2[8][l] = Bh_6_l;
+        TISSERAND_STORE(sums2[0] + l, BB_44_l);
+        TISSERAND_STORE(sums2[1] + l, BB_54_l);
+        TISSERAND_STORE(sums2[2] + l, BB_64_l);
+        TISSERAND_STORE(sums2[3] + l, BB_55_l);
+        TISSERAND_STORE(sums2[4] + l, BB_65_l);
+        TISSERAND_STORE(sums2[5] + l, BB_66_l);
+        TISSERAND_STORE(sums2[6] + l, Bh_4_l);
+        TISSERAND_STORE(sums2[7] + l, Bh_5_l);
+        TISSERAND_STORE(sums2[8] + l, Bh_6_l);
     }
     const double BB_44 = ((sums2[0][0] + sums2[0][1]) + (sums2[0][2] + sums2[0][3]));
     const double BB_54 = ((sums2[1][0] + sums2[1][1]) + (sums2[1][2] + sums2[1][3]));
@@ -937,7 +983,7 @@ int body_symbolic_accel(
 
     /* alphaddot_i (15): accelerations of the modal amplitudes, for each mode */
     double x[8];
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
+    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
         const double t15 = -(h[i] + omega1dot * d3_1[i]) - omega2dot * d3_2[i] - omega3dot * d3_3[i];
         x[i] = t15;
         vdot[6 + i] = t15;
@@ -945,12 +991,12 @@ int body_symbolic_accel(
 
     /* sums (appendix): shapes = sum that is finite if all are */
     double sums3[1][4];
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double shapes_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes shapes_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            shapes_l += x[i + l];
+            shapes_l += TISSERAND_LOAD(x + i + l);
         }
-        sums3[0][l] = shapes_l;
+        TISSERAND_STORE(sums3[0] + l, shapes_l);
     }
     const double shapes = ((sums3[0][0] + sums3[0][1]) + (sums3[0][2] + sums3[0][3]));
 
@@ -1010,36 +1056,36 @@ int body_symbolic_energy(
         const double *c7_1 = tables + 24 + 72 * i;
         const double *c7_2 = tables + 28 + 72 * i;
         const double *c7_3 = tables + 32 + 72 * i;
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            double S_11_l = C4_11[i + l];
-            double S_12_l = C4_12[i + l];
-            double S_13_l = C4_13[i + l];
-            double S_22_l = C4_22[i + l];
-            double S_23_l = C4_23[i + l];
-            double S_33_l = C4_33[i + l];
-            double c7dot_1_l = 0.0;
-            double c7dot_2_l = 0.0;
-            double c7dot_3_l = 0.0;
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            tisserand_lanes S_11_l = TISSERAND_LOAD(C4_11 + i + l);
+            tisserand_lanes S_12_l = TISSERAND_LOAD(C4_12 + i + l);
+            tisserand_lanes S_13_l = TISSERAND_LOAD(C4_13 + i + l);
+            tisserand_lanes S_22_l = TISSERAND_LOAD(C4_22 + i + l);
+            tisserand_lanes S_23_l = TISSERAND_LOAD(C4_23 + i + l);
+            tisserand_lanes S_33_l = TISSERAND_LOAD(C4_33 + i + l);
+            tisserand_lanes c7dot_1_l = {0.0};
+            tisserand_lanes c7dot_2_l = {0.0};
+            tisserand_lanes c7dot_3_l = {0.0};
             for (int j = 0; j < 8; j++) {
-                S_11_l += C5_11[36 * j + l] * alpha[j];
-                S_12_l += C5_12[36 * j + l] * alpha[j];
-                S_13_l += C5_13[36 * j + l] * alpha[j];
-                S_22_l += C5_22[36 * j + l] * alpha[j];
-                S_23_l += C5_23[36 * j + l] * alpha[j];
-                S_33_l += C5_33[36 * j + l] * alpha[j];
-                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
-                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
-                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+                S_11_l += TISSERAND_LOAD(C5_11 + 36 * j + l) * alpha[j];
+                S_12_l += TISSERAND_LOAD(C5_12 + 36 * j + l) * alpha[j];
+                S_13_l += TISSERAND_LOAD(C5_13 + 36 * j + l) * alpha[j];
+                S_22_l += TISSERAND_LOAD(C5_22 + 36 * j + l) * alpha[j];
+                S_23_l += TISSERAND_LOAD(C5_23 + 36 * j + l) * alpha[j];
+                S_33_l += TISSERAND_LOAD(C5_33 + 36 * j + l) * alpha[j];
+                c7dot_1_l += TISSERAND_LOAD(c7_1 + 36 * j + l) * alphadot[j];
+                c7dot_2_l += TISSERAND_LOAD(c7_2 + 36 * j + l) * alphadot[j];
+                c7dot_3_l += TISSERAND_LOAD(c7_3 + 36 * j + l) * alphadot[j];
             }
-            S_11[i + l] = S_11_l;
-            S_12[i + l] = S_12_l;
-            S_13[i + l] = S_13_l;
-            S_22[i + l] = S_22_l;
-            S_23[i + l] = S_23_l;
-            S_33[i + l] = S_33_l;
-            c7dot_1[i + l] = c7dot_1_l;
-            c7dot_2[i + l] = c7dot_2_l;
-            c7dot_3[i + l] = c7dot_3_l;
+            TISSERAND_STORE(S_11 + i + l, S_11_l);
+            TISSERAND_STORE(S_12 + i + l, S_12_l);
+            TISSERAND_STORE(S_13 + i + l, S_13_l);
+            TISSERAND_STORE(S_22 + i + l, S_22_l);
+            TISSERAND_STORE(S_23 + i + l, S_23_l);
+            TISSERAND_STORE(S_33 + i + l, S_33_l);
+            TISSERAND_STORE(c7dot_1 + i + l, c7dot_1_l);
+            TISSERAND_STORE(c7dot_2 + i + l, c7dot_2_l);
+            TISSERAND_STORE(c7dot_3 + i + l, c7dot_3_l);
         }
     }
 
@@ -1048,42 +1094,49 @@ int body_symbolic_energy(
      *     rdot . rdot; strain = twice the strain energy
      */
     double sums1[11][4];
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double J_11_l = 0.0;
-        double J_12_l = 0.0;
-        double J_13_l = 0.0;
-        double J_22_l = 0.0;
-        double J_23_l = 0.0;
-        double J_33_l = 0.0;
-        double d3dot_1_l = 0.0;
-        double d3dot_2_l = 0.0;
-        double d3dot_3_l = 0.0;
-        double c8dotdot_l = 0.0;
-        double strain_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes J_11_l = {0.0};
+        tisserand_lanes J_12_l = {0.0};
+        tisserand_lanes J_13_l = {0.0};
+        tisserand_lanes J_22_l = {0.0};
+        tisserand_lanes J_23_l = {0.0};
+        tisserand_lanes J_33_l = {0.0};
+        tisserand_lanes d3dot_1_l = {0.0};
+        tisserand_lanes d3dot_2_l = {0.0};
+        tisserand_lanes d3dot_3_l = {0.0};
+        tisserand_lanes c8dotdot_l = {0.0};
+        tisserand_lanes strain_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
-            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
-            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
-            c8dotdot_l += alphadot[i + l] * alphadot[i + l];
-            strain_l += alpha[i + l] * (K[i + l] * alpha[i + l]);
+            J_11_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_11 + i + l) + TISSERAND_LOAD(S_11 + i
+                + l));
+            J_12_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_12 + i + l) + TISSERAND_LOAD(S_12 + i
+                + l));
+            J_13_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_13 + i + l) + TISSERAND_LOAD(S_13 + i
+                + l));
+            J_22_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_22 + i + l) + TISSERAND_LOAD(S_22 + i
+                + l));
+            J_23_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_23 + i + l) + TISSERAND_LOAD(S_23 + i
+                + l));
+            J_33_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_33 + i + l) + TISSERAND_LOAD(S_33 + i
+                + l));
+            d3dot_1_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_1 + i + l);
+            d3dot_2_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_2 + i + l);
+            d3dot_3_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_3 + i + l);
+            c8dotdot_l += TISSERAND_LOAD(alphadot + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            strain_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(K + i + l) * TISSERAND_LOAD(alpha + i
+                + l));
         }
-        sums1[0][l] = J_11_l;
-        sums1[1][l] = J_12_l;
-        sums1[2][l] = J_13_l;
-        sums1[3][l] = J_22_l;
-        sums1[4][l] = J_23_l;
-        sums1[5][l] = J_33_l;
-        sums1[6][l] = d3dot_1_l;
-        sums1[7][l] = d3dot_2_l;
-        sums1[8][l] = d3dot_3_l;
-        sums1[9][l] = c8dotdot_l;
-        sums1[10][l] = strain_l;
+        TISSERAND_STORE(sums1[0] + l, J_11_l);
+        TISSERAND_STORE(sums1[1] + l, J_12_l);
+        TISSERAND_STORE(sums1[2] + l, J_13_l);
+        TISSERAND_STORE(sums1[3] + l, J_22_l);
+        TISSERAND_STORE(sums1[4] + l, J_23_l);
+        TISSERAND_STORE(sums1[5] + l, J_33_l);
+        TISSERAND_STORE(sums1[6] + l, d3dot_1_l);
+        TISSERAND_STORE(sums1[7] + l, d3dot_2_l);
+        TISSERAND_STORE(sums1[8] + l, d3dot_3_l);
+        TISSERAND_STORE(sums1[9] + l, c8dotdot_l);
+        TISSERAND_STORE(sums1[10] + l, strain_l);
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -1166,71 +1219,77 @@ int body_symbolic_momentum(
         const double *c7_1 = tables + 24 + 72 * i;
         const double *c7_2 = tables + 28 + 72 * i;
         const double *c7_3 = tables + 32 + 72 * i;
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            double S_11_l = C4_11[i + l];
-            double S_12_l = C4_12[i + l];
-            double S_13_l = C4_13[i + l];
-            double S_22_l = C4_22[i + l];
-            double S_23_l = C4_23[i + l];
-            double S_33_l = C4_33[i + l];
-            double c7dot_1_l = 0.0;
-            double c7dot_2_l = 0.0;
-            double c7dot_3_l = 0.0;
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            tisserand_lanes S_11_l = TISSERAND_LOAD(C4_11 + i + l);
+            tisserand_lanes S_12_l = TISSERAND_LOAD(C4_12 + i + l);
+            tisserand_lanes S_13_l = TISSERAND_LOAD(C4_13 + i + l);
+            tisserand_lanes S_22_l = TISSERAND_LOAD(C4_22 + i + l);
+            tisserand_lanes S_23_l = TISSERAND_LOAD(C4_23 + i + l);
+            tisserand_lanes S_33_l = TISSERAND_LOAD(C4_33 + i + l);
+            tisserand_lanes c7dot_1_l = {0.0};
+            tisserand_lanes c7dot_2_l = {0.0};
+            tisserand_lanes c7dot_3_l = {0.0};
             for (int j = 0; j < 8; j++) {
-                S_11_l += C5_11[36 * j + l] * alpha[j];
-                S_12_l += C5_12[36 * j + l] * alpha[j];
-                S_13_l += C5_13[36 * j + l] * alpha[j];
-                S_22_l += C5_22[36 * j + l] * alpha[j];
-                S_23_l += C5_23[36 * j + l] * alpha[j];
-                S_33_l += C5_33[36 * j + l] * alpha[j];
-                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
-                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
-                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+                S_11_l += TISSERAND_LOAD(C5_11 + 36 * j + l) * alpha[j];
+                S_12_l += TISSERAND_LOAD(C5_12 + 36 * j + l) * alpha[j];
+                S_13_l += TISSERAND_LOAD(C5_13 + 36 * j + l) * alpha[j];
+                S_22_l += TISSERAND_LOAD(C5_22 + 36 * j + l) * alpha[j];
+                S_23_l += TISSERAND_LOAD(C5_23 + 36 * j + l) * alpha[j];
+                S_33_l += TISSERAND_LOAD(C5_33 + 36 * j + l) * alpha[j];
+                c7dot_1_l += TISSERAND_LOAD(c7_1 + 36 * j + l) * alphadot[j];
+                c7dot_2_l += TISSERAND_LOAD(c7_2 + 36 * j + l) * alphadot[j];
+                c7dot_3_l += TISSERAND_LOAD(c7_3 + 36 * j + l) * alphadot[j];
             }
-            S_11[i + l] = S_11_l;
-            S_12[i + l] = S_12_l;
-            S_13[i + l] = S_13_l;
-            S_22[i + l] = S_22_l;
-            S_23[i + l] = S_23_l;
-            S_33[i + l] = S_33_l;
-            c7dot_1[i + l] = c7dot_1_l;
-            c7dot_2[i + l] = c7dot_2_l;
-            c7dot_3[i + l] = c7dot_3_l;
+            TISSERAND_STORE(S_11 + i + l, S_11_l);
+            TISSERAND_STORE(S_12 + i + l, S_12_l);
+            TISSERAND_STORE(S_13 + i + l, S_13_l);
+            TISSERAND_STORE(S_22 + i + l, S_22_l);
+            TISSERAND_STORE(S_23 + i + l, S_23_l);
+            TISSERAND_STORE(S_33 + i + l, S_33_l);
+            TISSERAND_STORE(c7dot_1 + i + l, c7dot_1_l);
+            TISSERAND_STORE(c7dot_2 + i + l, c7dot_2_l);
+            TISSERAND_STORE(c7dot_3 + i + l, c7dot_3_l);
         }
     }
 
     /* sums (appendix): J = int rho ((r . r) I - r r); d3dot = int rho r x rdot */
     double sums1[9][4];
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double J_11_l = 0.0;
-        double J_12_l = 0.0;
-        double J_13_l = 0.0;
-        double J_22_l = 0.0;
-        double J_23_l = 0.0;
-        double J_33_l = 0.0;
-        double d3dot_1_l = 0.0;
-        double d3dot_2_l = 0.0;
-        double d3dot_3_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes J_11_l = {0.0};
+        tisserand_lanes J_12_l = {0.0};
+        tisserand_lanes J_13_l = {0.0};
+        tisserand_lanes J_22_l = {0.0};
+        tisserand_lanes J_23_l = {0.0};
+        tisserand_lanes J_33_l = {0.0};
+        tisserand_lanes d3dot_1_l = {0.0};
+        tisserand_lanes d3dot_2_l = {0.0};
+        tisserand_lanes d3dot_3_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
-            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
-            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
+            J_11_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_11 + i + l) + TISSERAND_LOAD(S_11 + i
+                + l));
+            J_12_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_12 + i + l) + TISSERAND_LOAD(S_12 + i
+                + l));
+            J_13_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_13 + i + l) + TISSERAND_LOAD(S_13 + i
+                + l));
+            J_22_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_22 + i + l) + TISSERAND_LOAD(S_22 + i
+                + l));
+            J_23_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_23 + i + l) + TISSERAND_LOAD(S_23 + i
+                + l));
+            J_33_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_33 + i + l) + TISSERAND_LOAD(S_33 + i
+                + l));
+            d3dot_1_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_1 + i + l);
+            d3dot_2_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_2 + i + l);
+            d3dot_3_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_3 + i + l);
         }
-        sums1[0][l] = J_11_l;
-        sums1[1][l] = J_12_l;
-        sums1[2][l] = J_13_l;
-        sums1[3][l] = J_22_l;
-        sums1[4][l] = J_23_l;
-        sums1[5][l] = J_33_l;
-        sums1[6][l] = d3dot_1_l;
-        sums1[7][l] = d3dot_2_l;
-        sums1[8][l] = d3dot_3_l;
+        TISSERAND_STORE(sums1[0] + l, J_11_l);
+        TISSERAND_STORE(sums1[1] + l, J_12_l);
+        TISSERAND_STORE(sums1[2] + l, J_13_l);
+        TISSERAND_STORE(sums1[3] + l, J_22_l);
+        TISSERAND_STORE(sums1[4] + l, J_23_l);
+        TISSERAND_STORE(sums1[5] + l, J_33_l);
+        TISSERAND_STORE(sums1[6] + l, d3dot_1_l);
+        TISSERAND_STORE(sums1[7] + l, d3dot_2_l);
+        TISSERAND_STORE(sums1[8] + l, d3dot_3_l);
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -1315,7 +1374,7 @@ int body_symbolic_rates(
     qdot[6] = t4 * omega3 + t1 * omega2 - t2 * omega1;
 
     /* rates_i (1): from Qdot = Q (omega x), for each mode */
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
+    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
         qdot[7 + i] = alphadot[i];
     }
     return 0;
@@ -1402,45 +1461,45 @@ int body_symbolic_residual(
         const double *c7_1 = tables + 24 + 72 * i;
         const double *c7_2 = tables + 28 + 72 * i;
         const double *c7_3 = tables + 32 + 72 * i;
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            double S_11_l = C4_11[i + l];
-            double S_12_l = C4_12[i + l];
-            double S_13_l = C4_13[i + l];
-            double S_22_l = C4_22[i + l];
-            double S_23_l = C4_23[i + l];
-            double S_33_l = C4_33[i + l];
-            double d3_1_l = 0.0;
-            double c7dot_1_l = 0.0;
-            double d3_2_l = 0.0;
-            double c7dot_2_l = 0.0;
-            double d3_3_l = 0.0;
-            double c7dot_3_l = 0.0;
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            tisserand_lanes S_11_l = TISSERAND_LOAD(C4_11 + i + l);
+            tisserand_lanes S_12_l = TISSERAND_LOAD(C4_12 + i + l);
+            tisserand_lanes S_13_l = TISSERAND_LOAD(C4_13 + i + l);
+            tisserand_lanes S_22_l = TISSERAND_LOAD(C4_22 + i + l);
+            tisserand_lanes S_23_l = TISSERAND_LOAD(C4_23 + i + l);
+            tisserand_lanes S_33_l = TISSERAND_LOAD(C4_33 + i + l);
+            tisserand_lanes d3_1_l = {0.0};
+            tisserand_lanes c7dot_1_l = {0.0};
+            tisserand_lanes d3_2_l = {0.0};
+            tisserand_lanes c7dot_2_l = {0.0};
+            tisserand_lanes d3_3_l = {0.0};
+            tisserand_lanes c7dot_3_l = {0.0};
             for (int j = 0; j < 8; j++) {
-                S_11_l += C5_11[36 * j + l] * alpha[j];
-                S_12_l += C5_12[36 * j + l] * alpha[j];
-                S_13_l += C5_13[36 * j + l] * alpha[j];
-                S_22_l += C5_22[36 * j + l] * alpha[j];
-                S_23_l += C5_23[36 * j + l] * alpha[j];
-                S_33_l += C5_33[36 * j + l] * alpha[j];
-                d3_1_l -= c7_1[36 * j + l] * alpha[j];
-                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
-                d3_2_l -= c7_2[36 * j + l] * alpha[j];
-                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
-                d3_3_l -= c7_3[36 * j + l] * alpha[j];
-                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
+                S_11_l += TISSERAND_LOAD(C5_11 + 36 * j + l) * alpha[j];
+                S_12_l += TISSERAND_LOAD(C5_12 + 36 * j + l) * alpha[j];
+                S_13_l += TISSERAND_LOAD(C5_13 + 36 * j + l) * alpha[j];
+                S_22_l += TISSERAND_LOAD(C5_22 + 36 * j + l) * alpha[j];
+                S_23_l += TISSERAND_LOAD(C5_23 + 36 * j + l) * alpha[j];
+                S_33_l += TISSERAND_LOAD(C5_33 + 36 * j + l) * alpha[j];
+                d3_1_l -= TISSERAND_LOAD(c7_1 + 36 * j + l) * alpha[j];
+                c7dot_1_l += TISSERAND_LOAD(c7_1 + 36 * j + l) * alphadot[j];
+                d3_2_l -= TISSERAND_LOAD(c7_2 + 36 * j + l) * alpha[j];
+                c7dot_2_l += TISSERAND_LOAD(c7_2 + 36 * j + l) * alphadot[j];
+                d3_3_l -= TISSERAND_LOAD(c7_3 + 36 * j + l) * alpha[j];
+                c7dot_3_l += TISSERAND_LOAD(c7_3 + 36 * j + l) * alphadot[j];
             }
-            S_11[i + l] = S_11_l;
-            S_12[i + l] = S_12_l;
-            S_13[i + l] = S_13_l;
-            S_22[i + l] = S_22_l;
-            S_23[i + l] = S_23_l;
-            S_33[i + l] = S_33_l;
-            d3_1[i + l] = d3_1_l;
-            c7dot_1[i + l] = c7dot_1_l;
-            d3_2[i + l] = d3_2_l;
-            c7dot_2[i + l] = c7dot_2_l;
-            d3_3[i + l] = d3_3_l;
-            c7dot_3[i + l] = c7dot_3_l;
+            TISSERAND_STORE(S_11 + i + l, S_11_l);
+            TISSERAND_STORE(S_12 + i + l, S_12_l);
+            TISSERAND_STORE(S_13 + i + l, S_13_l);
+            TISSERAND_STORE(S_22 + i + l, S_22_l);
+            TISSERAND_STORE(S_23 + i + l, S_23_l);
+            TISSERAND_STORE(S_33 + i + l, S_33_l);
+            TISSERAND_STORE(d3_1 + i + l, d3_1_l);
+            TISSERAND_STORE(c7dot_1 + i + l, c7dot_1_l);
+            TISSERAND_STORE(d3_2 + i + l, d3_2_l);
+            TISSERAND_STORE(c7dot_2 + i + l, c7dot_2_l);
+            TISSERAND_STORE(d3_3 + i + l, d3_3_l);
+            TISSERAND_STORE(c7dot_3 + i + l, c7dot_3_l);
         }
     }
 
@@ -1449,67 +1508,73 @@ int body_symbolic_residual(
      *     rates; d3dot = int rho r x rdot; d3ddot = int rho r x rddot
      */
     double sums1[18][4];
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double J_11_l = 0.0;
-        double J_12_l = 0.0;
-        double J_13_l = 0.0;
-        double J_22_l = 0.0;
-        double J_23_l = 0.0;
-        double J_33_l = 0.0;
-        double Sdot_11_l = 0.0;
-        double Sdot_12_l = 0.0;
-        double Sdot_13_l = 0.0;
-        double Sdot_22_l = 0.0;
-        double Sdot_23_l = 0.0;
-        double Sdot_33_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes J_11_l = {0.0};
+        tisserand_lanes J_12_l = {0.0};
+        tisserand_lanes J_13_l = {0.0};
+        tisserand_lanes J_22_l = {0.0};
+        tisserand_lanes J_23_l = {0.0};
+        tisserand_lanes J_33_l = {0.0};
+        tisserand_lanes Sdot_11_l = {0.0};
+        tisserand_lanes Sdot_12_l = {0.0};
+        tisserand_lanes Sdot_13_l = {0.0};
+        tisserand_lanes Sdot_22_l = {0.0};
+        tisserand_lanes Sdot_23_l = {0.0};
+        tisserand_lanes Sdot_33_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            Sdot_11_l += S_11[i + l] * alphadot[i + l];
-            Sdot_12_l += S_12[i + l] * alphadot[i + l];
-            Sdot_13_l += S_13[i + l] * alphadot[i + l];
-            Sdot_22_l += S_22[i + l] * alphadot[i + l];
-            Sdot_23_l += S_23[i + l] * alphadot[i + l];
-            Sdot_33_l += S_33[i + l] * alphadot[i + l];
+            J_11_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_11 + i + l) + TISSERAND_LOAD(S_11 + i
+                + l));
+            J_12_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_12 + i + l) + TISSERAND_LOAD(S_12 + i
+                + l));
+            J_13_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_13 + i + l) + TISSERAND_LOAD(S_13 + i
+                + l));
+            J_22_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_22 + i + l) + TISSERAND_LOAD(S_22 + i
+                + l));
+            J_23_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_23 + i + l) + TISSERAND_LOAD(S_23 + i
+                + l));
+            J_33_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_33 + i + l) + TISSERAND_LOAD(S_33 + i
+                + l));
+            Sdot_11_l += TISSERAND_LOAD(S_11 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_12_l += TISSERAND_LOAD(S_12 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_13_l += TISSERAND_LOAD(S_13 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_22_l += TISSERAND_LOAD(S_22 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_23_l += TISSERAND_LOAD(S_23 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_33_l += TISSERAND_LOAD(S_33 + i + l) * TISSERAND_LOAD(alphadot + i + l);
         }
-        sums1[0][l] = J_11_l;
-        sums1[1][l] = J_12_l;
-        sums1[2][l] = J_13_l;
-        sums1[3][l] = J_22_l;
-        sums1[4][l] = J_23_l;
-        sums1[5][l] = J_33_l;
-        sums1[6][l] = Sdot_11_l;
-        sums1[7][l] = Sdot_12_l;
-        sums1[8][l] = Sdot_13_l;
-        sums1[9][l] = Sdot_22_l;
-        sums1[10][l] = Sdot_23_l;
-        sums1[11][l] = Sdot_33_l;
+        TISSERAND_STORE(sums1[0] + l, J_11_l);
+        TISSERAND_STORE(sums1[1] + l, J_12_l);
+        TISSERAND_STORE(sums1[2] + l, J_13_l);
+        TISSERAND_STORE(sums1[3] + l, J_22_l);
+        TISSERAND_STORE(sums1[4] + l, J_23_l);
+        TISSERAND_STORE(sums1[5] + l, J_33_l);
+        TISSERAND_STORE(sums1[6] + l, Sdot_11_l);
+        TISSERAND_STORE(sums1[7] + l, Sdot_12_l);
+        TISSERAND_STORE(sums1[8] + l, Sdot_13_l);
+        TISSERAND_STORE(sums1[9] + l, Sdot_22_l);
+        TISSERAND_STORE(sums1[10] + l, Sdot_23_l);
+        TISSERAND_STORE(sums1[11] + l, Sdot_33_l);
     }
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double d3dot_1_l = 0.0;
-        double d3dot_2_l = 0.0;
-        double d3dot_3_l = 0.0;
-        double d3ddot_1_l = 0.0;
-        double d3ddot_2_l = 0.0;
-        double d3ddot_3_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes d3dot_1_l = {0.0};
+        tisserand_lanes d3dot_2_l = {0.0};
+        tisserand_lanes d3dot_3_l = {0.0};
+        tisserand_lanes d3ddot_1_l = {0.0};
+        tisserand_lanes d3ddot_2_l = {0.0};
+        tisserand_lanes d3ddot_3_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
-            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
-            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
-            d3ddot_1_l += alphaddot[i + l] * d3_1[i + l];
-            d3ddot_2_l += alphaddot[i + l] * d3_2[i + l];
-            d3ddot_3_l += alphaddot[i + l] * d3_3[i + l];
+            d3dot_1_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_1 + i + l);
+            d3dot_2_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_2 + i + l);
+            d3dot_3_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_3 + i + l);
+            d3ddot_1_l += TISSERAND_LOAD(alphaddot + i + l) * TISSERAND_LOAD(d3_1 + i + l);
+            d3ddot_2_l += TISSERAND_LOAD(alphaddot + i + l) * TISSERAND_LOAD(d3_2 + i + l);
+            d3ddot_3_l += TISSERAND_LOAD(alphaddot + i + l) * TISSERAND_LOAD(d3_3 + i + l);
         }
-        sums1[12][l] = d3dot_1_l;
-        sums1[13][l] = d3dot_2_l;
-        sums1[14][l] = d3dot_3_l;
-        sums1[15][l] = d3ddot_1_l;
-        sums1[16][l] = d3ddot_2_l;
-        sums1[17][l] = d3ddot_3_l;
+        TISSERAND_STORE(sums1[12] + l, d3dot_1_l);
+        TISSERAND_STORE(sums1[13] + l, d3dot_2_l);
+        TISSERAND_STORE(sums1[14] + l, d3dot_3_l);
+        TISSERAND_STORE(sums1[15] + l, d3ddot_1_l);
+        TISSERAND_STORE(sums1[16] + l, d3ddot_2_l);
+        TISSERAND_STORE(sums1[17] + l, d3ddot_3_l);
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -1573,7 +1638,7 @@ int body_symbolic_residual(
         + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - d3dot_1 * omega2;
 
     /* F_i (15): qdot less its value from v, then M vdot + h, for each mode */
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
+    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
         F[7 + i] = alpha_t[i] - alphadot[i];
         F[21 + i] = alphaddot[i] + K[i] * alpha[i] + omega1dot * d3_1[i] + omega2dot * d3_2[i]
             + omega3dot * d3_3[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
@@ -1660,76 +1725,76 @@ int body_symbolic_jacobian(
         const double *c7_1 = tables + 24 + 72 * i;
         const double *c7_2 = tables + 28 + 72 * i;
         const double *c7_3 = tables + 32 + 72 * i;
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            double S_11_l = C4_11[i + l];
-            double C5dot_11_l = 0.0;
-            double S_12_l = C4_12[i + l];
-            double C5dot_12_l = 0.0;
-            double S_13_l = C4_13[i + l];
-            double C5dot_13_l = 0.0;
-            double S_22_l = C4_22[i + l];
-            double C5dot_22_l = 0.0;
-            double S_23_l = C4_23[i + l];
-            double C5dot_23_l = 0.0;
-            double S_33_l = C4_33[i + l];
-            double C5dot_33_l = 0.0;
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            tisserand_lanes S_11_l = TISSERAND_LOAD(C4_11 + i + l);
+            tisserand_lanes C5dot_11_l = {0.0};
+            tisserand_lanes S_12_l = TISSERAND_LOAD(C4_12 + i + l);
+            tisserand_lanes C5dot_12_l = {0.0};
+            tisserand_lanes S_13_l = TISSERAND_LOAD(C4_13 + i + l);
+            tisserand_lanes C5dot_13_l = {0.0};
+            tisserand_lanes S_22_l = TISSERAND_LOAD(C4_22 + i + l);
+            tisserand_lanes C5dot_22_l = {0.0};
+            tisserand_lanes S_23_l = TISSERAND_LOAD(C4_23 + i + l);
+            tisserand_lanes C5dot_23_l = {0.0};
+            tisserand_lanes S_33_l = TISSERAND_LOAD(C4_33 + i + l);
+            tisserand_lanes C5dot_33_l = {0.0};
             for (int j = 0; j < 8; j++) {
-                S_11_l += C5_11[36 * j + l] * alpha[j];
-                C5dot_11_l += C5_11[36 * j + l] * alphadot[j];
-                S_12_l += C5_12[36 * j + l] * alpha[j];
-                C5dot_12_l += C5_12[36 * j + l] * alphadot[j];
-                S_13_l += C5_13[36 * j + l] * alpha[j];
-                C5dot_13_l += C5_13[36 * j + l] * alphadot[j];
-                S_22_l += C5_22[36 * j + l] * alpha[j];
-                C5dot_22_l += C5_22[36 * j + l] * alphadot[j];
-                S_23_l += C5_23[36 * j + l] * alpha[j];
-                C5dot_23_l += C5_23[36 * j + l] * alphadot[j];
-                S_33_l += C5_33[36 * j + l] * alpha[j];
-                C5dot_33_l += C5_33[36 * j + l] * alphadot[j];
+                S_11_l += TISSERAND_LOAD(C5_11 + 36 * j + l) * alpha[j];
+                C5dot_11_l += TISSERAND_LOAD(C5_11 + 36 * j + l) * alphadot[j];
+                S_12_l += TISSERAND_LOAD(C5_12 + 36 * j + l) * alpha[j];
+                C5dot_12_l += TISSERAND_LOAD(C5_12 + 36 * j + l) * alphadot[j];
+                S_13_l += TISSERAND_LOAD(C5_13 + 36 * j + l) * alpha[j];
+                C5dot_13_l += TISSERAND_LOAD(C5_13 + 36 * j + l) * alphadot[j];
+                S_22_l += TISSERAND_LOAD(C5_22 + 36 * j + l) * alpha[j];
+                C5dot_22_l += TISSERAND_LOAD(C5_22 + 36 * j + l) * alphadot[j];
+                S_23_l += TISSERAND_LOAD(C5_23 + 36 * j + l) * alpha[j];
+                C5dot_23_l += TISSERAND_LOAD(C5_23 + 36 * j + l) * alphadot[j];
+                S_33_l += TISSERAND_LOAD(C5_33 + 36 * j + l) * alpha[j];
+                C5dot_33_l += TISSERAND_LOAD(C5_33 + 36 * j + l) * alphadot[j];
             }
-            S_11[i + l] = S_11_l;
-            C5dot_11[i + l] = C5dot_11_l;
-            S_12[i + l] = S_12_l;
-            C5dot_12[i + l] = C5dot_12_l;
-            S_13[i + l] = S_13_l;
-            C5dot_13[i + l] = C5dot_13_l;
-            S_22[i + l] = S_22_l;
-            C5dot_22[i + l] = C5dot_22_l;
-            S_23[i + l] = S_23_l;
-            C5dot_23[i + l] = C5dot_23_l;
-            S_33[i + l] = S_33_l;
-            C5dot_33[i + l] = C5dot_33_l;
+            TISSERAND_STORE(S_11 + i + l, S_11_l);
+            TISSERAND_STORE(C5dot_11 + i + l, C5dot_11_l);
+            TISSERAND_STORE(S_12 + i + l, S_12_l);
+            TISSERAND_STORE(C5dot_12 + i + l, C5dot_12_l);
+            TISSERAND_STORE(S_13 + i + l, S_13_l);
+            TISSERAND_STORE(C5dot_13 + i + l, C5dot_13_l);
+            TISSERAND_STORE(S_22 + i + l, S_22_l);
+            TISSERAND_STORE(C5dot_22 + i + l, C5dot_22_l);
+            TISSERAND_STORE(S_23 + i + l, S_23_l);
+            TISSERAND_STORE(C5dot_23 + i + l, C5dot_23_l);
+            TISSERAND_STORE(S_33 + i + l, S_33_l);
+            TISSERAND_STORE(C5dot_33 + i + l, C5dot_33_l);
         }
-        TISSERAND_LANES for (int l = 0; l < 4; l++) {
-            double d3_1_l = 0.0;
-            double c7dot_1_l = 0.0;
-            double c7ddot_1_l = 0.0;
-            double d3_2_l = 0.0;
-            double c7dot_2_l = 0.0;
-            double c7ddot_2_l = 0.0;
-            double d3_3_l = 0.0;
-            double c7dot_3_l = 0.0;
-            double c7ddot_3_l = 0.0;
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            tisserand_lanes d3_1_l = {0.0};
+            tisserand_lanes c7dot_1_l = {0.0};
+            tisserand_lanes c7ddot_1_l = {0.0};
+            tisserand_lanes d3_2_l = {0.0};
+            tisserand_lanes c7dot_2_l = {0.0};
+            tisserand_lanes c7ddot_2_l = {0.0};
+            tisserand_lanes d3_3_l = {0.0};
+            tisserand_lanes c7dot_3_l = {0.0};
+            tisserand_lanes c7ddot_3_l = {0.0};
             for (int j = 0; j < 8; j++) {
-                d3_1_l -= c7_1[36 * j + l] * alpha[j];
-                c7dot_1_l += c7_1[36 * j + l] * alphadot[j];
-                c7ddot_1_l += c7_1[36 * j + l] * alphaddot[j];
-                d3_2_l -= c7_2[36 * j + l] * alpha[j];
-                c7dot_2_l += c7_2[36 * j + l] * alphadot[j];
-                c7ddot_2_l += c7_2[36 * j + l] * alphaddot[j];
-                d3_3_l -= c7_3[36 * j + l] * alpha[j];
-                c7dot_3_l += c7_3[36 * j + l] * alphadot[j];
-                c7ddot_3_l += c7_3[36 * j + l] * alphaddot[j];
+                d3_1_l -= TISSERAND_LOAD(c7_1 + 36 * j + l) * alpha[j];
+                c7dot_1_l += TISSERAND_LOAD(c7_1 + 36 * j + l) * alphadot[j];
+                c7ddot_1_l += TISSERAND_LOAD(c7_1 + 36 * j + l) * alphaddot[j];
+                d3_2_l -= TISSERAND_LOAD(c7_2 + 36 * j + l) * alpha[j];
+                c7dot_2_l += TISSERAND_LOAD(c7_2 + 36 * j + l) * alphadot[j];
+                c7ddot_2_l += TISSERAND_LOAD(c7_2 + 36 * j + l) * alphaddot[j];
+                d3_3_l -= TISSERAND_LOAD(c7_3 + 36 * j + l) * alpha[j];
+                c7dot_3_l += TISSERAND_LOAD(c7_3 + 36 * j + l) * alphadot[j];
+                c7ddot_3_l += TISSERAND_LOAD(c7_3 + 36 * j + l) * alphaddot[j];
             }
-            d3_1[i + l] = d3_1_l;
-            c7dot_1[i + l] = c7dot_1_l;
-            c7ddot_1[i + l] = c7ddot_1_l;
-            d3_2[i + l] = d3_2_l;
-            c7dot_2[i + l] = c7dot_2_l;
-            c7ddot_2[i + l] = c7ddot_2_l;
-            d3_3[i + l] = d3_3_l;
-            c7dot_3[i + l] = c7dot_3_l;
-            c7ddot_3[i + l] = c7ddot_3_l;
+            TISSERAND_STORE(d3_1 + i + l, d3_1_l);
+            TISSERAND_STORE(c7dot_1 + i + l, c7dot_1_l);
+            TISSERAND_STORE(c7ddot_1 + i + l, c7ddot_1_l);
+            TISSERAND_STORE(d3_2 + i + l, d3_2_l);
+            TISSERAND_STORE(c7dot_2 + i + l, c7dot_2_l);
+            TISSERAND_STORE(c7ddot_2 + i + l, c7ddot_2_l);
+            TISSERAND_STORE(d3_3 + i + l, d3_3_l);
+            TISSERAND_STORE(c7dot_3 + i + l, c7dot_3_l);
+            TISSERAND_STORE(c7ddot_3 + i + l, c7ddot_3_l);
         }
     }
 
@@ -1738,58 +1803,64 @@ int body_symbolic_jacobian(
      *     rates; d3dot = int rho r x rdot
      */
     double sums1[15][4];
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double J_11_l = 0.0;
-        double J_12_l = 0.0;
-        double J_13_l = 0.0;
-        double J_22_l = 0.0;
-        double J_23_l = 0.0;
-        double J_33_l = 0.0;
-        double Sdot_11_l = 0.0;
-        double Sdot_12_l = 0.0;
-        double Sdot_13_l = 0.0;
-        double Sdot_22_l = 0.0;
-        double Sdot_23_l = 0.0;
-        double Sdot_33_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes J_11_l = {0.0};
+        tisserand_lanes J_12_l = {0.0};
+        tisserand_lanes J_13_l = {0.0};
+        tisserand_lanes J_22_l = {0.0};
+        tisserand_lanes J_23_l = {0.0};
+        tisserand_lanes J_33_l = {0.0};
+        tisserand_lanes Sdot_11_l = {0.0};
+        tisserand_lanes Sdot_12_l = {0.0};
+        tisserand_lanes Sdot_13_l = {0.0};
+        tisserand_lanes Sdot_22_l = {0.0};
+        tisserand_lanes Sdot_23_l = {0.0};
+        tisserand_lanes Sdot_33_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            J_11_l += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            J_12_l += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            J_13_l += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            J_22_l += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            J_23_l += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            J_33_l += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            Sdot_11_l += S_11[i + l] * alphadot[i + l];
-            Sdot_12_l += S_12[i + l] * alphadot[i + l];
-            Sdot_13_l += S_13[i + l] * alphadot[i + l];
-            Sdot_22_l += S_22[i + l] * alphadot[i + l];
-            Sdot_23_l += S_23[i + l] * alphadot[i + l];
-            Sdot_33_l += S_33[i + l] * alphadot[i + l];
+            J_11_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_11 + i + l) + TISSERAND_LOAD(S_11 + i
+                + l));
+            J_12_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_12 + i + l) + TISSERAND_LOAD(S_12 + i
+                + l));
+            J_13_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_13 + i + l) + TISSERAND_LOAD(S_13 + i
+                + l));
+            J_22_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_22 + i + l) + TISSERAND_LOAD(S_22 + i
+                + l));
+            J_23_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_23 + i + l) + TISSERAND_LOAD(S_23 + i
+                + l));
+            J_33_l += TISSERAND_LOAD(alpha + i + l) * (TISSERAND_LOAD(C4_33 + i + l) + TISSERAND_LOAD(S_33 + i
+                + l));
+            Sdot_11_l += TISSERAND_LOAD(S_11 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_12_l += TISSERAND_LOAD(S_12 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_13_l += TISSERAND_LOAD(S_13 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_22_l += TISSERAND_LOAD(S_22 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_23_l += TISSERAND_LOAD(S_23 + i + l) * TISSERAND_LOAD(alphadot + i + l);
+            Sdot_33_l += TISSERAND_LOAD(S_33 + i + l) * TISSERAND_LOAD(alphadot + i + l);
         }
-        sums1[0][l] = J_11_l;
-        sums1[1][l] = J_12_l;
-        sums1[2][l] = J_13_l;
-        sums1[3][l] = J_22_l;
-        sums1[4][l] = J_23_l;
-        sums1[5][l] = J_33_l;
-        sums1[6][l] = Sdot_11_l;
-        sums1[7][l] = Sdot_12_l;
-        sums1[8][l] = Sdot_13_l;
-        sums1[9][l] = Sdot_22_l;
-        sums1[10][l] = Sdot_23_l;
-        sums1[11][l] = Sdot_33_l;
+        TISSERAND_STORE(sums1[0] + l, J_11_l);
+        TISSERAND_STORE(sums1[1] + l, J_12_l);
+        TISSERAND_STORE(sums1[2] + l, J_13_l);
+        TISSERAND_STORE(sums1[3] + l, J_22_l);
+        TISSERAND_STORE(sums1[4] + l, J_23_l);
+        TISSERAND_STORE(sums1[5] + l, J_33_l);
+        TISSERAND_STORE(sums1[6] + l, Sdot_11_l);
+        TISSERAND_STORE(sums1[7] + l, Sdot_12_l);
+        TISSERAND_STORE(sums1[8] + l, Sdot_13_l);
+        TISSERAND_STORE(sums1[9] + l, Sdot_22_l);
+        TISSERAND_STORE(sums1[10] + l, Sdot_23_l);
+        TISSERAND_STORE(sums1[11] + l, Sdot_33_l);
     }
-    TISSERAND_LANES for (int l = 0; l < 4; l++) {
-        double d3dot_1_l = 0.0;
-        double d3dot_2_l = 0.0;
-        double d3dot_3_l = 0.0;
+    for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+        tisserand_lanes d3dot_1_l = {0.0};
+        tisserand_lanes d3dot_2_l = {0.0};
+        tisserand_lanes d3dot_3_l = {0.0};
         for (int i = 0; i < 8; i += 4) {
-            d3dot_1_l += alpha[i + l] * c7dot_1[i + l];
-            d3dot_2_l += alpha[i + l] * c7dot_2[i + l];
-            d3dot_3_l += alpha[i + l] * c7dot_3[i + l];
+            d3dot_1_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_1 + i + l);
+            d3dot_2_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_2 + i + l);
+            d3dot_3_l += TISSERAND_LOAD(alpha + i + l) * TISSERAND_LOAD(c7dot_3 + i + l);
         }
-        sums1[12][l] = d3dot_1_l;
-        sums1[13][l] = d3dot_2_l;
-        sums1[14][l] = d3dot_3_l;
+        TISSERAND_STORE(sums1[12] + l, d3dot_1_l);
+        TISSERAND_STORE(sums1[13] + l, d3dot_2_l);
+        TISSERAND_STORE(sums1[14] + l, d3dot_3_l);
     }
     const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
     const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
@@ -1911,7 +1982,7 @@ int body_symbolic_jacobian(
     jac[157] = 2.0 * Sdot_33 + t26 + J_33 * cj - t15;
 
     /* jacobian_i (15): derivatives of the residual, for each mode */
-    TISSERAND_LANES for (int i = 0; i < 8; i++) {
+    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
         jac[19 + 12 * i] = cj;
         jac[20 + 12 * i] = c7ddot_1[i] + f4 * C5dot_11[i] + f5 * C5dot_12[i] + f6 * C5dot_13[i]
             + f7 * S_11[i] + f1 * S_12[i] + f8 * S_13[i] + f3 * S_23[i] + f2 * S_33[i]
@@ -1954,14 +2025,16 @@ int body_symbolic_jacobian(
             const double *c7_1 = tables + 24 + 72 * i + 36 * j;
             const double *c7_2 = tables + 28 + 72 * i + 36 * j;
             const double *c7_3 = tables + 32 + 72 * i + 36 * j;
-            TISSERAND_LANES for (int l = 0; l < 4; l++) {
-                column[l] = -(oo_11 * C5_11[l]) - f14 * C5_12[l] - f11 * C5_13[l] - oo_22 * C5_22[l]
-                    - f2 * C5_23[l] - oo_33 * C5_33[l] - omega1dot * c7_1[l] - omega2dot * c7_2[l]
-                    - omega3dot * c7_3[l];
+            for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+                TISSERAND_STORE(column + l, -(oo_11 * TISSERAND_LOAD(C5_11 + l)) - f14 * TISSERAND_LOAD(C5_12 + l)
+                    - f11 * TISSERAND_LOAD(C5_13 + l) - oo_22 * TISSERAND_LOAD(C5_22 + l)
+                    - f2 * TISSERAND_LOAD(C5_23 + l) - oo_33 * TISSERAND_LOAD(C5_33 + l)
+                    - omega1dot * TISSERAND_LOAD(c7_1 + l) - omega2dot * TISSERAND_LOAD(c7_2 + l)
+                    - omega3dot * TISSERAND_LOAD(c7_3 + l));
             }
         }
     }
-    TISSERAND_LANES for (int j = 0; j < 8; j++) {
+    TISSERAND_SHORT for (int j = 0; j < 8; j++) {
         jac[23 + 13 * j] += K[j];
     }
     for (int i = 0; i < 8; i += 4) {
@@ -1970,12 +2043,13 @@ int body_symbolic_jacobian(
             const double *c7_1 = tables + 24 + 72 * i + 36 * j;
             const double *c7_2 = tables + 28 + 72 * i + 36 * j;
             const double *c7_3 = tables + 32 + 72 * i + 36 * j;
-            TISSERAND_LANES for (int l = 0; l < 4; l++) {
-                column[l] = -(f4 * c7_1[l]) - f5 * c7_2[l] - f6 * c7_3[l];
+            for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+                TISSERAND_STORE(column + l, -(f4 * TISSERAND_LOAD(c7_1 + l)) - f5 * TISSERAND_LOAD(c7_2 + l)
+                    - f6 * TISSERAND_LOAD(c7_3 + l));
             }
         }
     }
-    TISSERAND_LANES for (int j = 0; j < 8; j++) {
+    TISSERAND_SHORT for (int j = 0; j < 8; j++) {
         jac[170 + 13 * j] += cj;
     }
     return 0;

@@ -262,8 +262,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "386c157cbc6c2541"
-#define BODY_SYMBOLIC_HASH_386c157cbc6c2541
+#define BODY_SYMBOLIC_HASH "9f51e3354ec25526"
+#define BODY_SYMBOLIC_HASH_9f51e3354ec25526
 
 /* ---- sizes and indices ---- */
 

@@ -10,7 +10,7 @@ from functools import cached_property
 STORE = re.compile(r"\s*(?:h|M)\[")
 DEFINE = re.compile(r"\s*(?:const )?double \*?(\w+)(?:\[\d+\])? =")
 LOAD = re.compile(r"= (?:q|v|k|p)(?:\[\d+\]| \+ \d+)?;$")
-PRODUCT = re.compile(r"\s*(\w+)_l [+-]= \w+\[\d+ \* j \+ l\] \* ")
+PRODUCT = re.compile(r"\s*(\w+)_l [+-]= TISSERAND_LOAD\(\w+ \+ \d+ \* j \+ l\) \* ")
 ELEMENT = re.compile(r"\s*(\w+)\[i\] =")
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import assert_never
 
-from derive.backends.c.loops import rounds
+from derive.backends.c.matrix_loops import rounds
 from derive.backends.expression_text import C, Named, strided, text
 from derive.backends.wrapping import BreakableText, join, statement
 from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef, walk

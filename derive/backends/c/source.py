@@ -11,7 +11,8 @@ from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_function, batch_helpers, batch_widths, stack
 from derive.backends.c.batch_loops import STATES_MACRO
-from derive.backends.c.loops import LANES_MACRO, CLoops
+from derive.backends.c.lanes import LANES_MACRO
+from derive.backends.c.loops import CLoops
 from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
 from derive.backends.c.packed import entries, packed_functions
 from derive.backends.c.signatures import parameters, signature

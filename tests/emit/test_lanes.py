@@ -1,0 +1,96 @@
+"""Lanes of looped kernels: vectors of gcc and clang, numbers elsewhere, and the same bits in every way."""
+
+from __future__ import annotations
+
+import platform
+import re
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from toolchain import body, run, tool, written
+
+import derive
+from derive.backends.c.loops import CLoops
+from derive.ir.expressions import ArrayAccess, Number, Operation, Operator, ScalarRef
+from derive.ir.statements import Accumulate, Let, Sum
+from derive.runtime.compiler import FLAGS, WITHOUT_BATCHES, vector_flags
+
+MODELS = ("given_3_table", "given_13_table")
+PLAIN = (*FLAGS, WITHOUT_BATCHES)
+WAYS = {
+    "numbers": (*PLAIN, "-O1", "-DTISSERAND_NO_VECTORS"),
+    "numbers, vectorised": (*PLAIN, "-O3", "-DTISSERAND_NO_VECTORS"),
+    "two": PLAIN,
+    "widest": (*vector_flags(), WITHOUT_BATCHES),
+}
+FUNCTIONS = ("mass", "force", "accel", "jacobian")
+
+
+@cache
+def values(model: str, compiler: str, way: str) -> list[np.ndarray]:
+    """The outputs of some functions in one state."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CC", tool(compiler))
+        native = derive.load(body(model).files, WAYS[way])
+    rng = np.random.default_rng(3)
+    q, v, ydot = (rng.uniform(-1, 1, n) for n in (native.nq, native.nv, native.nq + native.nv))
+    k = native.setup(native.defaults + rng.uniform(0, 0.01, native.np))
+    given = {"mass": (q, k), "jacobian": (0.0, np.append(q, v), ydot, 2.3, k)}
+    return [getattr(native, name)(*given.get(name, (0.0, q, v, k))) for name in FUNCTIONS]
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("model", MODELS)
+def test_bits_do_not_depend_on_the_width_or_the_compiler(model: str, compiler: str, way: str) -> None:
+    for name, one, other in zip(FUNCTIONS, values(model, compiler, way), values(model, "gcc", "numbers"), strict=True):
+        assert one.tobytes() == other.tobytes(), name
+
+
+def products(compiler: str, folder: Path, *flags: str) -> dict[str, int]:
+    """The multiplications in the machine code of a looped model without batches, by the width of their registers."""
+    (source,) = written(body("given_13_table").files, folder)
+    out = folder / "code.s"
+    command = (tool(compiler), "-std=c99", "-O1", WITHOUT_BATCHES, *flags, "-S", source, "-o", out)
+    run(*command)
+    found = re.findall(r"\sv?mulpd\s.*%([xy])mm\d+$", out.read_text(), re.MULTILINE)
+    return {width: found.count(width) for width in "xy"}
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_both_compilers_get_vectors_without_looking_for_them(compiler: str, tmp_path: Path) -> None:
+    """Each product of a table with a vector is one instruction with AVX and with SSE2."""
+    if platform.machine() != "x86_64":
+        pytest.skip("the instructions of x86 are counted")
+    model = body("given_13_table").model
+    tables = sum(
+        len(term.sums) for name in FUNCTIONS for s in model.kernel(name).statements for term in getattr(s, "terms", ())
+    )
+    assert tables == 9 + 10 + 13 + 21
+    assert products(compiler, tmp_path, "-mavx")["y"] >= tables
+    assert products(compiler, tmp_path)["x"] >= tables
+    assert products(compiler, tmp_path, "-mavx", "-DTISSERAND_NO_VECTORS")["y"] < tables
+
+
+X = ArrayAccess("x", "i")
+
+
+@pytest.mark.parametrize(
+    "term", [Operation(Operator.SQRT, (X,)), ArrayAccess("x", "i", 2), Operation(Operator.MIN, (X, ScalarRef("a")))]
+)
+def test_what_vectors_do_not_have_is_summed_number_by_number(term: Operation | ArrayAccess) -> None:
+    sums = (Sum("s", Number(Fraction(0)), term),)
+    assert not any("TISSERAND_LOAD" in line.text for line in CLoops().lines(Accumulate(8, (), sums)))
+
+
+def test_values_in_a_sum_are_vectors_where_they_differ_from_lane_to_lane() -> None:
+    product = Operation(Operator.MUL, (ScalarRef("a"), ScalarRef("b")))
+    lets = (Let("same", product), Let("own", Operation(Operator.ADD, (X, ScalarRef("same")))))
+    sums = (Sum("s", Number(Fraction(0)), Operation(Operator.MUL, (ScalarRef("own"), X))),)
+    text = "\n".join(line.text for line in CLoops().lines(Accumulate(8, lets, sums)))
+    assert "const double same = a * b;" in text
+    assert "const tisserand_lanes own = TISSERAND_LOAD(x + i + l) + same;" in text
+    assert "s_l += own * TISSERAND_LOAD(x + i + l);" in text
