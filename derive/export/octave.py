@@ -1,4 +1,4 @@
-"""`--to octave`: a MEX function with the functions of a model, and a script that tests its motion."""
+"""`--to octave`: a MEX function with the functions of a model, xdot for solvers, and a script that tests both."""
 
 from __future__ import annotations
 
@@ -46,6 +46,7 @@ def octave_files(model: HostModel) -> tuple[File, ...]:
             ("parameters", model.parameters),
         ],
         "nq": len(model.coordinates),
+        "end": f"{motion.times[-1]:g}",
         "held": _numbers(model.held_inputs),
         "numbers": _numbers,
         "times": _numbers(motion.times),
@@ -57,6 +58,7 @@ def octave_files(model: HostModel) -> tuple[File, ...]:
         File("build.m", render("export/octave/build.m.jinja", values)),
         File("sample.m", render("export/octave/sample.m.jinja", values)),
         File(f"{name}_info.m", render("export/octave/info.m.jinja", values)),
+        File(f"{name}_ode.m", render("export/octave/ode.m.jinja", values)),
         File(f"{name}_mex.c", render("export/octave/mex.c.jinja", values)),
         File(f"{name}.h", model.header.text),
         File(f"{name}.c", model.source.text),
