@@ -10,13 +10,11 @@ import casadi as ca
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE
 from derive.backends.wrapping import prefixed
+from derive.export.c_parts import host_copy
 from derive.export.casadi_graph import INPUTS, OUTPUTS, model_graph, sizes_of
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
-from derive.ir.model import PARAMETER_JACOBIAN, Model
-from derive.ir.patterns import Pattern
 from derive.rendering import render
-from derive.spec.model.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -47,25 +45,21 @@ class Table:
 
 def casadi_files(host: HostModel) -> tuple[File, ...]:
     """The C of a model that has derivatives with respect to parameters and inputs, and the external function."""
-    model, name = host.model, host.name
+    name = host.name
     sizes = sizes_of(host)
     graph = model_graph(host)
     by_time = any(graph.jac_sparsity(i, 0).nnz() for i in range(len(OUTPUTS)))
     blocks = {(f, x): graph.jac_sparsity(i, j) for i, f in enumerate(OUTPUTS) for j, x in enumerate(INPUTS)}
     if by_time:
         blocks |= {(f, "t"): ca.Sparsity(sizes[f], 1) for f in OUTPUTS}
-    patterns = _patterns(model)
     initial = {"x": host.states, "u": host.inputs, "p": host.parameters}
     values = {
         "mark": MARK,
         "licence": LICENCE,
         "name": name,
         "macro": name.upper(),
-        "title": model.doc,
-        "scene": isinstance(host.spec, Scene),
-        "sizes": {"u": sizes["u"], "out": sizes["y"], "multipliers": len(host.multipliers)},
-        "nnz": {key: len(pattern.rowidx) for key, pattern in patterns.items()} | ({} if sizes["y"] else {"out": 0}),
-        "nonzeros": sum(len(pattern.rowidx) for pattern in patterns.values()),
+        "title": host.model.doc,
+        "sizes": {"u": sizes["u"], "out": sizes["y"]},
         "differentiable_time": not by_time,
         "sparsities": [
             *(_table(f"{name}_sparsity_of_{key}", (size, 1, 1)) for key, size in sizes.items()),
@@ -79,14 +73,9 @@ def casadi_files(host: HostModel) -> tuple[File, ...]:
         File(f"{name}.c", host.source.text),
         File("manifest.json", host.manifest.text),
         File(f"{name}_casadi.c", render("export/casadi/external.c.jinja", values)),
+        host_copy("", "ode.h"),
+        host_copy("", "ode.c", f'#define TISSERAND_HEADER "{name}.h"\n'),
     )
-
-
-def _patterns(model: Model) -> dict[str, Pattern]:
-    """Those of the iteration matrix of index 1 or of a body, of the derivatives by [p; u], and of the outputs."""
-    jacobian = "jacobian_index1" if model.bodies else "jacobian"
-    patterns = {"jac": model.pattern(jacobian, "jac"), "par": model.pattern(PARAMETER_JACOBIAN, "jac")}
-    return patterns | ({"out": model.pattern("outputs_jacobian", "jac")} if model.outputs else {})
 
 
 def _compressed(block: ca.Sparsity) -> list[int]:
@@ -118,7 +107,7 @@ def _table(name: str, numbers: Iterable[float]) -> Table:
 CASADI = Interface(
     "CasADi and what is built on it: an external function with exact derivatives, for optimal control and estimation",
     casadi_files,
-    "cc -O2 -shared -fPIC {folder}/{name}_casadi.c {folder}/{name}.c -o {name}.so -lm, then "
+    "cc -O2 -shared -fPIC {folder}/{name}_casadi.c {folder}/{name}.c {folder}/ode.c -o {name}.so -lm, then "
     'casadi.external("{name}", "./{name}.so")',
     sensitivities=True,
 )

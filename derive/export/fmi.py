@@ -22,8 +22,8 @@ from derive.spec.model.scene_functions import breaks
 from derive.spec.model.simulation import Simulation
 from derive.version import VERSION
 
-INTEGRATOR = ("adaptive", "dormand_prince", "fixed_step")
-"""The parts of `templates/host` with which units integrate in co-simulation."""
+HOSTS = ("ode", "adaptive", "dormand_prince", "fixed_step")
+"""The parts of `templates/host` with which units take derivatives, and integrate in co-simulation."""
 
 NO_SIMULATION = Simulation(duration=1.0, output=0.01)
 """The default experiment of a specification that describes none."""
@@ -61,7 +61,7 @@ def _archive(content: Mapping[str, bytes]) -> bytes:
 
 def _sources(model: HostModel, version: int) -> dict[str, str]:
     """The C of a unit by file names, with a model.c that has no token yet."""
-    copies = [("host", f"{part}{ending}") for part in INTEGRATOR for ending in (".h", ".c")]
+    copies = [("host", f"{part}{ending}") for part in HOSTS for ending in (".h", ".c")]
     parts = ("instance", "motion", "derivatives", f"fmi{version}")
     copies += [("export/fmi", f"{part}{ending}") for part in parts for ending in (".h", ".c")]
     every = {f"{model.name}.h": model.header.text, f"{model.name}.c": model.source.text}

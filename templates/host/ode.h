@@ -1,9 +1,9 @@
 /*
  * SPDX-License-Identifier: 0BSD
  *
- * Any generated model, by its descriptor, as the ordinary differential equation ydot = f(t, y) with y = [q; v], and the
- * exact derivatives of f with respect to y, to the parameters p and to the inputs u. C99 or C++, and the header of a
- * model; no allocation, no global data.
+ * Any generated model, by its descriptor, as the ordinary differential equation ydot = f(t, y) with y = [q; v] and the
+ * outputs out(t, y), and the exact derivatives of both with respect to y, to the parameters p and to the inputs u. C99 or
+ * C++, and the header of a model; no allocation, no global data.
  *
  *     cc -std=c99 -DTISSERAND_HEADER='"my_scene.h"' ode.c my_scene.c my_program.c -lm
  *
@@ -43,15 +43,34 @@ int tisserand_ode_rates(
     const double *y,
     double *ydot);
 
-/* Prepare the derivatives of f at t, y, which work keeps until the next call of this or of the function above. */
+/* The same with the nlambda multipliers and the nout outputs, each of which may be 0. */
+int tisserand_ode_evaluate(
+    const tisserand_ode *ode,
+    double t,
+    const double *y,
+    double *ydot,
+    double *lambda,
+    double *out);
+
+/* Prepare the derivatives at t, y, which work keeps until the next call of this or of the functions above. */
 int tisserand_ode_linearise(
     const tisserand_ode *ode,
     double t,
     const double *y);
 
-/* The change dydot of ydot for the changes dy of y (nq + nv), and of one parameter or input by 1: a number below np
-   is that of a parameter, np + j is input j, and -1 is none. dy may be 0. t and y are those of linearise; dydot may not
-   overlap dy. */
+/* The changes dydot of ydot and dout of the outputs for the changes dy of y (nq + nv) and dpu of the parameters and
+   inputs [p; u] (np + nu). Each of dy, dpu and dout may be 0. t and y are those of linearise; dydot may not overlap dy. */
+int tisserand_ode_directional(
+    const tisserand_ode *ode,
+    double t,
+    const double *y,
+    const double *dy,
+    const double *dpu,
+    double *dydot,
+    double *dout);
+
+/* The same for the change of one parameter or input by 1, without the outputs: a number below np is that of a parameter,
+   np + j is input j, and -1 is none. */
 int tisserand_ode_change(
     const tisserand_ode *ode,
     double t,
@@ -59,6 +78,17 @@ int tisserand_ode_change(
     const double *dy,
     int parameter,
     double *dydot);
+
+/* The products of the transposed derivatives: the gradients dy and dpu of wydot^T ydot + wout^T out with respect to y and
+   to [p; u], with the weights wydot (nq + nv) and wout (nout). wout and dpu may be 0. t and y are those of linearise. */
+int tisserand_ode_adjoint(
+    const tisserand_ode *ode,
+    double t,
+    const double *y,
+    const double *wydot,
+    const double *wout,
+    double *dy,
+    double *dpu);
 
 /* Of a consistent state y at t, which depends on a parameter or an input where constraints do: its change dy when the
    constraints and their rates stay zero and q, then v, change as little as possible. linearise is not needed. */

@@ -59,6 +59,15 @@ value = "2"
 [forces.push]
 at = "slider.pin"
 components = [{ input = "push" }, 0]
+[outputs.tip]
+kind = "position"
+marker = "left.tip"
+[outputs.support]
+kind = "reaction"
+joint = "first"
+[outputs.acceleration]
+kind = "acceleration"
+marker = "right.end"
 [simulation]
 duration = 1
 output = 0.1
@@ -158,6 +167,30 @@ def test_changes_are_derivatives(name: str) -> None:
         assert ode.call("linearise", k, t, y) == 0
         assert ode.call("change", k, t, y, moved, j, change) == 0
         assert change == pytest.approx(expected, abs=1e-7 * max(scale, np.abs(expected).max()))
+
+
+@pytest.mark.parametrize("name", SPECS)
+def test_outputs_have_derivatives_and_all_are_transposed(name: str) -> None:
+    ode, t = made(name), 0.3
+    pu, y = point(ode, name)
+    k, nout = ode.constants(pu), len(ode.native.outputs) if name == "linkage" else 0
+    assert (nout > 0) == (name == "linkage")
+
+    def values(pu: np.ndarray, y: np.ndarray) -> np.ndarray:
+        ydot, multipliers, out = np.empty(ode.n), np.empty(20), np.empty(nout)
+        assert ode.call("evaluate", ode.constants(pu), t, y, ydot, multipliers, out) == 0
+        return np.append(ydot, out)
+
+    assert ode.call("linearise", k, t, y) == 0
+    rng, results = np.random.default_rng(3), np.empty(ode.n + nout)
+    dy, dpu = rng.normal(size=ode.n), rng.normal(size=len(pu)) * np.abs(pu)
+    assert ode.call("directional", k, t, y, dy, dpu, results[: ode.n], results[ode.n :]) == 0
+    expected = difference(lambda s: values(pu + s * dpu, y + s * dy), 1e-4)
+    assert results == pytest.approx(expected, abs=2e-7 * np.abs(expected).max())
+    assert ode.call("linearise", k, t, y) == 0
+    weights, gradient = rng.normal(size=ode.n + nout), np.empty(ode.n + len(pu))
+    assert ode.call("adjoint", k, t, y, weights[: ode.n], weights[ode.n :], gradient[: ode.n], gradient[ode.n :]) == 0
+    assert gradient @ np.append(dy, dpu) == pytest.approx(weights @ results, rel=1e-11)
 
 
 def test_start_states_stay_consistent() -> None:

@@ -56,7 +56,7 @@ def host_of(name: str) -> HostModel:
 def library(name: str, folder: Path) -> Path:
     """The shared library of a model, compiled without warnings."""
     derive.write(exported_files(host_of(name), "casadi", INTERFACES["casadi"]), folder)
-    sources = [folder / f"{name}-casadi/{name}{end}.c" for end in ("_casadi", "")]
+    sources = [folder / f"{name}-casadi/{part}.c" for part in (f"{name}_casadi", name, "ode")]
     run(program("gcc"), *WARNINGS, "-O1", "-shared", "-fPIC", *sources, "-o", folder / f"{name}.so", "-lm")
     return folder / f"{name}.so"
 

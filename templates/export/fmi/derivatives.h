@@ -2,11 +2,7 @@
  * SPDX-License-Identifier: 0BSD
  *
  * Directional and adjoint derivatives of an instance: of the time derivatives of the states and of the outputs, with respect to
- * the inputs, the parameters and the states. They follow exactly from the Jacobians of the generated equations,
- *
- *     M dvdot - G^T dlambda = -dr,    G dvdot = -ds,
- *
- * where dr and ds are the changes of M vdot + h - G^T lambda and of G vdot - gamma at fixed accelerations and multipliers.
+ * the inputs, the parameters and the states. They are exact, see ode.h.
  */
 
 #ifndef TISSERAND_FMU_DERIVATIVES_H
@@ -14,7 +10,7 @@
 
 #include "instance.h"
 
-/* The number of doubles that are needed; 0 for a model without functions for derivatives. */
+/* The number of doubles of fmu->derivatives. */
 int fmu_derivatives_work(
     const tisserand_model *model);
 

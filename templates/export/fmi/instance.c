@@ -67,7 +67,8 @@ fmu_instance *fmu_create(const char *token, void (*log)(void *, fmu_status, cons
         return NULL;
     }
     fmu = (fmu_instance *) calloc(1, sizeof *fmu);
-    next = (double *) calloc((size_t) (count + more + tisserand_adaptive_work(model) + fmu_derivatives_work(model)),
+    next = (double *) calloc((size_t) (count + more + tisserand_adaptive_work(model) + tisserand_ode_work(model)
+                                       + fmu_derivatives_work(model)),
                              sizeof *next);
     if (fmu == NULL || next == NULL) {
         free(fmu);
@@ -96,7 +97,10 @@ fmu_instance *fmu_create(const char *token, void (*log)(void *, fmu_status, cons
     fmu->atol = fmu->lambda + model->nlambda;
     fmu->trial = fmu->atol + nx;
     fmu->work = fmu->trial + nx;
-    fmu->derivatives = fmu->work + tisserand_adaptive_work(model);
+    fmu->ode.model = model;
+    fmu->ode.k = fmu->k;
+    fmu->ode.work = fmu->work + tisserand_adaptive_work(model);
+    fmu->derivatives = fmu->ode.work + tisserand_ode_work(model);
     fmu->log = log;
     fmu->owner = owner;
     fmu_reset(fmu);
@@ -175,8 +179,6 @@ static int project(fmu_instance *fmu, double tolerance, double *x)
 fmu_status fmu_evaluate(fmu_instance *fmu)
 {
     const tisserand_model *model = fmu->model;
-    const double t = fmu->state[FMU_TIME], *q = fmu->x, *v = q + model->nq;
-    double *vdot = fmu->xdot + model->nq;
     int code = 0;
 
     if (fmu->evaluated) {
@@ -190,17 +192,10 @@ fmu_status fmu_evaluate(fmu_instance *fmu)
         code = prepare(fmu);
     }
     if (code == 0) {
-        code = model->rates(q, v, fmu->k, fmu->xdot);
+        code = tisserand_ode_evaluate(&fmu->ode, fmu->state[FMU_TIME], fmu->x, fmu->xdot, fmu->lambda, fmu->out);
     }
     if (code == 0) {
-        code = model->scene != NULL ? model->scene->solve(t, q, v, fmu->k, vdot, fmu->lambda)
-                                    : model->accel(t, q, v, fmu->k, vdot);
-    }
-    if (code == 0) {
-        code = model->energy(q, v, fmu->k, fmu->energy);
-    }
-    if (code == 0 && fmu->nout > 0) {
-        code = model->ports->outputs(t, q, v, vdot, fmu->lambda, fmu->k, fmu->out);
+        code = model->energy(fmu->x, fmu->x + model->nq, fmu->k, fmu->energy);
     }
     fmu->evaluated = code == 0;
     /* An importer may try another state, but not before the simulation. */

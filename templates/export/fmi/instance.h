@@ -14,6 +14,7 @@
 
 #include TISSERAND_HEADER
 #include "adaptive.h"
+#include "ode.h"
 
 #include <stddef.h>
 
@@ -45,7 +46,8 @@ typedef struct {
     double *atol, *trial, *work, *derivatives;
     int set_up;    /* whether k belongs to p */
     int evaluated; /* whether x (before the simulation), xdot, out, energy and lambda belong to the state */
-    int linearised; /* whether the Jacobians in derivatives belong to the state */
+    int linearised; /* whether the Jacobians of ode belong to the state */
+    tisserand_ode ode;
     tisserand_adaptive solver;
     tisserand_model moving; /* the model with prescribed motions that go on within a step of co-simulation */
     tisserand_scene moving_scene;
