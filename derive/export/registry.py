@@ -5,6 +5,7 @@ from __future__ import annotations
 from derive.export.acados_model import ACADOS
 from derive.export.casadi_external import CASADI
 from derive.export.cmake import CMAKE
+from derive.export.exudyn_body import EXUDYN
 from derive.export.fmi import FMU2, FMU2_ALL, FMU3, FMU3_ALL
 from derive.export.fortran import FORTRAN
 from derive.export.host_model import host_model
@@ -31,6 +32,7 @@ INTERFACES: Registry[Interface] = Registry(
         "acados": ACADOS,
         "jax": JAX,
         "sundials": SUNDIALS,
+        "exudyn": EXUDYN,
     },
 )
 

@@ -206,7 +206,8 @@ def _add_export(commands: Any) -> None:
         "rust (a crate), octave (a MEX function), fmu2 (FMI 2.0), fmu3 (FMI 3.0), "
         "fmu2-all (FMI 2.0, with binaries for all platforms), fmu3-all (likewise), "
         "casadi (CasADi, with exact derivatives), "
-        "acados (an AcadosModel), jax (a Python module for JAX), sundials (CVODE, CVODES, ARKODE and IDA in C)",
+        "acados (an AcadosModel), jax (a Python module for JAX), sundials (CVODE, CVODES, ARKODE and IDA in C), "
+        "exudyn (an object of Exudyn with user functions in C)",
     )
     _add_folder(export, "exported")
     add_set(export)

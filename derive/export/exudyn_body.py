@@ -1,0 +1,100 @@
+"""`--to exudyn`: a model as an object of Exudyn with user functions in C, and the Python module that adds it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from derive.artifacts import MARK, File
+from derive.backends.description import LICENCE
+from derive.errors import Problem, SpecError
+from derive.export.array_functions import LOOPS
+from derive.export.host_model import HostModel
+from derive.export.interface import Interface
+from derive.export.reference_motion import ACCEPTED, reference_motion
+from derive.ir.model import Model
+from derive.rendering import render
+from derive.roles import Role
+
+
+def exudyn_files(host: HostModel) -> tuple[File, ...]:
+    """The C of a model and of its user functions, the module that adds them to a system, and a sample program.
+
+    Raises SpecError for a model with loops, and what the integration of the reference motion raises.
+    """
+    model, name = host.model, host.name
+    if model.lowering != "flat":
+        raise SpecError((Problem("body.lowering", LOOPS.format(model.choice)),))
+    motion, quaternion = reference_motion(host), _quaternion(model)
+    multipliers = len(host.multipliers)
+    values = {
+        "mark": MARK,
+        "licence": LICENCE,
+        "name": name,
+        "macro": name.upper(),
+        "title": model.doc,
+        "host": host,
+        "scene": bool(model.bodies),
+        "quaternion": quaternion,
+        "constraints": multipliers if quaternion is None else 1,
+        "dimension": 2 if quaternion is None else 3,
+        "points": bool(model.markers),
+        "inputs": list(_inputs(host)),
+        "sizes": {
+            "q": len(host.coordinates),
+            "multipliers": multipliers,
+            "inputs": len(host.inputs),
+            "outputs": len(host.outputs),
+            "parameters": len(host.parameters),
+            "constants": sum(constant.size for constant in model.constants),
+            "nonzeros": max(_values(model)),
+        },
+        "times": motion.times.tolist(),
+        "states": motion.states.tolist(),
+        "scales": (motion.tolerances / ACCEPTED).tolist(),
+    }
+    return (
+        File(f"{name}.h", host.header.text),
+        File(f"{name}.c", host.source.text),
+        File(f"{name}_exudyn.c", render("export/exudyn/body.c.jinja", values)),
+        File(f"{name}_exudyn.py", render("export/exudyn/module.py.jinja", values)),
+        File("sample.py", render("export/exudyn/sample.py.jinja", values)),
+        File("manifest.json", host.manifest.text),
+    )
+
+
+def _quaternion(model: Model) -> int | None:
+    """The position of the quaternion in q, of a body in space."""
+    first = 0
+    for coordinate in model.coordinates:
+        if coordinate.role is Role.QUATERNION:
+            return first
+        first += coordinate.size
+    return None
+
+
+def _values(model: Model) -> Iterator[int]:
+    """The numbers of values of the sparse matrices that the user functions expand."""
+    named = [("mass", "M"), ("jacobian", "jac"), *((f"marker_{marker.name}", "jacobian") for marker in model.markers)]
+    if model.bodies:
+        named.append(("constraint_jacobian", "G"))
+    for kernel, output in named:
+        yield len(model.pattern(kernel, output).rowidx)
+
+
+def _inputs(host: HostModel) -> Iterator[tuple[str, int, tuple[float, ...]]]:
+    """The name of each input, the position of its first value in u, and its values where a host holds them."""
+    first, held = 0, host.held_inputs
+    while first < len(held):
+        end = first + 1
+        while end < len(held) and host.inputs[end].derivative > 0:
+            end += 1
+        yield host.inputs[first].name, first, held[first:end]
+        first = end
+
+
+EXUDYN = Interface(
+    "Exudyn: an object with user functions in C, with the joints of the model and points for others",
+    exudyn_files,
+    "cc -O2 -shared -fPIC {folder}/{name}_exudyn.c {folder}/{name}.c -o {name}.so -lm, then "
+    "python {folder}/sample.py ./{name}.so",
+)
