@@ -165,7 +165,7 @@ class Native:
 
     def force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
         """h(t, q, v) (nv,)."""
-        return self._compiled["force"]((q, v, self.own_at(t, k)), t, out=out)
+        return self._compiled["force"].at(t, q, v, self.own_at(t, k), out)
 
     def mass_force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
         """Values of M, and h."""
@@ -174,7 +174,7 @@ class Native:
 
     def accel(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
         """vdot (nv,) of M vdot + h = 0; of a scene with its constraint reactions."""
-        return self._compiled["accel"]((q, v, self.own_at(t, k)), t, out=out)
+        return self._compiled["accel"].at(t, q, v, self.own_at(t, k), out)
 
     def energy(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """Kinetic and strain energy, and the potential of gravity where there is gravity."""

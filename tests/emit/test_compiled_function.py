@@ -94,3 +94,11 @@ def test_wrong_outputs_are_refused() -> None:
     both[:5] = Q
     MODEL.accel(0.0, both[:5], V, K, out=frozen.copy())
     assert both[5:].tolist() == [0.0] * 4
+
+
+def test_an_output_that_became_an_argument_is_refused() -> None:
+    q, v, out = Q.copy(), V.copy(), np.empty(5)
+    MODEL.accel(0.0, q, v, K, out=out)
+    MODEL.accel(0.0, q, out, K)
+    with pytest.raises(ValueError, match="shares memory with an argument"):
+        MODEL.accel(0.0, q, out, K, out=out)
