@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_9f51e3354ec25526
+#ifndef BODY_SYMBOLIC_HASH_b170f916d83900af
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -1689,10 +1689,26 @@ int body_symbolic_jacobian(
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
+    /* oo (5): products of omega */
+    const double oo_11 = omega1 * omega1;
+    const double oo_12 = omega1 * omega2;
+    const double oo_13 = omega1 * omega3;
+    const double oo_22 = omega2 * omega2;
+    const double oo_23 = omega2 * omega3;
+    const double oo_33 = omega3 * omega3;
+
+    /* jacobian (15): derivatives of the residual */
+    const double f4 = 2.0 * oo_12;
+    const double f5 = 2.0 * oo_13;
+    const double f6 = 2.0 * oo_23;
+    const double f7 = 2.0 * omega1;
+    const double f8 = 2.0 * omega2;
+    const double f9 = 2.0 * omega3;
+
     /*
      * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
      *     Phi_i x rdot; C5dot_i = sum over the modes of alphadot_j C5_i_j_11; c7ddot_i = sum over
-     *     the modes of alphaddot_j c7_i_j_1
+     *     the modes of alphaddot_j c7_i_j_1; derivatives of the residual, for each pair of modes
      */
     double S_11[8];
     double S_12[8];
@@ -1796,6 +1812,41 @@ int body_symbolic_jacobian(
             TISSERAND_STORE(c7dot_3 + i + l, c7dot_3_l);
             TISSERAND_STORE(c7ddot_3 + i + l, c7ddot_3_l);
         }
+        for (int j = 0; j < 8; j++) {
+            double *column = jac + 23 + 12 * j + i;
+            const double *C5_11 = tables + 72 * i + 36 * j;
+            const double *C5_12 = tables + 4 + 72 * i + 36 * j;
+            const double *C5_13 = tables + 8 + 72 * i + 36 * j;
+            const double *C5_22 = tables + 12 + 72 * i + 36 * j;
+            const double *C5_23 = tables + 16 + 72 * i + 36 * j;
+            const double *C5_33 = tables + 20 + 72 * i + 36 * j;
+            const double *c7_1 = tables + 24 + 72 * i + 36 * j;
+            const double *c7_2 = tables + 28 + 72 * i + 36 * j;
+            const double *c7_3 = tables + 32 + 72 * i + 36 * j;
+            for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+                TISSERAND_STORE(column + l, -(oo_11 * TISSERAND_LOAD(C5_11 + l)) - f4 * TISSERAND_LOAD(C5_12 + l)
+                    - f5 * TISSERAND_LOAD(C5_13 + l) - oo_22 * TISSERAND_LOAD(C5_22 + l)
+                    - f6 * TISSERAND_LOAD(C5_23 + l) - oo_33 * TISSERAND_LOAD(C5_33 + l)
+                    - omega1dot * TISSERAND_LOAD(c7_1 + l) - omega2dot * TISSERAND_LOAD(c7_2 + l)
+                    - omega3dot * TISSERAND_LOAD(c7_3 + l));
+            }
+        }
+        for (int j = 0; j < 8; j++) {
+            double *column = jac + 170 + 12 * j + i;
+            const double *c7_1 = tables + 24 + 72 * i + 36 * j;
+            const double *c7_2 = tables + 28 + 72 * i + 36 * j;
+            const double *c7_3 = tables + 32 + 72 * i + 36 * j;
+            for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+                TISSERAND_STORE(column + l, -(f7 * TISSERAND_LOAD(c7_1 + l)) - f8 * TISSERAND_LOAD(c7_2 + l)
+                    - f9 * TISSERAND_LOAD(c7_3 + l));
+            }
+        }
+    }
+    TISSERAND_SHORT for (int j = 0; j < 8; j++) {
+        jac[23 + 13 * j] += K[j];
+    }
+    TISSERAND_SHORT for (int j = 0; j < 8; j++) {
+        jac[170 + 13 * j] += cj;
     }
 
     /*
@@ -1878,179 +1929,129 @@ int body_symbolic_jacobian(
     const double d3dot_2 = ((sums1[13][0] + sums1[13][1]) + (sums1[13][2] + sums1[13][3]));
     const double d3dot_3 = ((sums1[14][0] + sums1[14][1]) + (sums1[14][2] + sums1[14][3]));
 
-    /* oo (5): products of omega */
-    const double oo_11 = omega1 * omega1;
-    const double oo_12 = omega1 * omega2;
-    const double oo_13 = omega1 * omega3;
-    const double oo_22 = omega2 * omega2;
-    const double oo_23 = omega2 * omega3;
-    const double oo_33 = omega3 * omega3;
-
     /* jacobian (15): derivatives of the residual */
-    const double f13 = 2.0 * omega2dot;
-    const double f11 = 2.0 * oo_13;
-    const double f1 = f13 - f11;
-    const double f2 = 2.0 * oo_23;
-    const double t1 = 2.0 * oo_22;
-    const double t2 = 2.0 * oo_33;
-    const double f3 = t1 - t2;
-    const double f4 = 2.0 * omega1;
-    const double f5 = 2.0 * omega2;
-    const double f6 = 2.0 * omega3;
-    const double f7 = 2.0 * omega1dot;
-    const double f18 = 2.0 * omega3dot;
-    const double f14 = 2.0 * oo_12;
-    const double f8 = f18 + f14;
-    const double t3 = 2.0 * oo_11;
-    const double f9 = t3 - t2;
-    const double f10 = f18 - f14;
-    const double f12 = f7 + f2;
-    const double f15 = t3 - t1;
-    const double f16 = f7 - f2;
-    const double f17 = f13 + f11;
+    const double f17 = 2.0 * omega2dot;
+    const double t1 = 2.0 * oo_13;
+    const double f10 = f17 - t1;
+    const double t2 = 2.0 * oo_22;
+    const double t3 = 2.0 * oo_33;
+    const double f11 = t2 - t3;
+    const double f12 = 2.0 * omega1dot;
+    const double f21 = 2.0 * omega3dot;
+    const double t4 = 2.0 * oo_12;
+    const double f13 = f21 + t4;
+    const double t5 = 2.0 * oo_11;
+    const double f14 = t5 - t3;
+    const double f15 = f21 - t4;
+    const double t6 = 2.0 * oo_23;
+    const double f16 = f12 + t6;
+    const double f18 = t5 - t2;
+    const double f19 = f12 - t6;
+    const double f20 = f17 + t1;
     jac[0] = cj;
     jac[1] = cj;
     jac[2] = cj;
     jac[3] = cj;
-    const double t4 = 0.5 * omega1;
-    const double t5 = -t4;
-    jac[4] = t5;
-    const double t6 = 0.5 * omega2;
-    const double t7 = -t6;
-    jac[5] = t7;
-    const double t8 = 0.5 * omega3;
-    const double t9 = -t8;
-    jac[6] = t9;
-    jac[7] = t4;
+    const double t7 = 0.5 * omega1;
+    const double t8 = -t7;
+    jac[4] = t8;
+    const double t9 = 0.5 * omega2;
+    const double t10 = -t9;
+    jac[5] = t10;
+    const double t11 = 0.5 * omega3;
+    const double t12 = -t11;
+    jac[6] = t12;
+    jac[7] = t7;
     jac[8] = cj;
-    jac[9] = t8;
-    jac[10] = t7;
-    jac[11] = t6;
-    jac[12] = t9;
+    jac[9] = t11;
+    jac[10] = t10;
+    jac[11] = t9;
+    jac[12] = t12;
     jac[13] = cj;
-    jac[14] = t4;
-    jac[15] = t8;
-    jac[16] = t6;
-    jac[17] = t5;
+    jac[14] = t7;
+    jac[15] = t11;
+    jac[16] = t9;
+    jac[17] = t8;
     jac[18] = cj;
     jac[115] = -1.0;
-    const double t10 = cj * mass;
-    jac[116] = t10;
+    const double t13 = cj * mass;
+    jac[116] = t13;
     jac[117] = -1.0;
-    jac[118] = t10;
+    jac[118] = t13;
     jac[119] = -1.0;
-    jac[120] = t10;
-    const double t11 = 0.5 * e1;
-    jac[121] = t11;
-    const double t12 = (-0.5) * e0;
-    jac[122] = t12;
-    const double t13 = 0.5 * e3;
-    jac[123] = -t13;
-    const double t14 = 0.5 * e2;
-    jac[124] = t14;
-    const double t15 = J_13 * omega2;
-    const double t16 = J_12 * omega3;
-    jac[125] = 2.0 * Sdot_11 + J_11 * cj + t15 - t16;
-    const double t17 = 2.0 * Sdot_12;
-    const double t18 = J_12 * cj;
-    const double t19 = 2.0 * J_13;
-    const double t20 = J_33 * omega3;
-    jac[126] = t17 + J_11 * omega3 + t18 - d3dot_3 - t19 * omega1 - J_23 * omega2 - t20;
-    const double t21 = 2.0 * Sdot_13;
-    const double t22 = 2.0 * J_12;
-    const double t23 = J_13 * cj;
-    const double t24 = J_22 * omega2;
-    jac[127] = t21 + d3dot_2 + t22 * omega1 + t23 + t24 + J_23 * omega3 - J_11 * omega2;
-    jac[136] = t14;
-    jac[137] = t13;
-    jac[138] = t12;
-    jac[139] = -t11;
-    const double t25 = 2.0 * J_23;
-    jac[140] = t17 + d3dot_3 + t18 + J_13 * omega1 + t25 * omega2 + t20 - J_22 * omega3;
-    const double t26 = J_23 * omega1;
-    jac[141] = 2.0 * Sdot_22 + t16 + J_22 * cj - t26;
-    const double t27 = 2.0 * Sdot_23;
-    const double t28 = J_23 * cj;
-    const double t29 = J_11 * omega1;
-    jac[142] = t27 + J_22 * omega1 + t28 - d3dot_1 - t29 - t22 * omega2 - J_13 * omega3;
-    jac[151] = t13;
-    jac[152] = -t14;
-    jac[153] = t11;
-    jac[154] = t12;
-    jac[155] = t21 + t23 + J_33 * omega2 - d3dot_2 - J_12 * omega1 - t24 - t25 * omega3;
-    jac[156] = t27 + d3dot_1 + t29 + J_12 * omega2 + t19 * omega3 + t28 - J_33 * omega1;
-    jac[157] = 2.0 * Sdot_33 + t26 + J_33 * cj - t15;
+    jac[120] = t13;
+    const double t14 = 0.5 * e1;
+    jac[121] = t14;
+    const double t15 = (-0.5) * e0;
+    jac[122] = t15;
+    const double t16 = 0.5 * e3;
+    jac[123] = -t16;
+    const double t17 = 0.5 * e2;
+    jac[124] = t17;
+    const double t18 = J_13 * omega2;
+    const double t19 = J_12 * omega3;
+    jac[125] = 2.0 * Sdot_11 + J_11 * cj + t18 - t19;
+    const double t20 = 2.0 * Sdot_12;
+    const double t21 = J_12 * cj;
+    const double t22 = 2.0 * J_13;
+    const double t23 = J_33 * omega3;
+    jac[126] = t20 + J_11 * omega3 + t21 - d3dot_3 - t22 * omega1 - J_23 * omega2 - t23;
+    const double t24 = 2.0 * Sdot_13;
+    const double t25 = 2.0 * J_12;
+    const double t26 = J_13 * cj;
+    const double t27 = J_22 * omega2;
+    jac[127] = t24 + d3dot_2 + t25 * omega1 + t26 + t27 + J_23 * omega3 - J_11 * omega2;
+    jac[136] = t17;
+    jac[137] = t16;
+    jac[138] = t15;
+    jac[139] = -t14;
+    const double t28 = 2.0 * J_23;
+    jac[140] = t20 + d3dot_3 + t21 + J_13 * omega1 + t28 * omega2 + t23 - J_22 * omega3;
+    const double t29 = J_23 * omega1;
+    jac[141] = 2.0 * Sdot_22 + t19 + J_22 * cj - t29;
+    const double t30 = 2.0 * Sdot_23;
+    const double t31 = J_23 * cj;
+    const double t32 = J_11 * omega1;
+    jac[142] = t30 + J_22 * omega1 + t31 - d3dot_1 - t32 - t25 * omega2 - J_13 * omega3;
+    jac[151] = t16;
+    jac[152] = -t17;
+    jac[153] = t14;
+    jac[154] = t15;
+    jac[155] = t24 + t26 + J_33 * omega2 - d3dot_2 - J_12 * omega1 - t27 - t28 * omega3;
+    jac[156] = t30 + d3dot_1 + t32 + J_12 * omega2 + t22 * omega3 + t31 - J_33 * omega1;
+    jac[157] = 2.0 * Sdot_33 + t29 + J_33 * cj - t18;
 
     /* jacobian_i (15): derivatives of the residual, for each mode */
     TISSERAND_SHORT for (int i = 0; i < 8; i++) {
         jac[19 + 12 * i] = cj;
-        jac[20 + 12 * i] = c7ddot_1[i] + f4 * C5dot_11[i] + f5 * C5dot_12[i] + f6 * C5dot_13[i]
-            + f7 * S_11[i] + f1 * S_12[i] + f8 * S_13[i] + f3 * S_23[i] + f2 * S_33[i]
-            + omega2 * c7dot_3[i] - f2 * S_22[i] - omega3 * c7dot_2[i];
-        jac[21 + 12 * i] = c7ddot_2[i] + f4 * C5dot_12[i] + f5 * C5dot_22[i] + f6 * C5dot_23[i]
-            + f11 * S_11[i] + f12 * S_12[i] + f13 * S_22[i] + f10 * S_23[i] + omega3 * c7dot_1[i]
-            - f9 * S_13[i] - f11 * S_33[i] - omega1 * c7dot_3[i];
-        jac[22 + 12 * i] = c7ddot_3[i] + f4 * C5dot_13[i] + f5 * C5dot_23[i] + f6 * C5dot_33[i]
-            + f15 * S_12[i] + f16 * S_13[i] + f14 * S_22[i] + f17 * S_23[i] + f18 * S_33[i]
-            + omega1 * c7dot_2[i] - f14 * S_11[i] - omega2 * c7dot_1[i];
-        const double t30 = cj * d3_1[i];
-        const double t31 = f4 * S_11[i];
-        const double t32 = f5 * S_12[i];
-        const double t33 = f6 * S_13[i];
-        jac[128 + i] = t30 - 2.0 * c7dot_1[i] - t31 - t32 - t33;
-        const double t34 = cj * d3_2[i];
-        const double t35 = f4 * S_12[i];
-        const double t36 = f5 * S_22[i];
-        const double t37 = f6 * S_23[i];
-        jac[143 + i] = t34 - 2.0 * c7dot_2[i] - t35 - t36 - t37;
-        const double t38 = cj * d3_3[i];
-        const double t39 = f4 * S_13[i];
-        const double t40 = f5 * S_23[i];
-        const double t41 = f6 * S_33[i];
-        jac[158 + i] = t38 - 2.0 * c7dot_3[i] - t39 - t40 - t41;
+        jac[20 + 12 * i] = c7ddot_1[i] + f7 * C5dot_11[i] + f8 * C5dot_12[i] + f9 * C5dot_13[i]
+            + f12 * S_11[i] + f10 * S_12[i] + f13 * S_13[i] + f11 * S_23[i] + f6 * S_33[i]
+            + omega2 * c7dot_3[i] - f6 * S_22[i] - omega3 * c7dot_2[i];
+        jac[21 + 12 * i] = c7ddot_2[i] + f7 * C5dot_12[i] + f8 * C5dot_22[i] + f9 * C5dot_23[i]
+            + f5 * S_11[i] + f16 * S_12[i] + f17 * S_22[i] + f15 * S_23[i] + omega3 * c7dot_1[i]
+            - f14 * S_13[i] - f5 * S_33[i] - omega1 * c7dot_3[i];
+        jac[22 + 12 * i] = c7ddot_3[i] + f7 * C5dot_13[i] + f8 * C5dot_23[i] + f9 * C5dot_33[i]
+            + f18 * S_12[i] + f19 * S_13[i] + f4 * S_22[i] + f20 * S_23[i] + f21 * S_33[i]
+            + omega1 * c7dot_2[i] - f4 * S_11[i] - omega2 * c7dot_1[i];
+        const double t33 = cj * d3_1[i];
+        const double t34 = f7 * S_11[i];
+        const double t35 = f8 * S_12[i];
+        const double t36 = f9 * S_13[i];
+        jac[128 + i] = t33 - 2.0 * c7dot_1[i] - t34 - t35 - t36;
+        const double t37 = cj * d3_2[i];
+        const double t38 = f7 * S_12[i];
+        const double t39 = f8 * S_22[i];
+        const double t40 = f9 * S_23[i];
+        jac[143 + i] = t37 - 2.0 * c7dot_2[i] - t38 - t39 - t40;
+        const double t41 = cj * d3_3[i];
+        const double t42 = f7 * S_13[i];
+        const double t43 = f8 * S_23[i];
+        const double t44 = f9 * S_33[i];
+        jac[158 + i] = t41 - 2.0 * c7dot_3[i] - t42 - t43 - t44;
         jac[166 + 12 * i] = -1.0;
-        jac[167 + 12 * i] = t31 + t32 + t33 + t30 + omega2 * d3_3[i] - omega3 * d3_2[i];
-        jac[168 + 12 * i] = t35 + t36 + t37 + t34 + omega3 * d3_1[i] - omega1 * d3_3[i];
-        jac[169 + 12 * i] = t39 + t40 + t41 + t38 + omega1 * d3_2[i] - omega2 * d3_1[i];
-    }
-    for (int i = 0; i < 8; i += 4) {
-        for (int j = 0; j < 8; j++) {
-            double *column = jac + 23 + 12 * j + i;
-            const double *C5_11 = tables + 72 * i + 36 * j;
-            const double *C5_12 = tables + 4 + 72 * i + 36 * j;
-            const double *C5_13 = tables + 8 + 72 * i + 36 * j;
-            const double *C5_22 = tables + 12 + 72 * i + 36 * j;
-            const double *C5_23 = tables + 16 + 72 * i + 36 * j;
-            const double *C5_33 = tables + 20 + 72 * i + 36 * j;
-            const double *c7_1 = tables + 24 + 72 * i + 36 * j;
-            const double *c7_2 = tables + 28 + 72 * i + 36 * j;
-            const double *c7_3 = tables + 32 + 72 * i + 36 * j;
-            for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
-                TISSERAND_STORE(column + l, -(oo_11 * TISSERAND_LOAD(C5_11 + l)) - f14 * TISSERAND_LOAD(C5_12 + l)
-                    - f11 * TISSERAND_LOAD(C5_13 + l) - oo_22 * TISSERAND_LOAD(C5_22 + l)
-                    - f2 * TISSERAND_LOAD(C5_23 + l) - oo_33 * TISSERAND_LOAD(C5_33 + l)
-                    - omega1dot * TISSERAND_LOAD(c7_1 + l) - omega2dot * TISSERAND_LOAD(c7_2 + l)
-                    - omega3dot * TISSERAND_LOAD(c7_3 + l));
-            }
-        }
-    }
-    TISSERAND_SHORT for (int j = 0; j < 8; j++) {
-        jac[23 + 13 * j] += K[j];
-    }
-    for (int i = 0; i < 8; i += 4) {
-        for (int j = 0; j < 8; j++) {
-            double *column = jac + 170 + 12 * j + i;
-            const double *c7_1 = tables + 24 + 72 * i + 36 * j;
-            const double *c7_2 = tables + 28 + 72 * i + 36 * j;
-            const double *c7_3 = tables + 32 + 72 * i + 36 * j;
-            for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
-                TISSERAND_STORE(column + l, -(f4 * TISSERAND_LOAD(c7_1 + l)) - f5 * TISSERAND_LOAD(c7_2 + l)
-                    - f6 * TISSERAND_LOAD(c7_3 + l));
-            }
-        }
-    }
-    TISSERAND_SHORT for (int j = 0; j < 8; j++) {
-        jac[170 + 13 * j] += cj;
+        jac[167 + 12 * i] = t34 + t35 + t36 + t33 + omega2 * d3_3[i] - omega3 * d3_2[i];
+        jac[168 + 12 * i] = t38 + t39 + t40 + t37 + omega3 * d3_1[i] - omega1 * d3_3[i];
+        jac[169 + 12 * i] = t42 + t43 + t44 + t41 + omega1 * d3_2[i] - omega2 * d3_1[i];
     }
     return 0;
 }

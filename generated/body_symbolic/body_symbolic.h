@@ -262,8 +262,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "9f51e3354ec25526"
-#define BODY_SYMBOLIC_HASH_9f51e3354ec25526
+#define BODY_SYMBOLIC_HASH "b170f916d83900af"
+#define BODY_SYMBOLIC_HASH_b170f916d83900af
 
 /* ---- sizes and indices ---- */
 
@@ -498,8 +498,8 @@ int body_symbolic_residual(
  * k: constants from setup (639)
  * jac: values of the iteration matrix by columns, 29 x 29, 262 values
  *
- * From appendix, (5), (15).
- * 5578 operations.
+ * From (5), (15), appendix.
+ * 5581 operations.
  */
 int body_symbolic_jacobian(
     double t,

@@ -131,7 +131,7 @@ def _columns(rows, groups, symmetric):
 
 
 NAME = "body_symbolic"
-HASH = "9f51e3354ec25526"
+HASH = "b170f916d83900af"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -1142,8 +1142,8 @@ def jacobian(t, y, ydot, cj, k):
     k: constants from setup (639)
     jac: values of the iteration matrix by columns, 29 x 29, 262 values
 
-    From appendix, (5), (15).
-    5578 operations.
+    From (5), (15), appendix.
+    5581 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=29, ydot=29, cj=None, k=639), t, y, ydot, cj, k)
     e0 = y[..., 3]
@@ -1180,9 +1180,25 @@ def jacobian(t, y, ydot, cj, k):
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
     _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
+    # oo (5): products of omega
+    oo_11 = omega1 * omega1
+    oo_12 = omega1 * omega2
+    oo_13 = omega1 * omega3
+    oo_22 = omega2 * omega2
+    oo_23 = omega2 * omega3
+    oo_33 = omega3 * omega3
+
+    # jacobian (15): derivatives of the residual
+    f4 = 2 * oo_12
+    f5 = 2 * oo_13
+    f6 = 2 * oo_23
+    f7 = 2 * omega1
+    f8 = 2 * omega2
+    f9 = 2 * omega3
+
     # tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
     #     Phi_i x rdot; C5dot_i = sum over the modes of alphadot_j C5_i_j_11; c7ddot_i = sum over
-    #     the modes of alphaddot_j c7_i_j_1
+    #     the modes of alphaddot_j c7_i_j_1; derivatives of the residual, for each pair of modes
     S_11 = C4_11 + _product(xp, alpha, _table(xp, tables, 0, 36, 8))
     S_12 = C4_12 + _product(xp, alpha, _table(xp, tables, 4, 36, 8))
     S_13 = C4_13 + _product(xp, alpha, _table(xp, tables, 8, 36, 8))
@@ -1204,6 +1220,33 @@ def jacobian(t, y, ydot, cj, k):
     c7ddot_2 = _product(xp, alphaddot, _table(xp, tables, 28, 36, 8))
     C5dot_33 = _product(xp, alphadot, _table(xp, tables, 20, 36, 8))
     c7ddot_3 = _product(xp, alphaddot, _table(xp, tables, 32, 36, 8))
+    C5_11 = _table(xp, tables, 0, 36, 8)
+    C5_12 = _table(xp, tables, 4, 36, 8)
+    C5_13 = _table(xp, tables, 8, 36, 8)
+    C5_22 = _table(xp, tables, 12, 36, 8)
+    C5_23 = _table(xp, tables, 16, 36, 8)
+    C5_33 = _table(xp, tables, 20, 36, 8)
+    c7_1 = _table(xp, tables, 24, 36, 8)
+    c7_2 = _table(xp, tables, 28, 36, 8)
+    c7_3 = _table(xp, tables, 32, 36, 8)
+    block = (
+        -(_last(_last(oo_11)) * C5_11) - _last(_last(f4)) * C5_12 - _last(_last(f5)) * C5_13
+            - _last(_last(oo_22)) * C5_22 - _last(_last(f6)) * C5_23 - _last(_last(oo_33)) * C5_33
+            - _last(_last(omega1dot)) * c7_1 - _last(_last(omega2dot)) * c7_2
+            - _last(_last(omega3dot)) * c7_3
+    )
+    for j in range(8):
+        first = 23 + 12 * j
+        jac[..., first : first + 8] = block[..., j, :]
+    jac[..., 23:115:13] = jac[..., 23:115:13] + (K)
+    c7_1 = _table(xp, tables, 24, 36, 8)
+    c7_2 = _table(xp, tables, 28, 36, 8)
+    c7_3 = _table(xp, tables, 32, 36, 8)
+    block = -(_last(_last(f7)) * c7_1) - _last(_last(f8)) * c7_2 - _last(_last(f9)) * c7_3
+    for j in range(8):
+        first = 170 + 12 * j
+        jac[..., first : first + 8] = block[..., j, :]
+    jac[..., 170:262:13] = jac[..., 170:262:13] + (_last(cj))
 
     # sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
     #     rates; d3dot = int rho r x rdot
@@ -1223,175 +1266,137 @@ def jacobian(t, y, ydot, cj, k):
     d3dot_2 = xp.sum(alpha * c7dot_2, axis=-1)
     d3dot_3 = xp.sum(alpha * c7dot_3, axis=-1)
 
-    # oo (5): products of omega
-    oo_11 = omega1 * omega1
-    oo_12 = omega1 * omega2
-    oo_13 = omega1 * omega3
-    oo_22 = omega2 * omega2
-    oo_23 = omega2 * omega3
-    oo_33 = omega3 * omega3
-
     # jacobian (15): derivatives of the residual
-    f13 = 2 * omega2dot
-    f11 = 2 * oo_13
-    f1 = f13 - f11
-    f2 = 2 * oo_23
-    t1 = 2 * oo_22
-    t2 = 2 * oo_33
-    f3 = t1 - t2
-    f4 = 2 * omega1
-    f5 = 2 * omega2
-    f6 = 2 * omega3
-    f7 = 2 * omega1dot
-    f18 = 2 * omega3dot
-    f14 = 2 * oo_12
-    f8 = f18 + f14
-    t3 = 2 * oo_11
-    f9 = t3 - t2
-    f10 = f18 - f14
-    f12 = f7 + f2
-    f15 = t3 - t1
-    f16 = f7 - f2
-    f17 = f13 + f11
+    f17 = 2 * omega2dot
+    t1 = 2 * oo_13
+    f10 = f17 - t1
+    t2 = 2 * oo_22
+    t3 = 2 * oo_33
+    f11 = t2 - t3
+    f12 = 2 * omega1dot
+    f21 = 2 * omega3dot
+    t4 = 2 * oo_12
+    f13 = f21 + t4
+    t5 = 2 * oo_11
+    f14 = t5 - t3
+    f15 = f21 - t4
+    t6 = 2 * oo_23
+    f16 = f12 + t6
+    f18 = t5 - t2
+    f19 = f12 - t6
+    f20 = f17 + t1
     jac[..., 0] = cj
     jac[..., 1] = cj
     jac[..., 2] = cj
     jac[..., 3] = cj
-    t4 = 0.5 * omega1
-    t5 = -t4
-    jac[..., 4] = t5
-    t6 = 0.5 * omega2
-    t7 = -t6
-    jac[..., 5] = t7
-    t8 = 0.5 * omega3
-    t9 = -t8
-    jac[..., 6] = t9
-    jac[..., 7] = t4
+    t7 = 0.5 * omega1
+    t8 = -t7
+    jac[..., 4] = t8
+    t9 = 0.5 * omega2
+    t10 = -t9
+    jac[..., 5] = t10
+    t11 = 0.5 * omega3
+    t12 = -t11
+    jac[..., 6] = t12
+    jac[..., 7] = t7
     jac[..., 8] = cj
-    jac[..., 9] = t8
-    jac[..., 10] = t7
-    jac[..., 11] = t6
-    jac[..., 12] = t9
+    jac[..., 9] = t11
+    jac[..., 10] = t10
+    jac[..., 11] = t9
+    jac[..., 12] = t12
     jac[..., 13] = cj
-    jac[..., 14] = t4
-    jac[..., 15] = t8
-    jac[..., 16] = t6
-    jac[..., 17] = t5
+    jac[..., 14] = t7
+    jac[..., 15] = t11
+    jac[..., 16] = t9
+    jac[..., 17] = t8
     jac[..., 18] = cj
     jac[..., 115] = -1
-    t10 = cj * mass
-    jac[..., 116] = t10
+    t13 = cj * mass
+    jac[..., 116] = t13
     jac[..., 117] = -1
-    jac[..., 118] = t10
+    jac[..., 118] = t13
     jac[..., 119] = -1
-    jac[..., 120] = t10
-    t11 = 0.5 * e1
-    jac[..., 121] = t11
-    t12 = (-0.5) * e0
-    jac[..., 122] = t12
-    t13 = 0.5 * e3
-    jac[..., 123] = -t13
-    t14 = 0.5 * e2
-    jac[..., 124] = t14
-    t15 = J_13 * omega2
-    t16 = J_12 * omega3
-    jac[..., 125] = 2 * Sdot_11 + J_11 * cj + t15 - t16
-    t17 = 2 * Sdot_12
-    t18 = J_12 * cj
-    t19 = 2 * J_13
-    t20 = J_33 * omega3
-    jac[..., 126] = t17 + J_11 * omega3 + t18 - d3dot_3 - t19 * omega1 - J_23 * omega2 - t20
-    t21 = 2 * Sdot_13
-    t22 = 2 * J_12
-    t23 = J_13 * cj
-    t24 = J_22 * omega2
-    jac[..., 127] = t21 + d3dot_2 + t22 * omega1 + t23 + t24 + J_23 * omega3 - J_11 * omega2
-    jac[..., 136] = t14
-    jac[..., 137] = t13
-    jac[..., 138] = t12
-    jac[..., 139] = -t11
-    t25 = 2 * J_23
-    jac[..., 140] = t17 + d3dot_3 + t18 + J_13 * omega1 + t25 * omega2 + t20 - J_22 * omega3
-    t26 = J_23 * omega1
-    jac[..., 141] = 2 * Sdot_22 + t16 + J_22 * cj - t26
-    t27 = 2 * Sdot_23
-    t28 = J_23 * cj
-    t29 = J_11 * omega1
-    jac[..., 142] = t27 + J_22 * omega1 + t28 - d3dot_1 - t29 - t22 * omega2 - J_13 * omega3
-    jac[..., 151] = t13
-    jac[..., 152] = -t14
-    jac[..., 153] = t11
-    jac[..., 154] = t12
-    jac[..., 155] = t21 + t23 + J_33 * omega2 - d3dot_2 - J_12 * omega1 - t24 - t25 * omega3
-    jac[..., 156] = t27 + d3dot_1 + t29 + J_12 * omega2 + t19 * omega3 + t28 - J_33 * omega1
-    jac[..., 157] = 2 * Sdot_33 + t26 + J_33 * cj - t15
+    jac[..., 120] = t13
+    t14 = 0.5 * e1
+    jac[..., 121] = t14
+    t15 = (-0.5) * e0
+    jac[..., 122] = t15
+    t16 = 0.5 * e3
+    jac[..., 123] = -t16
+    t17 = 0.5 * e2
+    jac[..., 124] = t17
+    t18 = J_13 * omega2
+    t19 = J_12 * omega3
+    jac[..., 125] = 2 * Sdot_11 + J_11 * cj + t18 - t19
+    t20 = 2 * Sdot_12
+    t21 = J_12 * cj
+    t22 = 2 * J_13
+    t23 = J_33 * omega3
+    jac[..., 126] = t20 + J_11 * omega3 + t21 - d3dot_3 - t22 * omega1 - J_23 * omega2 - t23
+    t24 = 2 * Sdot_13
+    t25 = 2 * J_12
+    t26 = J_13 * cj
+    t27 = J_22 * omega2
+    jac[..., 127] = t24 + d3dot_2 + t25 * omega1 + t26 + t27 + J_23 * omega3 - J_11 * omega2
+    jac[..., 136] = t17
+    jac[..., 137] = t16
+    jac[..., 138] = t15
+    jac[..., 139] = -t14
+    t28 = 2 * J_23
+    jac[..., 140] = t20 + d3dot_3 + t21 + J_13 * omega1 + t28 * omega2 + t23 - J_22 * omega3
+    t29 = J_23 * omega1
+    jac[..., 141] = 2 * Sdot_22 + t19 + J_22 * cj - t29
+    t30 = 2 * Sdot_23
+    t31 = J_23 * cj
+    t32 = J_11 * omega1
+    jac[..., 142] = t30 + J_22 * omega1 + t31 - d3dot_1 - t32 - t25 * omega2 - J_13 * omega3
+    jac[..., 151] = t16
+    jac[..., 152] = -t17
+    jac[..., 153] = t14
+    jac[..., 154] = t15
+    jac[..., 155] = t24 + t26 + J_33 * omega2 - d3dot_2 - J_12 * omega1 - t27 - t28 * omega3
+    jac[..., 156] = t30 + d3dot_1 + t32 + J_12 * omega2 + t22 * omega3 + t31 - J_33 * omega1
+    jac[..., 157] = 2 * Sdot_33 + t29 + J_33 * cj - t18
 
     # jacobian_i (15): derivatives of the residual, for each mode
     jac[..., 19:104:12] = _last(cj)
     jac[..., 20:105:12] = (
-        c7ddot_1 + _last(f4) * C5dot_11 + _last(f5) * C5dot_12 + _last(f6) * C5dot_13
-            + _last(f7) * S_11 + _last(f1) * S_12 + _last(f8) * S_13 + _last(f3) * S_23
-            + _last(f2) * S_33 + _last(omega2) * c7dot_3 - _last(f2) * S_22
+        c7ddot_1 + _last(f7) * C5dot_11 + _last(f8) * C5dot_12 + _last(f9) * C5dot_13
+            + _last(f12) * S_11 + _last(f10) * S_12 + _last(f13) * S_13 + _last(f11) * S_23
+            + _last(f6) * S_33 + _last(omega2) * c7dot_3 - _last(f6) * S_22
             - _last(omega3) * c7dot_2
     )
     jac[..., 21:106:12] = (
-        c7ddot_2 + _last(f4) * C5dot_12 + _last(f5) * C5dot_22 + _last(f6) * C5dot_23
-            + _last(f11) * S_11 + _last(f12) * S_12 + _last(f13) * S_22 + _last(f10) * S_23
-            + _last(omega3) * c7dot_1 - _last(f9) * S_13 - _last(f11) * S_33
+        c7ddot_2 + _last(f7) * C5dot_12 + _last(f8) * C5dot_22 + _last(f9) * C5dot_23
+            + _last(f5) * S_11 + _last(f16) * S_12 + _last(f17) * S_22 + _last(f15) * S_23
+            + _last(omega3) * c7dot_1 - _last(f14) * S_13 - _last(f5) * S_33
             - _last(omega1) * c7dot_3
     )
     jac[..., 22:107:12] = (
-        c7ddot_3 + _last(f4) * C5dot_13 + _last(f5) * C5dot_23 + _last(f6) * C5dot_33
-            + _last(f15) * S_12 + _last(f16) * S_13 + _last(f14) * S_22 + _last(f17) * S_23
-            + _last(f18) * S_33 + _last(omega1) * c7dot_2 - _last(f14) * S_11
+        c7ddot_3 + _last(f7) * C5dot_13 + _last(f8) * C5dot_23 + _last(f9) * C5dot_33
+            + _last(f18) * S_12 + _last(f19) * S_13 + _last(f4) * S_22 + _last(f20) * S_23
+            + _last(f21) * S_33 + _last(omega1) * c7dot_2 - _last(f4) * S_11
             - _last(omega2) * c7dot_1
     )
-    t30 = _last(cj) * d3_1
-    t31 = _last(f4) * S_11
-    t32 = _last(f5) * S_12
-    t33 = _last(f6) * S_13
-    jac[..., 128:136] = t30 - 2 * c7dot_1 - t31 - t32 - t33
-    t34 = _last(cj) * d3_2
-    t35 = _last(f4) * S_12
-    t36 = _last(f5) * S_22
-    t37 = _last(f6) * S_23
-    jac[..., 143:151] = t34 - 2 * c7dot_2 - t35 - t36 - t37
-    t38 = _last(cj) * d3_3
-    t39 = _last(f4) * S_13
-    t40 = _last(f5) * S_23
-    t41 = _last(f6) * S_33
-    jac[..., 158:166] = t38 - 2 * c7dot_3 - t39 - t40 - t41
+    t33 = _last(cj) * d3_1
+    t34 = _last(f7) * S_11
+    t35 = _last(f8) * S_12
+    t36 = _last(f9) * S_13
+    jac[..., 128:136] = t33 - 2 * c7dot_1 - t34 - t35 - t36
+    t37 = _last(cj) * d3_2
+    t38 = _last(f7) * S_12
+    t39 = _last(f8) * S_22
+    t40 = _last(f9) * S_23
+    jac[..., 143:151] = t37 - 2 * c7dot_2 - t38 - t39 - t40
+    t41 = _last(cj) * d3_3
+    t42 = _last(f7) * S_13
+    t43 = _last(f8) * S_23
+    t44 = _last(f9) * S_33
+    jac[..., 158:166] = t41 - 2 * c7dot_3 - t42 - t43 - t44
     jac[..., 166:251:12] = -1
-    jac[..., 167:252:12] = t31 + t32 + t33 + t30 + _last(omega2) * d3_3 - _last(omega3) * d3_2
-    jac[..., 168:253:12] = t35 + t36 + t37 + t34 + _last(omega3) * d3_1 - _last(omega1) * d3_3
-    jac[..., 169:254:12] = t39 + t40 + t41 + t38 + _last(omega1) * d3_2 - _last(omega2) * d3_1
-    C5_11 = _table(xp, tables, 0, 36, 8)
-    C5_12 = _table(xp, tables, 4, 36, 8)
-    C5_13 = _table(xp, tables, 8, 36, 8)
-    C5_22 = _table(xp, tables, 12, 36, 8)
-    C5_23 = _table(xp, tables, 16, 36, 8)
-    C5_33 = _table(xp, tables, 20, 36, 8)
-    c7_1 = _table(xp, tables, 24, 36, 8)
-    c7_2 = _table(xp, tables, 28, 36, 8)
-    c7_3 = _table(xp, tables, 32, 36, 8)
-    block = (
-        -(_last(_last(oo_11)) * C5_11) - _last(_last(f14)) * C5_12 - _last(_last(f11)) * C5_13
-            - _last(_last(oo_22)) * C5_22 - _last(_last(f2)) * C5_23 - _last(_last(oo_33)) * C5_33
-            - _last(_last(omega1dot)) * c7_1 - _last(_last(omega2dot)) * c7_2
-            - _last(_last(omega3dot)) * c7_3
-    )
-    for j in range(8):
-        first = 23 + 12 * j
-        jac[..., first : first + 8] = block[..., j, :]
-    jac[..., 23:115:13] = jac[..., 23:115:13] + (K)
-    c7_1 = _table(xp, tables, 24, 36, 8)
-    c7_2 = _table(xp, tables, 28, 36, 8)
-    c7_3 = _table(xp, tables, 32, 36, 8)
-    block = -(_last(_last(f4)) * c7_1) - _last(_last(f5)) * c7_2 - _last(_last(f6)) * c7_3
-    for j in range(8):
-        first = 170 + 12 * j
-        jac[..., first : first + 8] = block[..., j, :]
-    jac[..., 170:262:13] = jac[..., 170:262:13] + (_last(cj))
+    jac[..., 167:252:12] = t34 + t35 + t36 + t33 + _last(omega2) * d3_3 - _last(omega3) * d3_2
+    jac[..., 168:253:12] = t38 + t39 + t40 + t37 + _last(omega3) * d3_1 - _last(omega1) * d3_3
+    jac[..., 169:254:12] = t42 + t43 + t44 + t41 + _last(omega1) * d3_2 - _last(omega2) * d3_1
 
     return _where(xp, valid_1, jac)
 

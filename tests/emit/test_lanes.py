@@ -14,8 +14,9 @@ from toolchain import body, run, tool, written
 
 import derive
 from derive.backends.c.loops import CLoops
+from derive.backends.source_map import source_map
 from derive.ir.expressions import ArrayAccess, Number, Operation, Operator, ScalarRef
-from derive.ir.statements import Accumulate, Let, Sum
+from derive.ir.statements import Accumulate, Let, MatrixStore, MatVec, Sum
 from derive.runtime.compiler import FLAGS, WITHOUT_BATCHES, vector_flags
 
 MODELS = ("given_3_table", "given_13_table")
@@ -73,6 +74,26 @@ def test_both_compilers_get_vectors_without_looking_for_them(compiler: str, tmp_
     assert products(compiler, tmp_path, "-mavx")["y"] >= tables
     assert products(compiler, tmp_path)["x"] >= tables
     assert products(compiler, tmp_path, "-mavx", "-DTISSERAND_NO_VECTORS")["y"] < tables
+
+
+@pytest.mark.parametrize("name", ["given_3_table", "given_13_table", "mean_20_table"])
+def test_the_jacobian_goes_through_the_blocks_of_its_tables_once(name: str) -> None:
+    """In a block come the products, then what is stored of it; each line knows the statement that it is a part of."""
+    made = body(name)
+    function = source_map(made.files, "c").functions["jacobian"]
+    products = next(s for s in function.kernel.statements if isinstance(s, MatVec))
+    heads = [
+        line for line in function.lines if line.text == f"    for (int i = 0; i < {products.packing.padded}; i += 4) {{"
+    ]
+    columns = [line for line in function.lines if "double *column" in line.text]
+    stores = [s for s in function.kernel.statements if isinstance(s, MatrixStore)]
+    assert len(stores) == 2
+    assert [function.statement(line) for line in heads[:1]] == [products]
+    parts = 2 if products.packing.count > 4 and products.packing.count % 4 else 1
+    assert [function.statement(line) for line in columns] == [s for s in stores for _ in range(parts)]
+    positions = [function.lines.index(line) for line in (heads[0], *columns)]
+    end = next(k for k in range(positions[0], len(function.lines)) if function.lines[k].text == "    }")
+    assert positions == sorted(positions) and positions[-1] < end
 
 
 X = ArrayAccess("x", "i")

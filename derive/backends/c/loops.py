@@ -6,7 +6,7 @@ The loop over the lanes is outside of that over the modes: a sum stays in a vect
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import count
 from typing import assert_never
@@ -14,7 +14,7 @@ from typing import assert_never
 from derive.backends.c.lanes import Lines, fits_vectors, in_lanes, indented, lane_lets, loop_head, over_lanes, store
 from derive.backends.c.matrix_loops import MAX_SUMS, cholesky, matrix_store, matvec, pack, triangular_solve
 from derive.backends.expression_text import C, strided, text
-from derive.backends.source_map import defining, plain, storing
+from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.backends.wrapping import PLUS, join, statement
 from derive.ir.analysis import reads
 from derive.ir.expressions import Number
@@ -48,9 +48,12 @@ class CLoops:
         self._arrays: set[str] = set()
         self._numbers: Iterator[int] = count(1)
 
-    def lines(self, loop: Loop) -> Lines:
-        """The lines of one statement, as they are written in a function."""
-        return indented(self._lines(loop))
+    def lines(self, loop: Loop, inside: Sequence[SourceLine] = ()) -> Lines:
+        """The lines of one statement, as they are written in a function.
+
+        inside: of products of matrices, further lines for the block of row i.
+        """
+        return indented(matvec(loop, inside) if isinstance(loop, MatVec) and inside else self._lines(loop))
 
     def _lines(self, loop: Loop) -> Lines:
         match loop:

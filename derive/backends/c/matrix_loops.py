@@ -5,12 +5,13 @@ Matrices lie in blocks of four rows. A product of a row stays in a register unti
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
 from derive.backends.c.lanes import Lines, in_lanes, indented, load, loop_head, over_lanes, store
 from derive.backends.expression_text import C, Named, element, text
-from derive.backends.source_map import defining, plain, storing
+from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.backends.wrapping import BreakableText, statement
 from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, ScalarRef, walk
 from derive.ir.statements import (
@@ -22,6 +23,7 @@ from derive.ir.statements import (
     Packing,
     PackSource,
     Product,
+    Statement,
     TriangularSolve,
 )
 
@@ -29,8 +31,8 @@ MAX_SUMS = 12
 """Sums of one loop: sixteen vector registers hold as many, and the values that they are made of."""
 
 
-def matvec(loop: MatVec) -> Lines:
-    """Products of matrices and vectors, block by block."""
+def matvec(loop: MatVec, inside: Iterable[SourceLine] = ()) -> Lines:
+    """Products of matrices and vectors, block by block; `inside` are further lines for the block of row i."""
     packing = loop.packing
     size = packing.padded
     lines = plain(*(f"double {term.name}[{size}];" for term in loop.terms))
@@ -38,7 +40,7 @@ def matvec(loop: MatVec) -> Lines:
     for products in rounds(loop):
         for first in range(0, len(products), MAX_SUMS):
             body += _products(packing, products[first : first + MAX_SUMS])
-    return [*lines, *plain(_blocks(size)), *indented(body), *plain("}")]
+    return [*lines, *plain(_blocks(size)), *indented([*body, *inside]), *plain("}")]
 
 
 @dataclass(frozen=True)
@@ -102,11 +104,49 @@ def matrix_store(loop: MatrixStore) -> Lines:
     if packing.count > whole:
         rest = indented([*plain(f"const int i = {whole};"), *_matrix_rows(loop, packing.count - whole)])
         lines += [*plain("{"), *rest, *plain("}")]
-    if loop.diagonal is not None:
-        diagonal = text(loop.diagonal, C, lambda leaf: element(leaf, BreakableText(("j",))))
-        target = f"{loop.output}[{loop.offset} + {loop.stride + 1} * j] += "
-        lines += [*plain(loop_head("j", packing.count)), *plain(*statement("    ", target, diagonal, ";")), *plain("}")]
-    return lines
+    return [*lines, *diagonal(loop)]
+
+
+def diagonal(loop: MatrixStore) -> Lines:
+    """What is added on the diagonal."""
+    if loop.diagonal is None:
+        return []
+    value = text(loop.diagonal, C, lambda leaf: element(leaf, BreakableText(("j",))))
+    target = f"{loop.output}[{loop.offset} + {loop.stride + 1} * j] += "
+    head = loop_head("j", loop.packing.count)
+    return plain(head, *statement("    ", target, value, ";"), "}")
+
+
+def stores_in_block(loop: MatrixStore) -> Lines:
+    """What `matrix_store` stores in the block of row i, without the diagonal."""
+    packing = loop.packing
+    whole = packing.count // LANES * LANES
+    full, rest = _matrix_rows(loop, LANES), _matrix_rows(loop, packing.count - whole)
+    if whole == packing.count:
+        return full
+    if not whole:
+        return rest
+    return [*plain(f"if (i < {whole}) {{"), *indented(full), *plain("} else {"), *indented(rest), *plain("}")]
+
+
+def stored_in_blocks(body: Sequence[Statement]) -> dict[int, dict[int, MatrixStore]]:
+    """The products of matrices in a section, and the stores directly behind them that read the same tables.
+
+    They go through the blocks together, since a block stays in the nearest memory. Statements by their numbers.
+    """
+    result: dict[int, dict[int, MatrixStore]] = {}
+    packing: Packing | None = None
+    stores: dict[int, MatrixStore] = {}
+    for n, item in enumerate(body):
+        match item:
+            case MatVec():
+                packing, stores = item.packing, {}
+                result[n] = stores
+            case MatrixStore() if item.packing == packing:
+                stores[n] = item
+            case _:
+                packing = None
+    return result
 
 
 def _matrix_rows(loop: MatrixStore, rows: int) -> Lines:

@@ -11,8 +11,9 @@ from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_function, batch_helpers, batch_widths, stack
 from derive.backends.c.batch_loops import STATES_MACRO
-from derive.backends.c.lanes import LANES_MACRO
+from derive.backends.c.lanes import LANES_MACRO, indented
 from derive.backends.c.loops import CLoops
+from derive.backends.c.matrix_loops import diagonal, stored_in_blocks, stores_in_block
 from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
 from derive.backends.c.packed import entries, packed_functions
 from derive.backends.c.signatures import parameters, signature
@@ -31,7 +32,7 @@ from derive.backends.source_map import SourceBuilder, SourceLine, defining, plai
 from derive.backends.wrapping import comment, join, prefixed, statement
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Operation, Operator, walk
-from derive.ir.model import Kernel, Model, Variable
+from derive.ir.model import Kernel, Model, Section, Variable
 from derive.ir.statements import (
     Accumulate,
     Let,
@@ -164,14 +165,26 @@ def _function(model: Model, kernel: Kernel) -> list[SourceLine]:
     loops = CLoops()
     for k, section in enumerate(kernel.sections):
         lines += plain("", *comment([section_text(section)], "    "))
-        for n, item in enumerate(section.body):
-            match item:
-                case Let() | Store() | Require():
-                    printed = _statement(item)
-                case _:
-                    printed = loops.lines(item)
-            lines += [line.of(k, n) for line in printed]
+        lines += _section(section, k, loops)
     return [*lines, *plain("    return 0;", "}")]
+
+
+def _section(section: Section, number: int, loops: CLoops) -> list[SourceLine]:
+    """The lines of a section; matrices that are stored block by block are within the products before them."""
+    lines: list[SourceLine] = []
+    blocks = stored_in_blocks(section.body)
+    within = {m for stores in blocks.values() for m in stores}
+    for n, item in enumerate(section.body):
+        match item:
+            case Let() | Store() | Require():
+                printed = _statement(item)
+            case MatrixStore() if n in within:
+                printed = indented(diagonal(item))
+            case _:
+                stores = blocks.get(n, {}).items()
+                printed = loops.lines(item, [line.of(number, m) for m, s in stores for line in stores_in_block(s)])
+        lines += [line if line.statement is not None else line.of(number, n) for line in printed]
+    return lines
 
 
 def _has_sine(item: Statement) -> bool:

@@ -52,12 +52,25 @@ class _Columns:
     def coordinate(self, k: int, symbol: sp.Symbol) -> None:
         """The column of c1 .. c3, e0 .. e3."""
         kinematic = [(r, -rate.diff(symbol) + (CJ if r == k else 0)) for r, rate in enumerate(self.context.rigid_rates)]
-        self._single(kinematic, lambda e: self._total(e, symbol))
+        self._single(kinematic, lambda e: self._factored(e, symbol))
 
     def rate(self, r: int, symbol: sp.Symbol, acceleration: sp.Symbol) -> None:
         """The column of a rigid rate."""
         kinematic = [(k, -rate.diff(symbol)) for k, rate in enumerate(self.context.rigid_rates)]
         self._single(kinematic, lambda e: self._total(e, symbol) + CJ * e.diff(acceleration))
+
+    def _factored(self, expr: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
+        """A derivative, through the definitions as well, with common factors: in the form with fewer operations.
+
+        Columns of the attitude share either what the entries of Q are multiplied with, or what the mode sums are.
+        """
+        expanded = self._total(expr, symbol)
+        if expanded == 0:
+            return expanded
+        inner = {d.symbol: self._total(d.expr, symbol) for d in self.context.equations.definitions if not d.zero}
+        chain = sp.Add(expr.diff(symbol), *(expr.diff(s) * change for s, change in inner.items()))
+        collected = sp.collect(expanded, [s for s in self.context.gradient.mode_sums if expanded.has(s)])
+        return min(chain, collected, key=sp.count_ops)
 
     def _total(self, expr: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
         """A derivative, through the definitions as well."""

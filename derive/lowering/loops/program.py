@@ -49,9 +49,12 @@ from derive.lowering.loops.assignments import (
 )
 from derive.lowering.loops.loop_invariants import LoopInvariants, by_vector
 from derive.mechanics.sums import PARITY, ModeSum, TableSum, canonical
-from derive.mechanics.symbols import Symbol, identity
+from derive.mechanics.symbols import Symbol, identity, is_indexed
 from derive.mechanics.terms import Intermediate, rotation_symbols
 from derive.roles import Source
+
+Pair = tuple[MatrixStore, sp.Expr, sp.Expr]
+"""A block of pairs of modes: where it is stored, its expression, and that of its diagonal."""
 
 
 class Program:
@@ -75,24 +78,31 @@ class Program:
         self._temporaries = (f"t{k}" for k in count(1))
         self._invariants = LoopInvariants(self.known, self.definitions)
 
-    def sums(self, exprs: Iterable[sp.Expr]) -> None:
-        """Compute the table sums and the mode sums that expressions refer to."""
+    def sums(self, exprs: Iterable[sp.Expr], stores: tuple[MatrixStore, ...] = (), doc: str = "") -> None:
+        """Compute the table sums and the mode sums that expressions refer to.
+
+        `stores` are stored together with the table sums, block by block, while the tables are in the nearest memory;
+        `doc` describes them.
+        """
         symbols = free_symbols(exprs)
         mode_sums = [t for s, t in self.mode_sums.items() if s in symbols and s not in self.known]
         inside = symbols | free_symbols(e for t in mode_sums for e in (t.offset, t.term))
-        self._add_table_sums([c for s, c in self.table_sums.items() if s in inside and s not in self._arrays])
+        wanted = [c for s, c in self.table_sums.items() if s in inside and s not in self._arrays]
+        self._add_table_sums(wanted, stores, doc)
         self.add_mode_sums(mode_sums)
 
-    def _add_table_sums(self, table_sums: list[TableSum]) -> None:
+    def _add_table_sums(self, table_sums: list[TableSum], stores: tuple[MatrixStore, ...], doc: str) -> None:
         terms = []
         for c in table_sums:
             self._arrays.add(c.symbol)
-            products = tuple(_product(factor, entry) for factor, entry in c.sums)
+            sums = tuple(_product(factor, entry) for factor, entry in c.sums)
             base = identity(c.offset).array if c.offset != 0 else ""
-            terms.append(MatVecTerm(c.symbol.identity.array, base, products))
-        if terms:
-            section = Section("tables", Source.APPENDIX, _described(table_sums), (MatVec(self.packing, tuple(terms)),))
-            self.sections.append(section)
+            terms.append(MatVecTerm(c.symbol.identity.array, base, sums))
+        products = [MatVec(self.packing, tuple(terms))] if terms else []
+        body: tuple[Statement, ...] = (*products, *stores)
+        if body:
+            docs = [*([_described(table_sums)] if terms else []), *([doc] if stores else [])]
+            self.sections.append(Section("tables", Source.APPENDIX, "; ".join(docs), body))
 
     def add_mode_sums(self, mode_sums: Iterable[ModeSum]) -> None:
         """Compute mode sums in a single loop."""
@@ -166,23 +176,48 @@ class Program:
         doc: str,
         scalars: Iterable[Scalar] = (),
         rows: Iterable[IndexedStore] = (),
-        pairs: Iterable[tuple[MatrixStore, sp.Expr, sp.Expr]] = (),
+        pairs: Iterable[Pair] = (),
     ) -> None:
-        """Scalars, then a loop for rows, then a loop for each block of pairs (its expression, that of its diagonal)."""
+        """Scalars, then a loop for rows, and a loop for each block of pairs (its expression, that of its diagonal).
+
+        Blocks that need no sums are stored while the tables are read for the sums, all others at the end.
+        """
         scalars, rows, pairs = tuple(scalars), tuple(rows), tuple(pairs)
-        self.sums([*(e for _, e in (*scalars, *rows)), *(e for _, *both in pairs for e in both)])
         hoisted = self._invariants.hoisted
+        early = [pair for pair in pairs if self.packing.count and self._is_available(pair[1:])]
+        first = [(loop, hoisted(full), hoisted(diagonal)) for loop, full, diagonal in early]
+        if first:
+            self.scalars(name, equation, doc, self._invariants.unassigned())
+        wanted = [*(e for _, e in (*scalars, *rows)), *(e for _, *both in pairs for e in both)]
+        self.sums(wanted, tuple(map(self._matrix_store, first)), f"{doc}, for each pair of modes")
         lines = [(target, hoisted(expr)) for target, expr in rows]
-        blocks = [(loop, hoisted(full), hoisted(diagonal)) for loop, full, diagonal in pairs]
+        late = [
+            (loop, hoisted(full), hoisted(diagonal))
+            for loop, full, diagonal in pairs
+            if (loop, full, diagonal) not in early
+        ]
         self.scalars(name, equation, doc, (*self._invariants.unassigned(), *scalars))
         loops: list[Statement] = []
         if lines and self.packing.count:
             loops.append(self._each(map_body(lines, self.known, self._temporaries)))
-        for loop, full, diagonal in blocks:
-            inside, extra = self._pair(full), None if diagonal == 0 else self._pair(diagonal)
-            loops.append(MatrixStore(loop.packing, loop.output, loop.offset, loop.stride, inside, extra))
+        loops += map(self._matrix_store, late)
         if loops and self.packing.count:
             self.sections.append(Section(f"{name}_i", equation, f"{doc}, for each mode", tuple(loops)))
+
+    def _is_available(self, exprs: Iterable[sp.Expr]) -> bool:
+        """Whether expressions need neither sums nor what depends on sums."""
+        scalars = set(self.known)
+        for d in self.definitions:
+            if d.expr.free_symbols <= scalars:
+                scalars.add(d.symbol)
+        symbols = free_symbols(exprs)
+        return all(s not in self.table_sums if is_indexed(s) else s in scalars for s in symbols)
+
+    def _matrix_store(self, pair: Pair) -> MatrixStore:
+        """The statement of a block of pairs."""
+        loop, full, diagonal = pair
+        extra = None if diagonal == 0 else self._pair(diagonal)
+        return replace(loop, expr=self._pair(full), diagonal=extra)
 
     def kernel(
         self,
