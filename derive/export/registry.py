@@ -6,6 +6,7 @@ from derive.export.acados_model import ACADOS
 from derive.export.casadi_external import CASADI
 from derive.export.cmake import CMAKE
 from derive.export.exudyn_body import EXUDYN
+from derive.export.exudyn_floating_frame import EXUDYN_FFRF
 from derive.export.fmi import FMU2, FMU2_ALL, FMU3, FMU3_ALL
 from derive.export.fortran import FORTRAN
 from derive.export.host_model import host_model
@@ -33,6 +34,7 @@ INTERFACES: Registry[Interface] = Registry(
         "jax": JAX,
         "sundials": SUNDIALS,
         "exudyn": EXUDYN,
+        "exudyn-ffrf": EXUDYN_FFRF,
     },
 )
 
