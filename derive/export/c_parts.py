@@ -1,14 +1,17 @@
-"""What interfaces have in common: the integrator in C as one function, and numbers and files as text."""
+"""What interfaces have in common: the integrator in C as one function, what samples in C state, numbers and files."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 from derive.artifacts import MARK, File
+from derive.backends.c.source import ABI
 from derive.backends.description import LICENCE
 from derive.backends.wrapping import prefixed
 from derive.export.host_model import HostModel
+from derive.export.reference_motion import reference_motion
 from derive.rendering import render
+from derive.spec.model.scene import Scene
 
 INTEGRATOR = ("adaptive_rows", "adaptive", "dormand_prince", "fixed_step")
 """The parts of `templates/host` with which exports integrate."""
@@ -31,6 +34,34 @@ def host_copy(folder: str, name: str, head: str = "") -> File:
     """A file of `templates/host` in a folder, with our mark and further lines at its head."""
     text = render(f"host/{name}", {})
     return File(f"{folder}{name}", f"/* {MARK}: a copy of templates/host/{name}. */\n{head}{text}")
+
+
+def sample_values(model: HostModel) -> dict[str, object]:
+    """What templates of projects with sample programs in C state: names, start values, and the reference motion.
+
+    event: the velocity whose change of sign the samples report. Raises what `reference_motion` raises.
+    """
+    motion = reference_motion(model)
+    return {
+        "mark": MARK,
+        "licence": LICENCE,
+        "name": model.name,
+        "macro": model.name.upper(),
+        "abi": ABI,
+        "scene": isinstance(model.spec, Scene),
+        "coordinates": model.coordinates,
+        "velocities": model.velocities,
+        "states": model.states,
+        "inputs": list(zip(model.inputs, model.held_inputs, strict=True)),
+        "parameters": model.parameters,
+        "multipliers": model.multipliers,
+        "event": len(model.velocities) - 1,
+        "times": motion.times,
+        "times_text": c_numbers(motion.times.tolist()),
+        "states_text": c_numbers(motion.states.ravel().tolist()),
+        "tolerances_text": c_numbers(motion.tolerances.tolist()),
+        "number": repr,
+    }
 
 
 def motion_file(model: HostModel, folder: str) -> File:

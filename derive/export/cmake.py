@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from derive.artifacts import MARK, File
-from derive.backends.c.source import ABI
-from derive.backends.description import LICENCE
-from derive.export.c_parts import INTEGRATOR, c_numbers, integrator_files
+from derive.artifacts import File
+from derive.export.c_parts import INTEGRATOR, c_numbers, integrator_files, sample_values
 from derive.export.cpp_wrapper import member_functions
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
-from derive.export.reference_motion import reference_motion
 from derive.ir.statements import ReturnCode
 from derive.rendering import render
 
@@ -17,34 +14,17 @@ from derive.rendering import render
 def cmake_files(model: HostModel) -> tuple[File, ...]:
     """The files of a CMake project. Raises CompilerError, and what the integration of the reference motion raises."""
     name = model.name
-    motion = reference_motion(model)
-    values = {
-        "mark": MARK,
-        "licence": LICENCE,
-        "name": name,
-        "macro": name.upper(),
-        "abi": ABI,
+    values = sample_values(model) | {
         "title": model.model.doc,
-        "coordinates": model.coordinates,
-        "velocities": model.velocities,
-        "states": model.states,
-        "inputs": list(zip(model.inputs, model.held_inputs, strict=True)),
         "outputs": model.outputs,
-        "parameters": model.parameters,
-        "multipliers": model.multipliers,
         "energies": model.model.kernel("energy").outputs[0].size,
         "start": model.model.start,
         "codes": list(ReturnCode),
         "methods": member_functions(model),
         "integrators": [f"{part}.c" for part in INTEGRATOR],
-        "times": motion.times,
-        "times_text": c_numbers(motion.times.tolist()),
-        "states_text": c_numbers(motion.states.ravel().tolist()),
-        "tolerances_text": c_numbers(motion.tolerances.tolist()),
         "q_text": c_numbers([x.start for x in model.coordinates]),
         "v_text": c_numbers([x.start for x in model.velocities]),
         "u_text": c_numbers(model.held_inputs),
-        "number": repr,
     }
 
     def made(path: str, template: str) -> File:

@@ -13,6 +13,7 @@ from derive.export.host_model import host_model
 from derive.export.interface import HostFile, Interface, exported_files
 from derive.export.jax_module import JAX
 from derive.export.octave import OCTAVE
+from derive.export.petsc import PETSC
 from derive.export.rust import RUST
 from derive.export.sundials import SUNDIALS
 from derive.registry import Registry
@@ -35,6 +36,7 @@ INTERFACES: Registry[Interface] = Registry(
         "sundials": SUNDIALS,
         "exudyn": EXUDYN,
         "exudyn-ffrf": EXUDYN_FFRF,
+        "petsc": PETSC,
     },
 )
 

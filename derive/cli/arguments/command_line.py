@@ -207,7 +207,8 @@ def _add_export(commands: Any) -> None:
         "fmu2-all (FMI 2.0, with binaries for all platforms), fmu3-all (likewise), "
         "casadi (CasADi, with exact derivatives), "
         "acados (an AcadosModel), jax (a Python module for JAX), sundials (CVODE, CVODES, ARKODE and IDA in C), "
-        "exudyn (an object of Exudyn with user functions in C), exudyn-ffrf (integrals for its floating-frame body)",
+        "exudyn (an object of Exudyn with user functions in C), exudyn-ffrf (integrals for its floating-frame body), "
+        "petsc (TS of PETSc in C)",
     )
     _add_folder(export, "exported")
     add_set(export)
