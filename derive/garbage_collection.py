@@ -20,4 +20,7 @@ def paused() -> Iterator[None]:
         yield
     finally:
         if enabled:
+            if not gc.get_freeze_count():  # then count what there is as old, or the search would go through it at once
+                gc.freeze()
+                gc.unfreeze()
             gc.enable()

@@ -30,6 +30,8 @@ BINDING = {
     **dict.fromkeys((Operator.ADD, Operator.SUB), SUM),
     **dict.fromkeys((Operator.MUL, Operator.DIV, Operator.NEG), PRODUCT),
 }
+CHOICES = CONDITIONS | {Operator.WHEN, Operator.SIGN}
+"""The operators that are written as a choice between two values."""
 
 
 Named = ScalarRef | ArrayAccess | MatrixEntry
@@ -135,17 +137,9 @@ def _text(expr: Expr, dialect: Dialect, name: Callable[[Named], BreakableText]) 
 
 
 def _operation(expr: Operation, dialect: Dialect, name: Callable[[Named], BreakableText]) -> _Text:
+    if expr.kind in CHOICES:
+        return _chosen(expr, dialect, name)
     operands = [_text(arg, dialect, name) for arg in expr.args]
-    one, zero = (dialect.number(Fraction(value)).code for value in (1, 0))
-    if expr.kind in CONDITIONS:
-        return _choice(_condition(expr, dialect, name), one, zero, dialect)
-    if expr.kind is Operator.WHEN:
-        return _choice(_condition(expr.args[0], dialect, name), operands[1].code, zero, dialect)
-    if expr.kind is Operator.SIGN:
-        (operand,) = operands
-        below, above = (_compared(operand, sign, dialect.number(Fraction(0))) for sign in (" < ", " > "))
-        negative = _choice(below, dialect.number(Fraction(-1)).code, zero, dialect).code
-        return _choice(above, one, negative, dialect)
     if expr.kind not in BINDING:
         function = dialect.names.get(expr.kind, expr.kind.value)
         code = operands[0].code if len(operands) == 1 else join(operands[0].code, ", ", operands[1].code)
@@ -162,6 +156,19 @@ def _operation(expr: Operation, dialect: Dialect, name: Callable[[Named], Breaka
         _enclosed(right, right.binding <= binding),
     )
     return _Text(code, binding, left.signed and not enclosed)
+
+
+def _chosen(expr: Operation, dialect: Dialect, name: Callable[[Named], BreakableText]) -> _Text:
+    """An operation whose value is chosen by a condition."""
+    one, zero = (dialect.number(Fraction(value)).code for value in (1, 0))
+    if expr.kind is Operator.WHEN:
+        return _choice(_condition(expr.args[0], dialect, name), text(expr.args[1], dialect, name), zero, dialect)
+    if expr.kind is Operator.SIGN:
+        operand = _text(expr.args[0], dialect, name)
+        below, above = (_compared(operand, sign, dialect.number(Fraction(0))) for sign in (" < ", " > "))
+        negative = _choice(below, dialect.number(Fraction(-1)).code, zero, dialect).code
+        return _choice(above, one, negative, dialect)
+    return _choice(_condition(expr, dialect, name), one, zero, dialect)
 
 
 def _condition(expr: Expr, dialect: Dialect, name: Callable[[Named], BreakableText]) -> BreakableText:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
@@ -34,6 +33,8 @@ class Operator(Enum):
     NOT_GREATER = "not_greater"
     NOT = "not"
     WHEN = "when"
+
+    __hash__ = object.__hash__  # members are equal only to themselves; that of Enum hashes the name each time
 
     @property
     def binary(self) -> bool:
@@ -115,11 +116,18 @@ Leaf = Number | ScalarRef | ArrayAccess | MatrixEntry | TableValue
 Expr = Leaf | Operation
 
 
-def walk(expr: Expr) -> Iterator[Expr]:
+def walk(expr: Expr) -> list[Expr]:
     """An expression and all its parts, operands first."""
+    parts: list[Expr] = []
+    _add_parts(expr, parts)
+    return parts
+
+
+def _add_parts(expr: Expr, parts: list[Expr]) -> None:
+    """Add to one list: generators in generators would pass on each part once for each operation around it."""
     if isinstance(expr, Operation):
         for arg in expr.args:
-            yield from walk(arg)
-    if isinstance(expr, TableValue):
-        yield from walk(expr.argument)
-    yield expr
+            _add_parts(arg, parts)
+    elif isinstance(expr, TableValue):
+        _add_parts(expr.argument, parts)
+    parts.append(expr)

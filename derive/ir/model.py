@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from typing import Literal
 
 from derive import display
@@ -118,7 +119,7 @@ class Kernel:
     outputs: tuple[Output, ...]
     sections: tuple[Section, ...]
 
-    @property
+    @cached_property
     def statements(self) -> tuple[Statement, ...]:
         """All statements, in order."""
         return tuple(statement for section in self.sections for statement in section.body)
@@ -128,7 +129,7 @@ class Kernel:
         """Arithmetic operations of one evaluation; a sine or a cosine counts as one, padding does not count."""
         return sum(operations(s) for s in self.statements)
 
-    @property
+    @cached_property
     def used(self) -> frozenset[str]:
         """The names that the kernel reads."""
         return frozenset(name for s in self.statements for name in reads(s))

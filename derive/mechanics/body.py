@@ -16,7 +16,13 @@ from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import Family
 from derive.mechanics.tables import CoefficientTable, planar_tables
 from derive.mechanics.terms import ModelConstant, ParameterSymbol, Term
-from derive.mechanics.virtual_work_equations import generic_inertia, rigid_inertia
+from derive.mechanics.virtual_work_equations import (
+    angular_momentum,
+    generic_inertia,
+    kinetic_energy,
+    linear_momentum,
+    rigid_inertia,
+)
 from derive.spec.model.body import DisplacementOrder
 
 if TYPE_CHECKING:  # a planar body needs no NumPy, nor does a specification that is read
@@ -86,6 +92,21 @@ class Body:
     def generic_inertia(self) -> tuple[Term, ...]:
         """The same on a variation of alpha_i, for a generic mode i."""
         return generic_inertia(self.rigid_motion)
+
+    @cached_property
+    def kinetic_energy(self) -> sp.Expr:
+        """1/2 int rho xdot . xdot; sums are named."""
+        return kinetic_energy(self.rigid_motion)
+
+    @cached_property
+    def linear_momentum(self) -> tuple[sp.Expr, ...]:
+        """int rho xdot along each axis, likewise."""
+        return linear_momentum(self.rigid_motion)
+
+    @cached_property
+    def angular_momentum(self) -> tuple[sp.Expr, ...]:
+        """int rho x x xdot about the inertial origin, likewise."""
+        return angular_momentum(self.rigid_motion)
 
     @property
     def truncated(self) -> bool:

@@ -24,11 +24,8 @@ from derive.mechanics.terms import (
     Vanished,
 )
 from derive.mechanics.virtual_work_equations import (
-    angular_momentum,
     generic_weight,
     gravity_definitions,
-    kinetic_energy,
-    linear_momentum,
     rigid_weight,
     weight_energy,
 )
@@ -104,11 +101,11 @@ def expand(body: Body) -> ExpandedEquations:
         vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
         mass=sp.ImmutableMatrix(_mass_matrix(motion, terms)),
         mass_zeros=_mass_zeros(motion, complete, reasons, _absent(inertia, sums)),
-        kinetic_energy=total(kinetic_energy(fields)) + zeros.drop(spin, reasons),
+        kinetic_energy=total(body.kinetic_energy) + zeros.drop(spin, reasons),
         strain_energy=zeros.drop(strain + work_at_rest, reasons),
         weight_energy=total(weight_energy(fields)) if body.gravity else None,
-        linear_momentum=tuple(map(total, linear_momentum(fields))),
-        angular_momentum=tuple(map(total, angular_momentum(fields))),
+        linear_momentum=tuple(map(total, body.linear_momentum)),
+        angular_momentum=tuple(map(total, body.angular_momentum)),
         markers=tuple(marker(motion, point, reasons) for point in body.points),
     )
 
@@ -201,7 +198,7 @@ def linear_factors(expr: sp.Expr, symbols: Sequence[sp.Symbol]) -> dict[sp.Symbo
         for symbol in own or wanted & term.free_symbols:
             alone = len(own) == 1 and sum(symbol in f.free_symbols for f in beside) == 1
             parts[symbol].append(sp.Mul(*(f for f in beside if f != symbol)) if alone else term.diff(symbol))
-    return {symbol: sp.Add(*found) for symbol, found in parts.items()}
+    return {symbol: sp.Add(*found) if found else sp.S.Zero for symbol, found in parts.items()}
 
 
 def _mass_zeros(

@@ -34,11 +34,8 @@ from derive.mechanics.tables import CoefficientTable, TableKind, point_tables
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Reason, Term
 from derive.mechanics.virtual_work_equations import (
     SHAPE_ROW,
-    angular_momentum,
     generic_weight,
     gravity_definitions,
-    kinetic_energy,
-    linear_momentum,
     rigid_weight,
     weight_energy,
 )
@@ -90,7 +87,7 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
     sums = _Sums({t.family: t for t in body.tables}, {**reasons, **_zero_entries(body.tables)})
     indexed_sums = tuple(chain(*(planar_sums if planar else spatial_sums)(body.truncated)))
     forces: tuple[Term, ...] = ()
-    kinetic = kinetic_energy(motion)
+    kinetic = body.kinetic_energy
     if Family.ROTARY in families:
         indexed_sums, forces = (*indexed_sums, *ROTARY_SUMS), (ROTARY_TERM,)
         kinetic += ROTARY_PRODUCT / 2
@@ -138,8 +135,8 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
         kinetic_energy=settled(kinetic),
         strain_energy=settled(strain),
         weight_energy=settled(weight_energy(motion)) if body.gravity else None,
-        linear_momentum=tuple(settled(p) for p in linear_momentum(motion)),
-        angular_momentum=tuple(settled(p) for p in angular_momentum(motion)),
+        linear_momentum=tuple(settled(p) for p in body.linear_momentum),
+        angular_momentum=tuple(settled(p) for p in body.angular_momentum),
         markers=tuple(points),
         tables=(*body.tables, *of_points),
         table_sums=tuple(sums.table_sums),

@@ -10,9 +10,8 @@ and j.
 from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
 
 import sympy as sp
 
@@ -45,11 +44,8 @@ Vectors = Mapping[Symbol, Sequence[Symbol]]
 """The symbols of each factor of a sum, mode by mode."""
 
 
-class AbsentPart(NamedTuple):
-    """A part of a sum that vanishes: the entry that is zero, and its factor."""
-
-    entry: Symbol
-    factor: sp.Expr
+AbsentPart = tuple[Symbol, sp.Expr]
+"""A part of a sum that vanishes: the entry that is zero, and its factor."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +70,7 @@ class IndexedSum:
 
     def described(self, i: ShapeIndex) -> str:
         """The description of the symbol for mode i."""
-        return component_doc(self.doc.format(i=i.value if isinstance(i, Index) else i), self.symbol)
+        return component_doc(self.doc.format(i=i), self.symbol)
 
     @property
     def indexed(self) -> bool:
@@ -91,8 +87,7 @@ def component_doc(doc: str, symbol: Symbol) -> str:
 def exchanged(symbol: sp.Basic, indices: Mapping[Index, ShapeIndex]) -> Symbol:
     """The same quantity for other modes: `indices` maps generic indices to their replacements."""
     known = identity(symbol)
-    shapes = tuple(indices.get(s, s) if isinstance(s, Index) else s for s in known.shapes)
-    return Symbol(replace(known, shapes=shapes))
+    return Symbol(known.of_shapes(tuple([indices.get(s, s) if isinstance(s, Index) else s for s in known.shapes])))
 
 
 def swapped(entry: sp.Basic) -> Symbol:
@@ -124,7 +119,7 @@ def signed_entry(symbol: Symbol, i: int = 0, j: int = 0) -> tuple[int, Symbol]:
     entries = _known_entries(symbol)
     entry = entries.get(shapes)
     if entry is None:
-        entry = entries[shapes] = Symbol(replace(symbol.identity, shapes=shapes))
+        entry = entries[shapes] = Symbol(symbol.identity.of_shapes(shapes))
     return sign, entry
 
 
@@ -148,7 +143,7 @@ def expanded_sum(
     if indexed_sum.offset:
         _, symbol = signed_entry(indexed_sum.offset, i)
         if symbol in vanishing:
-            gone.append(AbsentPart(symbol, sp.S.One))
+            gone.append((symbol, sp.S.One))
         else:
             parts.append(symbol)
     for factor, entry in indexed_sum.sums:
@@ -156,7 +151,7 @@ def expanded_sum(
         for j, a in enumerate(vectors[vector], 1):
             sign, symbol = signed_entry(entry, i, j)
             if symbol in vanishing:
-                gone.append(AbsentPart(symbol, a))
+                gone.append((symbol, a))
             elif sign:
                 parts.append(_product(sign * number, a, symbol))
     return sp.Add(*parts), gone

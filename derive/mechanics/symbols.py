@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
@@ -21,6 +21,11 @@ class Index(Enum):
 
     I = "i"  # noqa: E741  the name of the index
     J = "j"
+
+    __hash__ = object.__hash__
+
+    def __str__(self) -> str:
+        return self.value
 
 
 I, J = Index.I, Index.J  # noqa: E741
@@ -52,6 +57,8 @@ class Family(Enum):
 
     def __init__(self, stem: str, kind: Kind) -> None:
         self.stem, self.kind = stem, kind
+
+    __hash__ = object.__hash__  # members are equal only to themselves; that of Enum hashes the name each time
 
     TRANSLATION = "c", Kind.MOTION
     ANGLE = "phi", Kind.MOTION
@@ -144,10 +151,13 @@ class Identity:
     @cached_property
     def name(self) -> str:
         """The printed name."""
-        shapes = [str(s.value if isinstance(s, Index) else s) for s in self.shapes]
-        components = "".join(map(str, self.components))
-        stem = f"{self.family.stem}{DOTS[self.derivative]}"
+        shapes = [str(s) for s in self.shapes]
+        components = "".join([str(c) for c in self.components])
+        stem = self.family.stem + DOTS[self.derivative]
+        parts = [self.point, stem, *shapes, components]
         match self.family.kind:
+            case Kind.INTEGRAL | Kind.MOMENT:  # first, since most symbols are entries of tables
+                pass
             case Kind.MOTION if not self.indexed:
                 number = "".join(shapes) + components
                 parts = [f"{self.family.stem}{number}{DOTS[self.derivative]}"]
@@ -159,9 +169,7 @@ class Identity:
                 parts = [self.family.stem, f"{self.label}{DOTS[self.derivative]}"]
             case Kind.CHOSEN | Kind.LOCAL:
                 parts = [self.label, *shapes, components]
-            case _:
-                parts = [self.point, stem, *shapes, components]
-        return "_".join(part for part in (self.owner, *parts) if part) + ("_" if self.parameter else "")
+        return "_".join(filter(None, (self.owner, *parts))) + ("_" if self.parameter else "")
 
     @property
     def indexed(self) -> bool:
@@ -176,12 +184,26 @@ class Identity:
     @cached_property
     def order(self) -> tuple[str, tuple[int, ...], tuple[int, ...], str]:
         """The sort key of integrals: their family, then their indices as numbers, so that c8_2_1 is before c8_10_1."""
-        return self.section, tuple(s for s in self.shapes if isinstance(s, int)), self.components, self.name
+        whose = f"{self.owner}_{self.point}_{self.label}"
+        return self.section, tuple([s for s in self.shapes if isinstance(s, int)]), self.components, whose
 
     @property
     def section(self) -> str:
         """The family with its time derivatives, under which generated code groups definitions."""
-        return f"{self.family.stem}{DOTS[self.derivative]}"
+        return self.family.stem + DOTS[self.derivative]
+
+    def of_shapes(self, shapes: tuple[ShapeIndex, ...]) -> Identity:
+        """The same quantity counted by other shapes; `dataclasses.replace` is several times slower."""
+        return Identity(
+            self.family,
+            shapes,
+            self.components,
+            self.derivative,
+            self.owner,
+            self.point,
+            self.label,
+            self.parameter,
+        )
 
     @property
     def symbol(self) -> Symbol:
@@ -207,10 +229,26 @@ class Symbol(sp.Symbol):  # type: ignore[misc]  # SymPy has no types
     __slots__ = ("identity",)
     identity: Identity
 
+    __hash__ = object.__hash__  # equal symbols are the same object; SymPy's own is called a million times
+
     def __new__(cls, identity: Identity, **assumptions: bool | None) -> Symbol:
         """The symbol of an identity, the same object for equal arguments."""
         given = tuple(sorted((k, v) for k, v in assumptions.items() if v is not None)) if assumptions else ()
-        return _interned(identity, given)
+        known = _symbols.get((identity, given))
+        if known is None:
+            known = sp.Symbol.__xnew__(cls, "", **dict(given))
+            known.identity = identity
+            known = _symbols.setdefault((identity, given), known)  # of two threads one is first
+        return known
+
+    @property
+    def name(self) -> str:
+        """The printed name, which is made when it is needed: those of most entries that vanish never are."""
+        return self.identity.name
+
+    @name.setter
+    def name(self, _: str) -> None:
+        """The constructor of SymPy sets a name."""
 
     def _hashable_content(self) -> tuple[Any, ...]:
         return (*super()._hashable_content(), self.identity)
@@ -220,11 +258,8 @@ class Symbol(sp.Symbol):  # type: ignore[misc]  # SymPy has no types
         return (self.identity,), self._assumptions_orig
 
 
-@cache
-def _interned(identity: Identity, assumptions: tuple[tuple[str, bool], ...]) -> Symbol:
-    made: Symbol = sp.Symbol.__xnew__(Symbol, identity.name, **dict(assumptions))
-    made.identity = identity
-    return made
+_symbols: dict[tuple[Identity, tuple[tuple[str, bool], ...]], Symbol] = {}
+"""All symbols by their identity and their assumptions."""
 
 
 def identity(symbol: sp.Basic) -> Identity:

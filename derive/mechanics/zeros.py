@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from operator import attrgetter
 
 import sympy as sp
 
@@ -52,7 +53,7 @@ def why(expr: sp.Expr, reasons: Reasons) -> Reason:
 def behind(symbols: Iterable[sp.Basic], reasons: Reasons) -> tuple[tuple[sp.Symbol, str], ...]:
     """The integrals behind vanishing symbols, each with its reason, in order."""
     pairs = {pair[0]: pair for symbol in symbols for pair in reasons.get(symbol, ())}
-    return tuple(sorted(pairs.values(), key=lambda pair: pair[0].identity.order))
+    return tuple([pairs[symbol] for symbol in sorted(pairs, key=attrgetter("identity.order"))])
 
 
 def drop_definitions(

@@ -14,6 +14,9 @@ from toolchain import C99, run, tool, written
 import beams
 import derive
 from derive.backends.c import batch as c_batch
+from derive.backends.c.batch_block import StateBlock
+from derive.backends.c.source import CBackend
+from derive.ir.model import Kernel
 from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import FLAGS, vector_flags
 from derive.runtime.native_call import ModelError
@@ -188,16 +191,18 @@ def test_kernels_of_many_lines_are_compiled_once(monkeypatch: pytest.MonkeyPatch
 def test_blocks_are_narrower_where_there_are_many_shapes() -> None:
     """The arrays grow with the number of shapes: with 100, sixteen states take what fits into 256 kB."""
     few, many = (derive.lower(derive.derive(derive.symbolic_body("b", n, lowering="table"))) for n in (8, 100))
-    assert {*c_batch.batch_widths(few).values()} == {32}
-    widths = c_batch.batch_widths(many)
-    assert {name: widths[name] for name in ("mass", "accel", "rates")} == {"mass": 32, "accel": 16, "rates": 32}
+    assert {block.width for block in c_batch.batch_blocks(few).values()} == {32}
+    blocks = c_batch.batch_blocks(many)
+    widths = {name: blocks[name].width for name in ("mass", "accel", "rates")}
+    assert widths == {"mass": 32, "accel": 16, "rates": 32}
     assert MAX_MODES == 300
-    for name, width in widths.items():
-        assert c_batch.stack(many, name, width) <= 1024 * 256
-        assert c_batch.stack(many, name, 8) <= 100 / 8 * c_batch.stack(few, name, 8)
-        assert 3 * c_batch.stack(many, name, 8) <= 1024 * 512
+    for name, block in blocks.items():
+        of_eight = [c_batch.stack(StateBlock(model.kernel(name), model.name, 8)) for model in (few, many)]
+        assert c_batch.stack(block) <= 1024 * 256
+        assert of_eight[1] <= 100 / 8 * of_eight[0]
+        assert 3 * of_eight[1] <= 1024 * 512
     flat = derive.lower(derive.derive(derive.symbolic_body("b", 8, lowering="flat")))
-    assert {*c_batch.batch_widths(flat).values()} == {8}
+    assert {block.width for block in c_batch.batch_blocks(flat).values()} == {8}
 
 
 @pytest.mark.parametrize(
@@ -316,3 +321,17 @@ def test_batches_keep_within_their_arrays(tmp_path: Path) -> None:
     program = tmp_path / "bounds"
     run(tool("gcc"), *C99, "-O1", "-g", *include, tmp_path / "main.c", *sources, "-o", program, "-lm")
     run(tool("valgrind"), "--quiet", "--error-exitcode=9", program)
+
+
+def test_a_block_is_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its size, its helpers and its function come from one and the same."""
+    model, made = derive.lower(derive.derive(derive.symbolic_body("b", 2, lowering="flat"))), list[str]()
+
+    class Counted(StateBlock):
+        def __init__(self, kernel: Kernel, name: str, width: int) -> None:
+            made.append(kernel.name)
+            super().__init__(kernel, name, width)
+
+    monkeypatch.setattr(c_batch, "StateBlock", Counted)
+    CBackend().files(model, "")
+    assert sorted(made) == sorted(c_batch.KERNELS)

@@ -10,6 +10,7 @@ import pytest
 
 import beams
 from derive.backends.c.batch import batch_function
+from derive.backends.c.batch_block import StateBlock
 from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
 from derive.ir.analysis import expressions, operations, reads
@@ -46,7 +47,7 @@ USES: dict[str, Callable[[], Any]] = {
     "reads": lambda: list(reads(Unknown())),  # type: ignore[arg-type]
     "C": lambda: CBackend().files(model(), ""),
     "Python": lambda: PythonBackend().files(model(), ""),
-    "a batch in C": lambda: batch_function(model(), kernel(), 32),
+    "a batch in C": lambda: batch_function(StateBlock(kernel(), "beam", 32)),
     "interpreter": lambda: interpret(kernel(), {"q": [0.0] * 5, "k": [1.0] * len(kernel().arguments[1].elements)}),
 }
 

@@ -37,26 +37,27 @@ SPACINGS = (64, 128, 256, 512)
 """Numbers of states which may be unfavourable, with their multiples, as `_spacing` explains."""
 
 
-def batch_widths(model: Model) -> dict[str, int]:
-    """States of a block, by the name of the kernel."""
-    return {name: _width(model, model.kernel(name)) for name in KERNELS}
+def batch_blocks(model: Model) -> dict[str, StateBlock]:
+    """The function of a block of states of each kernel that has batches, by the name of the kernel."""
+    return {name: _block(model, model.kernel(name)) for name in KERNELS}
 
 
-def _width(model: Model, kernel: Kernel) -> int:
-    if StateBlock(kernel, model.name, STRAIGHT).is_straight:
-        return STRAIGHT
-    return next(w for w, most in WIDTHS.items() if _fits(stack(model, kernel.name, w), most))
+def _block(model: Model, kernel: Kernel) -> StateBlock:
+    straight = StateBlock(kernel, model.name, STRAIGHT)
+    if straight.is_straight:
+        return straight
+    blocks = ((StateBlock(kernel, model.name, width), most) for width, most in WIDTHS.items())
+    return next(block for block, most in blocks if _fits(stack(block), most))
 
 
 def _fits(size: int, kilobytes: int | None) -> bool:
     return kilobytes is None or size <= 1024 * kilobytes
 
 
-def stack(model: Model, name: str, width: int) -> int:
+def stack(block: StateBlock) -> int:
     """Bytes that the arrays of a block take, or copies of states."""
-    kernel = model.kernel(name)
-    copies = 8 * _copies(kernel) * sum(_copied(kernel).values())
-    return max(8 * width * StateBlock(kernel, model.name, width).rows, copies)
+    copies = 8 * _copies(block.kernel) * sum(_copied(block.kernel).values())
+    return max(8 * block.width * block.rows, copies)
 
 
 @dataclass(frozen=True)
@@ -68,17 +69,22 @@ class BatchFunction:
     body: str
 
 
-def batch_function(model: Model, kernel: Kernel, width: int) -> BatchFunction:
-    """The function for the batches of a kernel, with blocks of `width` states."""
-    block, name = StateBlock(kernel, model.name, width), f"{model.name}_{kernel.name}"
+def batch_function(block: StateBlock) -> BatchFunction:
+    """The function for the batches of a kernel, in blocks of states."""
+    model, kernel, name = block.model, block.kernel, _name(block.model, block.kernel)
     arguments = ["int n", *parameters(kernel)]
     lines = [*block.text(), ""]
     counts = [*([_copies(kernel)] if _spacing(block) else []), *([] if _is_short(block) else [1])]
     for count in counts:
         lines += [*_copying(model, kernel, count), ""]
-    lines += [*signature(f"TISSERAND_APART int {name}_blocks", arguments), "{", *_blocks(model, kernel, block), "}"]
+    lines += [*signature(f"TISSERAND_APART int {name}_blocks", arguments), "{", *_blocks(block), "}"]
     head, body = signature(f"int {name}_batch", arguments), _body(model, kernel, block.checked)
     return BatchFunction("\n".join(lines), "\n".join(head), "\n".join(body))
+
+
+def _name(model: str, kernel: Kernel) -> str:
+    """The function of single states, with which the names of the others begin."""
+    return f"{model}_{kernel.name}"
 
 
 def _is_short(block: StateBlock) -> bool:
@@ -113,9 +119,9 @@ def _spacing(block: StateBlock) -> int:
     return min(fitting, default=0) if block.is_straight and _copies(block.kernel) > 1 else 0
 
 
-def _body(model: Model, kernel: Kernel, checked: bool) -> Lines:
+def _body(model: str, kernel: Kernel, checked: bool) -> Lines:
     """A single state goes to the function of single states, whose arrays have the same layout."""
-    name, passed = f"{model.name}_{kernel.name}", ", ".join(names(kernel))
+    name, passed = _name(model, kernel), ", ".join(names(kernel))
     if not checked:
         return [f"    return n == 1 ? {name}({passed}) : {name}_blocks(n, {passed});"]
     fill = [f"for (int e = 0; code && e < {o.size}; e++) {o.name}[e] = (double) NAN;" for o in kernel.outputs]
@@ -129,9 +135,10 @@ def _body(model: Model, kernel: Kernel, checked: bool) -> Lines:
     return [*single, f"    return {name}_blocks(n, {passed});"]
 
 
-def _blocks(model: Model, kernel: Kernel, block: StateBlock) -> Lines:
+def _blocks(block: StateBlock) -> Lines:
     """A batch of one block has a stride that compilers know."""
-    name, passed = f"{model.name}_{kernel.name}", ", ".join(names(kernel))
+    kernel = block.kernel
+    name, passed = _name(block.model, kernel), ", ".join(names(kernel))
     checked, short = block.checked, _is_short(block)
 
     def states(count: str, stride: str) -> str:
@@ -160,9 +167,9 @@ def _blocks(model: Model, kernel: Kernel, block: StateBlock) -> Lines:
     return [*lines, f"    return {'code' if checked else '0'};"]
 
 
-def _copying(model: Model, kernel: Kernel, count: int) -> Lines:
+def _copying(model: str, kernel: Kernel, count: int) -> Lines:
     """The function that computes `count` states in arrays of their own."""
-    name = f"{model.name}_{kernel.name}"
+    name = _name(model, kernel)
     head = signature(f"TISSERAND_APART int {name}_copied{count}", ["ptrdiff_t all", *parameters(kernel)])
     copies = {array: f"{array}_b" for array in _copied(kernel)}
     passed = ", ".join(copies.get(argument, argument) for argument in names(kernel))
@@ -190,15 +197,14 @@ class WidthHelpers:
     products: str
 
 
-def batch_helpers(model: Model, widths: Mapping[str, int]) -> str:
+def batch_helpers(model: Model, blocks: Mapping[str, StateBlock]) -> str:
     """What the functions of the batches call."""
-    blocks = []
-    for width in sorted({*widths.values()}):
+    helpers = []
+    for width in sorted({block.width for block in blocks.values()}):
         name = f"{model.name}_block{width}"
-        kernels = [model.kernel(kernel) for kernel, w in widths.items() if w == width]
-        multiplies = any(isinstance(s, MatVec) for k in kernels for s in k.statements)
+        alike = [block for block in blocks.values() if block.width == width]
+        multiplies = any(isinstance(s, MatVec) for block in alike for s in block.kernel.statements)
         products = "".join(f"{line}\n" for line in rows_helper(name, width)) if multiplies else ""
-        gathers = any(StateBlock(kernel, model.name, width).views for kernel in kernels)
-        blocks.append(WidthHelpers(name, width, gathers, products))
-    checked = any(StateBlock(model.kernel(name), model.name, width).checked for name, width in widths.items())
-    return render("c/block.c.jinja", {"name": model.name, "blocks": blocks, "checked": checked})
+        helpers.append(WidthHelpers(name, width, any(block.views for block in alike), products))
+    checked = any(block.checked for block in blocks.values())
+    return render("c/block.c.jinja", {"name": model.name, "blocks": helpers, "checked": checked})

@@ -90,7 +90,7 @@ def _straight_lines(lines: tuple[ScalarStatement, ...], number: int, states: fro
             needed |= set(reads(line))
     early: dict[str, Let] = {}  # in their order: an angle may itself be made of a sine
     for line in lines:
-        for part in (part for e in expressions(line) for part in walk(e) if part in named):
+        for part in (part for e in expressions(line) for part in walk(e) if _is_call(part)):
             early.setdefault(named[part], Let(named[part], _with_swapped_arguments(part, named)))
         if isinstance(line, Let) and line.name in before:
             early[line.name] = replace(line, expr=_swapped(line.expr, named))
@@ -159,7 +159,7 @@ def _is_call(expr: Expr) -> bool:
 
 
 def _swapped(expr: Expr, named: dict[Expr, str]) -> Expr:
-    return ScalarRef(named[expr]) if expr in named else _with_swapped_arguments(expr, named)
+    return ScalarRef(named[expr]) if _is_call(expr) else _with_swapped_arguments(expr, named)
 
 
 def _with_swapped_arguments(expr: Expr, named: dict[Expr, str]) -> Expr:

@@ -9,7 +9,7 @@ from typing import assert_never
 
 from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
-from derive.backends.c.batch import batch_function, batch_helpers, batch_widths, stack
+from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers, stack
 from derive.backends.c.batch_loops import STATES_MACRO
 from derive.backends.c.lanes import LANES_MACRO, indented
 from derive.backends.c.loops import CLoops
@@ -99,8 +99,8 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
     tables += [("u", model.inputs), ("out", model.outputs)]
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
-    widths = batch_widths(model)
-    checked = [f"{name}_batch" for name in widths if _is_checked(model.kernel(name))]
+    blocks = batch_blocks(model)
+    checked = [f"{name}_batch" for name in blocks if _is_checked(model.kernel(name))]
     return {
         "model": model,
         "name": model.name,
@@ -117,12 +117,12 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
             Declaration("\n".join(comment(kernel_text(kernel))), "\n".join(_signature_of(model, kernel)))
             for kernel in model.kernels
         ],
-        "batch_helpers": batch_helpers(model, widths),
+        "batch_helpers": batch_helpers(model, blocks),
         "batched": enumerated(BATCHED),
         "batch_names": [f"{name}_batch" for name in BATCHED],
-        "batches": [batch_function(model, model.kernel(name), width) for name, width in widths.items()],
-        "batch_width": " or ".join(str(w) for w in sorted({*widths.values()})),
-        "batch_stack": -(-max(stack(model, name, width) for name, width in widths.items()) // 1024),
+        "batches": [batch_function(block) for block in blocks.values()],
+        "batch_width": " or ".join(str(w) for w in sorted({block.width for block in blocks.values()})),
+        "batch_stack": -(-max(map(stack, blocks.values())) // 1024),
         "patterns": pattern_texts(model, "    "),
         "markers": [(m.name, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
         "forms": FORMS if model.bodies else {},

@@ -178,6 +178,7 @@ class _Coefficients:
     def __init__(self, context: Context, symbols: Symbols, system: ReducedSystem) -> None:
         self.context, self.symbols = context, symbols
         self.domain = system.polynomials.ring.domain
+        self.taken = {str(c.symbol) for c in context.coefficients}
         self.known = {}
         for c in reversed(context.coefficients):
             if not c.value.is_Rational:
@@ -191,9 +192,9 @@ class _Coefficients:
         sign = 1 if coefficient.numer.LC > 0 else -1
         value = coefficient * sign
         if value not in self.known:
-            taken = {str(c.symbol) for c in self.context.coefficients}
             numbered = (f"{label.name}_{k}" for k in count(2))
-            name = next(n for n in chain([label.name], numbered) if n not in taken)
+            name = next(n for n in chain([label.name], numbered) if n not in self.taken)
+            self.taken.add(name)
             value_of = self.domain.to_sympy(value)
             constant = ModelConstant(local(name), value_of, Source.FACTORISATION, label.doc, "")
             self.context.add_constant(constant)

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TypeAlias
 
 import sympy as sp
@@ -169,7 +170,8 @@ def _block(polynomials: StatePolynomials, mass: Matrix, rows: tuple[int, ...]) -
     if values is None or not _is_definite(values):
         return None
     domain, unit = polynomials.ring.domain, mass[rows[0]][rows[0]].coeff(1)
-    inverse = DomainMatrix(values, (len(rows), len(rows)), sp.QQ).inv().to_list()
+    exact = [[sp.QQ(x.numerator, x.denominator) for x in line] for line in values]
+    inverse = DomainMatrix(exact, (len(rows), len(rows)), sp.QQ).inv().to_list()
     return ConstantBlock(rows, unit, [[domain.convert_from(x, sp.QQ) / unit for x in line] for line in inverse])
 
 
@@ -181,26 +183,32 @@ def _is_positive(polynomials: StatePolynomials, polynomial: Polynomial) -> bool:
     ring = polynomials.ring
     constant = polynomial.coeff(1)
     form = polynomial - constant
-    used = [x for x in ring.gens if form.diff(x)]
-    entries = [[form.diff(x).diff(y) / 2 for y in used] for x in used]
-    products = (x * y * e for x, line in zip(used, entries, strict=True) for y, e in zip(used, line, strict=True))
-    if form != sum(products, start=ring.zero) or not polynomials.is_positive(constant):
+    used = sorted({k for powers in form for k, power in enumerate(powers) if power})
+    at = {k: n for n, k in enumerate(used)}
+    entries = [[ring.zero] * len(used) for _ in used]
+    for powers, coefficient in form.terms():
+        factors = [k for k, power in enumerate(powers) for _ in range(power)]
+        if len(factors) != 2:
+            return False
+        i, j = (at[k] for k in factors)
+        entries[i][j] = entries[j][i] = ring.ground_new(coefficient if i == j else coefficient / 2)
+    if not polynomials.is_positive(constant):
         return False
     matrix = _multiple(polynomials, entries)
     return not used or (matrix is not None and polynomials.is_positive(entries[0][0].coeff(1)) and _is_definite(matrix))
 
 
-def _multiple(polynomials: StatePolynomials, entries: Matrix) -> list[list[sp.Rational]] | None:
+def _multiple(polynomials: StatePolynomials, entries: Matrix) -> list[list[Fraction]] | None:
     """A matrix over its first entry; None if the quotients are not rational numbers."""
     if not entries or not entries[0][0] or not all(entry.is_ground for line in entries for entry in line):
         return None
     unit = entries[0][0].coeff(1)
     quotients = [[rational(polynomials.ring.domain, entry.coeff(1) / unit) for entry in line] for line in entries]
-    values = [[sp.Rational(x.numerator, x.denominator) for x in line if x is not None] for line in quotients]
+    values = [[x for x in line if x is not None] for line in quotients]
     return values if all(len(line) == len(entries) for line in values) else None
 
 
-def _is_definite(matrix: list[list[sp.Rational]]) -> bool:
+def _is_definite(matrix: list[list[Fraction]]) -> bool:
     """Whether the pivots of a symmetric matrix are positive, and larger than rounding errors of its diagonal."""
     work = [row[:] for row in matrix]
     for k, row in enumerate(work):

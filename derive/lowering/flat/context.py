@@ -77,6 +77,7 @@ class Context:
         self.u = array_input("u", (given.symbol for given in equations.inputs), "inputs")
         self.cj = scalar_input(local("cj"), "factor of dF/dydot")
         every = (self.t, self.q, self.v, self.vdot, self.lam, self.u, self.k, self.y, self.ydot, self.cj)
+        self._symbols: dict[tuple[sp.Symbol, ...], Symbols] = {}
         self.inputs: Mapping[str, Input] = {argument.argument.name: argument for argument in every}
 
     def symbols(self, *inputs: Input) -> Symbols:
@@ -84,6 +85,14 @@ class Context:
 
         What depends on the time depends on the inputs u.
         """
+        if self.t in inputs:
+            inputs = (*inputs, self.u)
+        symbols_of_inputs = tuple(chain.from_iterable(argument.symbols for argument in inputs))
+        if symbols_of_inputs not in self._symbols:
+            self._symbols[symbols_of_inputs] = self._new_symbols(symbols_of_inputs)
+        return self._symbols[symbols_of_inputs].copy()
+
+    def _new_symbols(self, inputs: tuple[sp.Symbol, ...]) -> Symbols:
         eq = self.equations
         symbols = Symbols(
             early=frozenset(row.v for row in eq.rows), late=rotation_symbols(eq.definitions), model=eq.name
@@ -96,9 +105,7 @@ class Context:
                 else ScalarRef(str(c.symbol))
             )
             symbols.input(c.symbol, leaf)
-        if self.t in inputs:
-            inputs = (*inputs, self.u)
-        for symbol in chain.from_iterable(argument.symbols for argument in inputs):
+        for symbol in inputs:
             symbols.input(symbol, ScalarRef(symbol.name))
         define(symbols, eq.definitions)
         return symbols
@@ -106,6 +113,7 @@ class Context:
     def add_constant(self, constant: ModelConstant) -> None:
         """Add a constant that setup computes from the parameters, for a kernel that follows."""
         self.coefficients = (*self.coefficients, constant)
+        self._symbols.clear()
         self.constants.coefficients |= {str(constant.symbol)}
 
     def definition_steps(self, symbols: Symbols) -> tuple[Step, ...]:

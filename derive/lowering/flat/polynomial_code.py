@@ -10,6 +10,7 @@ from typing import Any
 import casadi as ca
 import sympy as sp
 
+from derive.lowering.flat.casadi_symbols import added, multiplied, subtracted
 from derive.lowering.flat.polynomials import Coefficient, Polynomial, StatePolynomials, rational
 
 SHARED = frozenset(Fraction(sign * n, d) for sign in (1, -1) for n, d in ((1, 1), (2, 1), (1, 2)))
@@ -200,7 +201,7 @@ def _lowered(powers: Powers, k: int) -> Powers:
 
 def _times(a: ca.SX, b: ca.SX) -> ca.SX:
     """A product, without factors of one."""
-    return b if a.is_one() else a if b.is_one() else a * b
+    return b if a.is_one() else a if b.is_one() else multiplied(a, b)
 
 
 def _totals(terms: list[Signed]) -> tuple[int, list[ca.SX]]:
@@ -209,7 +210,7 @@ def _totals(terms: list[Signed]) -> tuple[int, list[ca.SX]]:
     (_, first), *others = sorted(terms, key=lambda term: -flipped * term[0])
     totals = [first]
     for sign, term in others:
-        totals.append(totals[-1] + term if flipped * sign > 0 else totals[-1] - term)
+        totals.append((added if flipped * sign > 0 else subtracted)(totals[-1], term))
     return flipped, totals
 
 

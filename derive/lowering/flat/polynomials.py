@@ -120,5 +120,13 @@ class StatePolynomials:
 
 def rational(domain: Any, coefficient: Coefficient) -> Fraction | None:
     """The value of a coefficient that does not depend on the parameters, otherwise None."""
-    value = domain.to_sympy(coefficient)
-    return Fraction(int(value.p), int(value.q)) if value.is_Rational else None
+    if not domain.is_FractionField:
+        return _fraction(coefficient)
+    if not (coefficient.numer.is_ground and coefficient.denom.is_ground):
+        return None
+    return _fraction(coefficient.numer.LC) / _fraction(coefficient.denom.LC)
+
+
+def _fraction(value: Any) -> Fraction:
+    """A rational number of SymPy's domains, whose type depends on what is installed."""
+    return Fraction(int(value.numerator), int(value.denominator))

@@ -78,10 +78,14 @@ class NumberValues:
         """See `Values`."""
         pairs = zip(entries(table, self.body.modes), table_values(self.body, table).tolist(), strict=True)
         zeros = self.body.zeros
+
+        def reason(entry: Symbol) -> str:
+            return zeros.get(entry.name, NOTHING) if zeros else NOTHING
+
         return _constants(
             table,
             (
-                (entry, sp.Rational(value), None) if value else (entry, sp.S.Zero, zeros.get(entry.name, NOTHING))
+                (entry, sp.Rational(value), None) if value else (entry, sp.S.Zero, reason(entry))
                 for entry, value in pairs
             ),
         )

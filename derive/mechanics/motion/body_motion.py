@@ -95,7 +95,7 @@ class Motion:
             expr, vanished = expanded_sum(s, i, self._vectors, known)
             zero = None
             if expr == 0:
-                known[symbol] = zeros.behind((part.entry for part in vanished), known)
+                known[symbol] = zeros.behind([entry for entry, _ in vanished], known)
                 zero = str(Reason(known[symbol], "it vanishes identically"))
             result.append(Intermediate(symbol, expr, s.section, s.source, s.described(i), zero))
         return tuple(result), known
