@@ -20,6 +20,8 @@ QUICK = ("-std=c99", "-O0", "-ffp-contract=off")
 
 _CACHES = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
 os.environ.setdefault("MPLCONFIGDIR", str(_CACHES / "matplotlib"))  # matplotlib would search for all fonts again
+# Zig would build the libraries of other systems again, which takes minutes.
+os.environ.setdefault("ZIG_GLOBAL_CACHE_DIR", str(_CACHES / "zig"))
 CACHE = tempfile.TemporaryDirectory(prefix="tisserand-cache-")
 os.environ["XDG_CACHE_HOME"] = (
     CACHE.name

@@ -10,13 +10,14 @@ from functools import partial
 
 from derive.artifacts import MARK, BinaryFile
 from derive.backends.description import LICENCE
+from derive.errors import Problem, SpecError
 from derive.export.fmi_binaries import PLATFORMS, Platform, c_files, compiled, this_platform
+from derive.export.fmi_dependencies import dependencies
 from derive.export.fmi_units import unit_definitions
-from derive.export.fmi_variables import Causality, FmiVariable, fmi_variables
+from derive.export.fmi_variables import Causality, FmiVariable, fmi_variables, nominals
 from derive.export.host_model import HostModel
 from derive.export.interface import RECORD, HostFile, Interface
 from derive.rendering import render
-from derive.simulation.initial.initial_state import scene_size
 from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import breaks
 from derive.spec.model.simulation import Simulation
@@ -25,17 +26,21 @@ from derive.version import VERSION
 HOSTS = ("ode", "adaptive", "dormand_prince", "fixed_step")
 """The parts of `templates/host` with which units take derivatives, and integrate in co-simulation."""
 
+PARTS = ("instance", "variables", "exchange", "step", "derivatives", "stored")
+"""Those of `templates/export/fmi` that both versions have, each with a header."""
+
+FUNCTIONS = {2: ("fmi2.h", "fmi2.c"), 3: ("fmi3.h", "component3.h", "fmi3.c", "fmi3_absent.c")}
+"""The files with the functions of a version."""
+
 NO_SIMULATION = Simulation(duration=1.0, output=0.01)
 """The default experiment of a specification that describes none."""
-
-ANGULAR = ("", "rad", "rad/s")
-"""The units of states that are no lengths or speeds: angles, quaternions, angular velocities."""
 
 
 def fmu(model: HostModel, version: int, platforms: Sequence[Platform]) -> bytes:
     """The archive of a unit of FMI 2.0 (version 2) or 3.0 (3), with a binary for each platform.
 
-    Equal inputs give equal bytes, but for binaries of different compilers. Raises CompilerError.
+    Equal inputs give equal bytes, but for binaries of different compilers. Raises CompilerError, and SpecError where a
+    name of the specification cannot be one of the unit.
     """
     sources = _sources(model, version)
     token = _token(sources)
@@ -44,7 +49,7 @@ def fmu(model: HostModel, version: int, platforms: Sequence[Platform]) -> bytes:
     content |= {f"sources/{name}": text.encode() for name, text in sources.items()}
     for platform in platforms:
         name = f"binaries/{platform.folder(version)}/{model.name}.{platform.ending}"
-        content[name] = compiled(sources, platform)
+        content[name] = compiled(model.name, sources, platform)
     return _archive(content)
 
 
@@ -62,13 +67,17 @@ def _archive(content: Mapping[str, bytes]) -> bytes:
 def _sources(model: HostModel, version: int) -> dict[str, str]:
     """The C of a unit by file names, with a model.c that has no token yet."""
     copies = [("host", f"{part}{ending}") for part in HOSTS for ending in (".h", ".c")]
-    parts = ("instance", "motion", "derivatives", f"fmi{version}")
-    copies += [("export/fmi", f"{part}{ending}") for part in parts for ending in (".h", ".c")]
+    copies += [("export/fmi", f"{part}{ending}") for part in PARTS for ending in (".h", ".c")]
+    copies += [("export/fmi", file) for file in FUNCTIONS[version]]
     every = {f"{model.name}.h": model.header.text, f"{model.name}.c": model.source.text}
     for folder, name in copies:
         values = {"mark": MARK, "origin": f"templates/{folder}/{name}", "name": model.name}
         every[name] = render("export/fmi/copy.c.jinja", values) + render(f"{folder}/{name}", {})
-    return {**every, "model.c": _start(model, "")}
+    every["model.c"] = _start(model, "")
+    if len(every) != 3 + len(copies):
+        taken = f'"{model.name}" is the name of a source file of every unit; choose another name'
+        raise SpecError((Problem("name", taken),), None)
+    return every
 
 
 def _token(sources: Mapping[str, str]) -> str:
@@ -83,7 +92,6 @@ def _token(sources: Mapping[str, str]) -> str:
 def _start(model: HostModel, token: str) -> str:
     """The text of model.c."""
     scene = model.spec if isinstance(model.spec, Scene) else None
-    length = 1.0 if scene is None else min(1.0, scene_size(scene))
     values = {
         "mark": MARK,
         "licence": LICENCE,
@@ -92,7 +100,7 @@ def _start(model: HostModel, token: str) -> str:
         "tolerance": _simulation(model).tolerance,
         "inputs": model.inputs,
         "started": (*model.inputs, *model.states),
-        "sizes": [1.0 if x.unit in ANGULAR else length for x in model.states],
+        "sizes": nominals(model),
         "breaks": () if scene is None else breaks(scene),
         "number": repr,
     }
@@ -116,6 +124,7 @@ def _descriptions(model: HostModel, version: int, token: str, sources: Sequence[
         "units": unit_definitions(x.unit for x in variables),
         "variables": variables,
         "structure": _structure(variables),
+        "dependencies": dependencies(model),
         "duration": simulation.duration,
         "interval": simulation.output,
         "tolerance": simulation.tolerance,

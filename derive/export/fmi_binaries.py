@@ -66,30 +66,30 @@ def c_files(names: Iterable[str]) -> list[str]:
     return [name for name in names if name.endswith(".c")]
 
 
-def compiled(sources: Mapping[str, str], target: Platform) -> bytes:
-    """The library of the sources, which are texts by file names, for a platform.
+def compiled(unit: str, sources: Mapping[str, str], target: Platform) -> bytes:
+    """The library of a unit from its sources, which are texts by file names, for a platform.
 
     The C compiler of simulations makes that of this platform, Zig those of others. Raises CompilerError.
     """
-    with tempfile.TemporaryDirectory(prefix="tisserand-") as name:
-        folder = Path(name)
+    with tempfile.TemporaryDirectory(prefix="tisserand-") as temporary:
+        folder = Path(temporary)
         for file, text in sources.items():
             (folder / file).write_text(text)
         if target == this_platform():
             return library_data([folder / file for file in c_files(sources)], folder, FMU_FLAGS)
-        return _crossed(sources, folder, target)
+        return _crossed(unit, sources, folder, target)
 
 
-def _crossed(sources: Mapping[str, str], folder: Path, target: Platform) -> bytes:
+def _crossed(unit: str, sources: Mapping[str, str], folder: Path, target: Platform) -> bytes:
     if find_spec("ziglang") is None:
         raise CompilerError("binaries for other platforms need Zig: `pip install tisserand[compiler]`")
-    flags = ["-target", target.target, *FMU_FLAGS, "-s"]
+    library = f"{unit}.{target.ending}"  # Windows and macOS keep this name in the file, which must not have a folder
+    flags = ["-target", target.target, *FMU_FLAGS, "-s", "-shared", "-fPIC", "-o", library]
+    flags += [f"-Wl,-install_name,@rpath/{library}"] if target.ending == "dylib" else []
     key = cache.key("library", "ziglang", version("ziglang"), *flags, *(f"{n}\0{text}" for n, text in sources.items()))
     data = cache.read(key)
     if data is None:
-        library = f"library.{target.ending}"  # without the folder, of which libraries keep the name
-        command = [sys.executable, "-m", "ziglang", "cc", *flags, "-shared", "-fPIC", "-o", library]
-        command += [*c_files(sources), "-lm"]
+        command = [sys.executable, "-m", "ziglang", "cc", *flags, *c_files(sources), "-lm"]
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode:
             raise CompilerError(f"zig for {target.target}:\n{done.stderr}")

@@ -10,10 +10,16 @@ from itertools import chain
 import sympy as sp
 
 from derive.derivation import derive
+from derive.errors import Problem, SpecError
 from derive.export.host_model import HostModel, HostVariable
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.symbols import DOTS, Identity, identity, is_indexed
+from derive.simulation.initial.initial_state import scene_size
+from derive.spec.model.scene import Scene
+
+ANGULAR = ("", "rad", "rad/s")
+"""The units of states that are no lengths or speeds: angles, quaternions, angular velocities."""
 
 
 class Causality(Enum):
@@ -32,7 +38,7 @@ class FmiVariable:
 
     name: structured, such as rod.alpha[1] or der(rod.alpha[1]). reference: its value reference. unit: that of SI, ""
     without one. start: of inputs, parameters and states. derivative_of: the reference of the state whose time
-    derivative it is. state: whether it is a continuous state.
+    derivative it is. nominal: of a continuous state its size, None of others.
     """
 
     name: str
@@ -42,7 +48,12 @@ class FmiVariable:
     doc: str
     start: float | None = None
     derivative_of: int | None = None
-    state: bool = False
+    nominal: float | None = None
+
+    @property
+    def state(self) -> bool:
+        """Whether it is a continuous state."""
+        return self.nominal is not None
 
     @property
     def variability(self) -> str | None:
@@ -57,8 +68,17 @@ class FmiVariable:
         return "exact" if self.causality is Causality.PARAMETER else None
 
 
+def nominals(model: HostModel) -> tuple[float, ...]:
+    """The sizes of the states, for tolerances: lengths have that of the scene, at most 1 m, and all others 1."""
+    length = min(1.0, scene_size(model.spec)) if isinstance(model.spec, Scene) else 1.0
+    return tuple(1.0 if x.unit in ANGULAR else length for x in model.states)
+
+
 def fmi_variables(model: HostModel) -> tuple[FmiVariable, ...]:
-    """All variables of a model, in the order of the value references of `templates/export/fmi/instance.h`."""
+    """All variables of a model, in the order of the value references of `templates/export/fmi/instance.h`.
+
+    Raises SpecError where two have one name.
+    """
     states, multipliers = _names_of_states(model), []
     derived = derive(model.spec)
     if isinstance(derived, Mechanism):
@@ -69,20 +89,33 @@ def fmi_variables(model: HostModel) -> tuple[FmiVariable, ...]:
     first_state = 1 + len(model.inputs) + len(model.parameters)
     local, every = Causality.LOCAL, list[FmiVariable]()
 
-    def add(names: Iterable[str], given: Sequence[HostVariable], causality: Causality, state: bool = False) -> None:
+    def add(names: Iterable[str], given: Sequence[HostVariable], causality: Causality) -> None:
         for name, x in zip(names, given, strict=True):
-            every.append(FmiVariable(name, len(every), causality, x.unit, x.doc, x.start, None, state))
+            every.append(FmiVariable(name, len(every), causality, x.unit, x.doc, x.start))
 
     add(["time"], [HostVariable("time", "s", "time", None)], Causality.INDEPENDENT)
     add((u.name for u in model.inputs), model.inputs, Causality.INPUT)
     add((p.name for p in model.parameters), model.parameters, Causality.PARAMETER)
-    add(states, model.states, local, state=True)
+    add(states, model.states, local)
+    every[first_state:] = [
+        replace(x, nominal=size) for x, size in zip(every[first_state:], nominals(model), strict=True)
+    ]
     for k, (name, x) in enumerate(zip(states, model.states, strict=True)):
         unit, doc = _rate_unit(x.unit), f"time derivative of {name}"
         every.append(FmiVariable(f"der({name})", len(every), local, unit, doc, None, first_state + k))
     add(outputs, model.outputs, Causality.OUTPUT)
     add((x.name for x in energies), energies, local)
     add(multipliers, model.multipliers, local)
+    first: dict[str, FmiVariable] = {}
+    for variable in every:
+        other = first.setdefault(variable.name, variable)
+        if other is not variable:
+            what = (
+                f"the {variable.causality.value} {variable.name} has the name of the {other.causality.value} variable"
+            )
+            raise SpecError(
+                (Problem("", f"{what}, but all names of a functional mock-up unit differ; rename one"),), None
+            )
     return tuple(every)
 
 

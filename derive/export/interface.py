@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from derive.artifacts import MARK, BinaryFile, File, sha256
 from derive.backends.c.source import ABI
+from derive.errors import Problem, SpecError
 from derive.export.host_model import HostModel
 from derive.version import VERSION
 
@@ -40,9 +41,16 @@ def export_folder(model: HostModel, kind: str) -> str:
 
 
 def exported_files(model: HostModel, kind: str, interface: Interface) -> tuple[HostFile, ...]:
-    """The files of an interface in a folder of their own, and their record."""
+    """The files of an interface in a folder of their own, and their record.
+
+    Raises SpecError where the name of the model is that of another file.
+    """
     folder = export_folder(model, kind)
     made = interface.files(model)
+    paths = [file.path for file in made]
+    if any(paths.count(path) > 1 for path in paths):
+        taken = f'"{model.name}" is the name of a file that this interface adds; choose another name'
+        raise SpecError((Problem("name", taken),), None)
     content = {
         "generator": f"{MARK}. Do not edit.",
         "interface": kind,

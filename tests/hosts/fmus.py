@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from host_models import PUSHED, STEERED
+from host_models import LINKAGE, PUSHED, STEERED
 from numpy.typing import NDArray
 
 import derive
@@ -21,6 +21,8 @@ from derive.export.host_model import HostModel, host_model
 from derive.spec.toml.read import parse
 
 VERSIONS = (2, 3)
+LIVING: list[object] = []
+"""Instances with a logger: FMPy calls the newest one for all units of FMI 2.0, also where its instance is gone."""
 KINDS = ("ModelExchange", "CoSimulation")
 
 
@@ -43,8 +45,8 @@ def prepared(text: str) -> HostModel:
 
 @cache
 def model_of(name: str) -> HostModel:
-    """That of a specification in the folder `scenes`, or of a pendulum or arm with inputs."""
-    given = {"pushed": PUSHED, "steered": STEERED}
+    """That of a specification in the folder `scenes`, or of a pendulum, an arm or a linkage with inputs."""
+    given = {"pushed": PUSHED, "steered": STEERED, "linkage": LINKAGE}
     if name in given:
         return prepared(given[name])
     return host_model(derive.read(ROOT / f"scenes/{name}.toml"), sensitivities=True)

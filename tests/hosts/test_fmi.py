@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmus import KINDS, VERSIONS, fmpy, model_of, prepared, simulated, unit
+from fmus import KINDS, LIVING, VERSIONS, fmpy, model_of, prepared, simulated, unit
 from host_models import PUSHED, STEERED
 
 import derive
@@ -121,6 +121,7 @@ def slave(model: HostModel, version: int, folder: Path, logged: list[str], start
     instance = fmpy().instantiate_fmu(
         fmpy().extract(str(path)), description, "CoSimulation", logger=lambda *args: logged.append(str(args[-1]))
     )
+    LIVING.append(instance)
     if start:
         if version == 2:
             instance.setupExperiment(startTime=0.0)
@@ -169,7 +170,7 @@ def test_what_is_wrong_is_said(version: int, tmp_path: Path) -> None:
     instance = slave(model, version, tmp_path, logged)
     put = instance.setReal if version == 2 else instance.setFloat64
     for act, message in (
-        (lambda: put([tip], [1.0]), "inputs and parameters can be set"),
+        (lambda: put([tip], [1.0]), "no other variable"),
         (lambda: put([stiffness], [np.nan]), "not finite"),
         (lambda: values(instance, version, [10**6]), "no real variable"),
         (lambda: instance.doStep(0.3, 0.1), "begins at the end of the one before"),

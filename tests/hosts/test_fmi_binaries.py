@@ -1,20 +1,22 @@
-"""Binaries of units for other platforms, inspected: their processor, and exactly the functions of FMI."""
+"""Binaries of units for all platforms, inspected: their processor, the functions of FMI alone, and what they load."""
 
 from __future__ import annotations
 
 import re
 import zipfile
-from io import BytesIO
 from pathlib import Path
 
 import pytest
-from fmus import VERSIONS, fmpy, model_of
+from fmus import VERSIONS, fmpy, simulated
+from host_models import PUSHED
 from programs import program, run
 
+import derive
 from derive import cache
 from derive.export import fmi_binaries
-from derive.export.fmi import fmu
 from derive.export.fmi_binaries import PLATFORMS, CompilerError, Platform, compiled, this_platform
+from derive.export.registry import exported
+from derive.spec.toml.read import parse
 
 FORMATS = {
     ("Linux", "x86_64"): "elf64-x86-64",
@@ -36,7 +38,7 @@ def functions(version: int) -> set[str]:
     return {name.removesuffix("TYPE") for name in re.findall(rf"\bfmi{version}\w+TYPE\b", header.read_text())}
 
 
-def exported(library: Path, platform: Platform) -> set[str]:
+def visible(library: Path, platform: Platform) -> set[str]:
     """The functions that others can call."""
     match platform.ending:
         case "dll":
@@ -48,30 +50,40 @@ def exported(library: Path, platform: Platform) -> set[str]:
             return set(run(program("llvm-nm"), "-D", "--defined-only", "--just-symbol-name", library).split())
 
 
-WINDOWS = "Windows", "x86_64"
+def needed(library: Path) -> set[str]:
+    """The libraries that a system loads with it."""
+    (names,) = re.findall(r"NeededLibraries \[\n(.*?)\]", run(program("llvm-readobj"), "--needed-libs", library), re.S)
+    return set(names.split())
 
 
-def inspect(key: tuple[str, str], version: int, folder: Path) -> None:
-    """The unit of a model with the binary of one platform."""
-    zig()
-    platform = PLATFORMS[key]
-    with zipfile.ZipFile(BytesIO(fmu(model_of("pushed"), version, [platform]))) as archive:
-        archive.extractall(folder)
-    library = folder / f"binaries/{platform.folder(version)}/pushed.{platform.ending}"
-    assert f"Format: {FORMATS[key]}\n" in run(program("llvm-readobj"), "--file-headers", library)
-    assert exported(library, platform) == functions(version)
+SYSTEM = {
+    "so": r"libc\.so\.6|libm\.so\.6",
+    "dll": r"KERNEL32\.dll|api-ms-win-crt-[a-z]+-l1-1-0\.dll",
+    "dylib": r"/usr/lib/libSystem\.B\.dylib|@rpath/pushed\.dylib",
+}
+"""The libraries that every system has: on Windows those of its C runtime since version 10; macOS adds its own name."""
 
 
 @pytest.mark.hosts
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("key", [key for key in PLATFORMS if key != WINDOWS], ids="-".join)
-def test_a_binary_has_its_processor_and_functions(key: tuple[str, str], version: int, tmp_path: Path) -> None:
-    inspect(key, version, tmp_path)
-
-
-@pytest.mark.long  # Zig builds the libraries of Windows, which takes minutes
-def test_a_binary_for_windows_has_its_processor_and_functions(tmp_path: Path) -> None:
-    inspect(WINDOWS, 3, tmp_path)
+def test_a_unit_for_all_platforms(version: int, tmp_path: Path) -> None:
+    """As the command exports it. Where Zig builds the libraries of Windows for the first time this takes minutes."""
+    zig()
+    fmpy()
+    derive.write(exported(parse(PUSHED), f"fmu{version}-all"), tmp_path)
+    path = tmp_path / f"pushed-fmu{version}-all/pushed.fmu"
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path / "unit")
+        binaries = {name for name in archive.namelist() if name.startswith("binaries/")}
+    libraries = {key: f"binaries/{x.folder(version)}/pushed.{x.ending}" for key, x in PLATFORMS.items()}
+    assert binaries == set(libraries.values())
+    for key, platform in PLATFORMS.items():
+        library = tmp_path / "unit" / libraries[key]
+        assert f"Format: {FORMATS[key]}\n" in run(program("llvm-readobj"), "--file-headers", library)
+        assert visible(library, platform) == functions(version)
+        assert needed(library) and all(re.fullmatch(SYSTEM[platform.ending], name) for name in needed(library))
+    assert fmpy().validation.validate_fmu(str(path)) == []
+    assert simulated(path, "CoSimulation", ["tip[1]"], stop_time=0.01).shape[1] == 1
 
 
 @pytest.mark.hosts
@@ -81,7 +93,7 @@ def test_zig_makes_equal_bytes_in_every_folder() -> None:
     sources = {"unit.c": '__attribute__((visibility("default"))) double value(double x)\n{\n    return 2.0 * x;\n}\n'}
     target = PLATFORMS["Darwin", "aarch64"]
     with cache.no_cache():
-        assert compiled(sources, target) == compiled(sources, target)
+        assert compiled("unit", sources, target) == compiled("unit", sources, target)
 
 
 @pytest.mark.hosts
@@ -89,4 +101,4 @@ def test_without_zig_a_message_says_what_to_do(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(fmi_binaries, "find_spec", lambda name: None)
     other = next(platform for platform in PLATFORMS.values() if platform != this_platform())
     with pytest.raises(CompilerError, match=r"need Zig: `pip install tisserand\[compiler\]`"):
-        compiled({"unit.c": ""}, other)
+        compiled("unit", {"unit.c": ""}, other)

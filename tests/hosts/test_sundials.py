@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from host_models import PUSHED, STEERED
+from host_models import LINKAGE, PUSHED, STEERED
 from programs import run
 from test_cmake import configured, ctest
 
@@ -24,50 +24,6 @@ from derive.spec.toml.read import parse
 
 pytestmark = pytest.mark.hosts
 
-LINKAGE = """
-name = "linkage"
-scene.gravity = [0, -9.81]
-ground.markers = { a = [0, 0], b = [{ symbol = "distance", default = 1.2 }, 0] }
-[bodies.left]
-mass = { symbol = "m", default = 1.3 }
-length = { symbol = "l", default = 1.0 }
-bending_stiffness = { symbol = "EI", default = 200 }
-markers = { end = -1, tip = 1 }
-start = { position = [0.4, 0.4], angle = 0.8, guess = true }
-[bodies.right]
-mass = 0.7
-length = 0.9
-bending_stiffness = 300
-markers = { end = 1, tip = -1 }
-start = { position = [0.9, 0.6], angle = -0.6, guess = true }
-[bodies.slider]
-mass = 0.4
-inertia = 0.05
-markers = { pin = [0, 0] }
-start = { position = [1.3, 0.0], guess = true }
-[joints.first]
-kind = "revolute"
-between = ["ground.a", "left.end"]
-[joints.middle]
-kind = "revolute"
-between = ["left.tip", "right.tip"]
-[joints.last]
-kind = "revolute"
-between = ["right.end", "slider.pin"]
-[joints.guide]
-kind = "translational"
-between = ["ground.b", "slider.pin"]
-[inputs.push]
-value = "2"
-unit = "N"
-[forces.push]
-at = "slider.pin"
-components = [{ input = "push" }, 0]
-[simulation]
-duration = 3
-output = 0.01
-tolerance = 1e-9
-"""
 SPECS = {
     "linkage": lambda: parse(LINKAGE),
     "pushed": lambda: parse(PUSHED),

@@ -2,7 +2,8 @@
  * SPDX-License-Identifier: 0BSD
  *
  * Directional and adjoint derivatives of an instance: of the time derivatives of the states and of the outputs, with respect to
- * the inputs, the parameters and the states. They are exact, see ode.h.
+ * the inputs, the parameters and the states. They are exact, see ode.h. In the initialisation they are those of the states, of
+ * their derivatives and of the outputs with respect to the inputs and the parameters, with which the consistent state changes.
  */
 
 #ifndef TISSERAND_FMU_DERIVATIVES_H

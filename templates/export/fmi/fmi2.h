@@ -1,7 +1,7 @@
 /*
  * SPDX-License-Identifier: 0BSD
  *
- * The types of FMI 2.0, as its published interface has them.
+ * The types of FMI 2.0, as its published interface has them, and the names of its functions.
  */
 
 #ifndef TISSERAND_FMI2_H
@@ -51,6 +51,17 @@ typedef struct {
 #  define FMI2_EXPORT __attribute__((visibility("default")))
 #else
 #  define FMI2_EXPORT
+#endif
+
+/* The name of a function: FMI2_FUNCTION_PREFIX is for importers that link the sources of a unit to a program. */
+#define FMI2_JOIN_NAMES(prefix, name) prefix##name
+#define FMI2_JOIN(prefix, name) FMI2_JOIN_NAMES(prefix, name)
+#if defined(FMI2_OVERRIDE_FUNCTION_PREFIX)
+#  define FMI2(name) FMI2_JOIN(FMI2_OVERRIDE_FUNCTION_PREFIX, fmi2##name)
+#elif defined(FMI2_FUNCTION_PREFIX)
+#  define FMI2(name) FMI2_JOIN(FMI2_FUNCTION_PREFIX, fmi2##name)
+#else
+#  define FMI2(name) fmi2##name
 #endif
 
 #endif

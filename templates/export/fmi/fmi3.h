@@ -1,7 +1,7 @@
 /*
  * SPDX-License-Identifier: 0BSD
  *
- * The types of FMI 3.0, as its published interface has them.
+ * The types of FMI 3.0, as its published interface has them, and the names of its functions.
  */
 
 #ifndef TISSERAND_FMI3_H
@@ -59,6 +59,17 @@ typedef void (*fmi3UnlockPreemptionCallback)(void);
 #  define FMI3_EXPORT __attribute__((visibility("default")))
 #else
 #  define FMI3_EXPORT
+#endif
+
+/* The name of a function: FMI3_FUNCTION_PREFIX is for importers that link the sources of a unit to a program. */
+#define FMI3_JOIN_NAMES(prefix, name) prefix##name
+#define FMI3_JOIN(prefix, name) FMI3_JOIN_NAMES(prefix, name)
+#if defined(FMI3_OVERRIDE_FUNCTION_PREFIX)
+#  define FMI3(name) FMI3_JOIN(FMI3_OVERRIDE_FUNCTION_PREFIX, fmi3##name)
+#elif defined(FMI3_FUNCTION_PREFIX)
+#  define FMI3(name) FMI3_JOIN(FMI3_FUNCTION_PREFIX, fmi3##name)
+#else
+#  define FMI3(name) fmi3##name
 #endif
 
 #endif

@@ -1,9 +1,10 @@
 /*
  * SPDX-License-Identifier: 0BSD
  *
- * An instance of a generated model as functional mock-up units have it, for every version of FMI: variables by their value
- * references, modes, the consistent initial state, steps of co-simulation, and states that are stored. The files fmi2.c and
- * fmi3.c are the interfaces around it. All memory is allocated in fmu_create, and by the caller for stored states.
+ * An instance of a generated model as functional mock-up units have it, for every version of FMI: its modes, its messages and
+ * what follows from its state. Around it are variables.h (values), exchange.h (model exchange), step.h (co-simulation),
+ * derivatives.h and stored.h (states that are stored); fmi2.c and fmi3.c are the interfaces. All memory is allocated in
+ * fmu_create, and for stored states.
  *
  * Value references count the time (0), the inputs u, the parameters p, the states x = [q; v], their time derivatives, the
  * outputs, the energies, and the multipliers lambda, in this order.
@@ -28,43 +29,57 @@ extern const int fmu_breaks;           /* the number of times at which functions
 extern const double fmu_break_times[]; /* increasing; one more than there are */
 const tisserand_model *fmu_model(void);
 
-typedef enum { FMU_OK, FMU_DISCARD, FMU_ERROR } fmu_status;
+/* With the numbers of both versions of FMI. */
+typedef enum { FMU_OK = 0, FMU_DISCARD = 2, FMU_ERROR = 3 } fmu_status;
 
-enum { FMU_INSTANTIATED, FMU_INITIALISING, FMU_RUNNING, FMU_TERMINATED };
+/* Model exchange alternates between two modes; co-simulation is in one between its steps. */
+enum { FMU_INSTANTIATED, FMU_INITIALISING, FMU_EVENT, FMU_CONTINUOUS, FMU_BETWEEN_STEPS, FMU_TERMINATED };
 
-/* The first values of a state; u, p, the start values of x and x follow. */
-enum { FMU_TIME, FMU_TOLERANCE, FMU_STEP, FMU_MODE, FMU_FIRST };
+/* Positions and velocities meet the constraints up to this (m, rad), or up to rounding errors. */
+#define FMU_CONSISTENT 1e-12
+
+/* The first values of a state; u, p, the start values of x and x follow. FMU_NEXT is the next break, FMU_LENGTH that of
+   the next step of the integrator, or 0. */
+enum { FMU_TIME, FMU_STOP, FMU_TOLERANCE, FMU_NEXT, FMU_LENGTH, FMU_MODE, FMU_FIRST };
+
+typedef void fmu_log(
+    void *owner,
+    fmu_status status,
+    const char *category,
+    const char *message);
 
 typedef struct {
     const tisserand_model *model;
     int nu, nx, nout;
-    int variables;    /* the number of value references */
+    int exchange;     /* whether it is one of model exchange */
     int count;        /* the number of values of a state */
     double *state;    /* all that a stored state consists of */
     double *u, *p, *start, *x; /* parts of the state */
     double *k, *xdot, *out, *energy, *lambda;
     double *atol, *trial, *work, *derivatives;
-    int set_up;    /* whether k belongs to p */
-    int evaluated; /* whether x (before the simulation), xdot, out, energy and lambda belong to the state */
+    int set_up;     /* whether k belongs to p */
+    int evaluated;  /* whether x (before the simulation), xdot, out, energy and lambda belong to the state */
     int linearised; /* whether the Jacobians of ode belong to the state */
     tisserand_ode ode;
     tisserand_adaptive solver;
     tisserand_model moving; /* the model with prescribed motions that go on within a step of co-simulation */
     tisserand_scene moving_scene;
-    void (*log)(void *owner, fmu_status status, const char *message);
+    fmu_log *log;
     void *owner;
+    int silent[2]; /* whether messages of errors and of discarded states are not logged */
 } fmu_instance;
 
 /* A new instance with the start values; 0 if the token is of another unit or there is no memory. */
 fmu_instance *fmu_create(
     const char *token,
-    void (*log)(void *owner, fmu_status status, const char *message),
+    int exchange,
+    fmu_log *log,
     void *owner);
 
 void fmu_free(
     fmu_instance *fmu);
 
-void fmu_reset(
+fmu_status fmu_reset(
     fmu_instance *fmu);
 
 /* Log a message and return the status. */
@@ -73,88 +88,80 @@ fmu_status fmu_fail(
     fmu_status status,
     const char *message);
 
+/* Fail with what a code of the model or of an integration means. */
+fmu_status fmu_failed(
+    fmu_instance *fmu,
+    fmu_status status,
+    int code);
+
+/* Log the messages of categories, or of all if there are none, or do not. */
+fmu_status fmu_set_logging(
+    fmu_instance *fmu,
+    int on,
+    size_t count,
+    const char *const *categories);
+
 /* Return FMU_OK if the mode is between two, else an error. */
 fmu_status fmu_in_mode(
     fmu_instance *fmu,
     int first,
     int last);
 
-/* Enter the initialisation at a time; a tolerance that is 0 is not given. */
-fmu_status fmu_initialise(
+/* Pass from one of the modes between two to another. */
+fmu_status fmu_enter(
     fmu_instance *fmu,
-    double t,
-    double tolerance);
+    int first,
+    int last,
+    int mode);
 
-/* Find the consistent state with which the simulation begins. */
-fmu_status fmu_begin(
+/* The experiment: a tolerance that is 0 is not given, and a stop time is infinite if there is none. */
+fmu_status fmu_set_up_experiment(
+    fmu_instance *fmu,
+    double tolerance,
+    double t,
+    double stop);
+
+fmu_status fmu_enter_initialisation(
     fmu_instance *fmu);
 
-fmu_status fmu_get(
-    fmu_instance *fmu,
-    const unsigned *references,
-    size_t count,
-    double *values);
-
-fmu_status fmu_set(
-    fmu_instance *fmu,
-    const unsigned *references,
-    size_t count,
-    const double *values);
+/* Find the consistent state with which the simulation begins. */
+fmu_status fmu_exit_initialisation(
+    fmu_instance *fmu);
 
 /* Compute all that follows from the state; before the simulation also x, from the start values. */
 fmu_status fmu_evaluate(
     fmu_instance *fmu);
 
-fmu_status fmu_set_time(
-    fmu_instance *fmu,
-    double t);
-
-fmu_status fmu_set_states(
-    fmu_instance *fmu,
-    const double *x,
-    size_t count);
-
-/* The states x; before the simulation they are those of the consistent state. */
-fmu_status fmu_states(
-    fmu_instance *fmu,
-    double *x,
-    size_t count);
-
-fmu_status fmu_derivatives(
-    fmu_instance *fmu,
-    double *xdot,
-    size_t count);
-
-/* Whether the state x has left the constraints, or a quaternion its length, by more than an integrator may. */
-fmu_status fmu_drifted(
-    fmu_instance *fmu,
-    int *drifted);
-
-/* Project x onto the constraints; changed: whether this was necessary. next: the time of the next break, or 0 if there
-   is none. */
-fmu_status fmu_event(
-    fmu_instance *fmu,
-    int *changed,
-    double *next,
-    int *has_next);
-
-/* Integrate by a step. Inputs are constant in it, but for motions, which follow their time derivatives. Of a step that fails, the part up to a later state than before may have been made. */
-fmu_status fmu_step(
-    fmu_instance *fmu,
-    double t,
-    double step);
-
-/* States as bytes: a header with the token, and the values. */
-size_t fmu_state_size(
+/* The time with which functions of time are evaluated: until an event they go on smoothly up to a break. */
+double fmu_smooth_time(
     const fmu_instance *fmu);
 
-void fmu_store(
-    const fmu_instance *fmu,
-    unsigned char *bytes);
+/* Find the next break, FMU_NEXT: it is infinite if there is none. */
+void fmu_find_break(
+    fmu_instance *fmu);
 
-fmu_status fmu_restore(
+/* Make k that of the parameters and the inputs. Returns a code of the model. */
+int fmu_prepare(
+    fmu_instance *fmu);
+
+/* Project x onto the constraints. Returns a code of the model or TISSERAND_OFF. */
+int fmu_project(
     fmu_instance *fmu,
-    const unsigned char *bytes,
-    size_t size);
+    double *x);
+
+/* The tolerance of projections of x: rounding errors may be larger than FMU_CONSISTENT. */
+double fmu_consistent(
+    const fmu_instance *fmu,
+    const double *x);
+
+void fmu_copy(
+    int n,
+    const double *from,
+    double *to);
+
+/* The largest magnitude of n numbers */
+double fmu_largest(
+    int n,
+    const double *x);
 
 #endif
