@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_b170f916d83900af
+#ifndef BODY_SYMBOLIC_HASH_25c93fbda4ac9ee1
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -42,6 +42,22 @@ typedef double tisserand_lanes, tisserand_loose;
 #  endif
 #  define TISSERAND_LOAD(address) (*(const tisserand_loose *) (address))
 #  define TISSERAND_STORE(address, value) (*(tisserand_loose *) (address) = (value))
+/* Lanes to elements at a distance. */
+#  if TISSERAND_WIDTH == 4
+#    define TISSERAND_SCATTER(address, stride, value) do { \
+         const tisserand_lanes lanes_ = (value); \
+         double *to_ = (address); \
+         to_[0] = lanes_[0], to_[stride] = lanes_[1], to_[2 * (stride)] = lanes_[2], to_[3 * (stride)] = lanes_[3]; \
+     } while (0)
+#  elif TISSERAND_WIDTH == 2
+#    define TISSERAND_SCATTER(address, stride, value) do { \
+         const tisserand_lanes lanes_ = (value); \
+         double *to_ = (address); \
+         to_[0] = lanes_[0], to_[stride] = lanes_[1]; \
+     } while (0)
+#  else
+#    define TISSERAND_SCATTER(address, stride, value) (*(address) = (value))
+#  endif
 #endif
 
 /* Before a short loop: gcc would unroll it first, and then not make vectors of it. */
@@ -255,11 +271,13 @@ int body_symbolic_mass(
     M[24] = J_33;
 
     /* M_i (15): factors of the accelerations, for each mode */
-    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
-        M[6 + i] = d3_1[i];
-        M[16 + i] = d3_2[i];
-        M[25 + i] = d3_3[i];
-        M[33 + i] = 1.0;
+    for (int i = 0; i < 8; i += 4) {
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            TISSERAND_STORE(M + 6 + i + l, TISSERAND_LOAD(d3_1 + i + l));
+            TISSERAND_STORE(M + 16 + i + l, TISSERAND_LOAD(d3_2 + i + l));
+            TISSERAND_STORE(M + 25 + i + l, TISSERAND_LOAD(d3_3 + i + l));
+            for (int m = 0; m < TISSERAND_WIDTH; m++) M[33 + i + l + m] = 1.0;
+        }
     }
     return 0;
 }
@@ -457,9 +475,15 @@ int body_symbolic_force(
         - d3dot_1 * omega2;
 
     /* h_i (15): centrifugal, Coriolis, elastic and other forces, for each mode */
-    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
-        h[6 + i] = K[i] * alpha[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
-            - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
+    for (int i = 0; i < 8; i += 4) {
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            TISSERAND_STORE(h + 6 + i + l, TISSERAND_LOAD(K + i + l) * TISSERAND_LOAD(alpha + i + l)
+                - oo_11 * TISSERAND_LOAD(S_11 + i + l) - f4 * TISSERAND_LOAD(S_12 + i + l)
+                - f5 * TISSERAND_LOAD(S_13 + i + l) - oo_22 * TISSERAND_LOAD(S_22 + i + l)
+                - f6 * TISSERAND_LOAD(S_23 + i + l) - oo_33 * TISSERAND_LOAD(S_33 + i + l)
+                - f7 * TISSERAND_LOAD(c7dot_1 + i + l) - f8 * TISSERAND_LOAD(c7dot_2 + i + l)
+                - f9 * TISSERAND_LOAD(c7dot_3 + i + l));
+        }
     }
     return 0;
 }
@@ -683,13 +707,19 @@ int body_symbolic_mass_force(
         - d3dot_1 * omega2;
 
     /* M and h_i (15): factors of the accelerations, and forces, for each mode */
-    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
-        M[6 + i] = d3_1[i];
-        M[16 + i] = d3_2[i];
-        M[25 + i] = d3_3[i];
-        M[33 + i] = 1.0;
-        h[6 + i] = K[i] * alpha[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
-            - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
+    for (int i = 0; i < 8; i += 4) {
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            TISSERAND_STORE(M + 6 + i + l, TISSERAND_LOAD(d3_1 + i + l));
+            TISSERAND_STORE(M + 16 + i + l, TISSERAND_LOAD(d3_2 + i + l));
+            TISSERAND_STORE(M + 25 + i + l, TISSERAND_LOAD(d3_3 + i + l));
+            for (int m = 0; m < TISSERAND_WIDTH; m++) M[33 + i + l + m] = 1.0;
+            TISSERAND_STORE(h + 6 + i + l, TISSERAND_LOAD(K + i + l) * TISSERAND_LOAD(alpha + i + l)
+                - oo_11 * TISSERAND_LOAD(S_11 + i + l) - f4 * TISSERAND_LOAD(S_12 + i + l)
+                - f5 * TISSERAND_LOAD(S_13 + i + l) - oo_22 * TISSERAND_LOAD(S_22 + i + l)
+                - f6 * TISSERAND_LOAD(S_23 + i + l) - oo_33 * TISSERAND_LOAD(S_33 + i + l)
+                - f7 * TISSERAND_LOAD(c7dot_1 + i + l) - f8 * TISSERAND_LOAD(c7dot_2 + i + l)
+                - f9 * TISSERAND_LOAD(c7dot_3 + i + l));
+        }
     }
     return 0;
 }
@@ -906,9 +936,15 @@ int body_symbolic_accel(
 
     /* h and B_i (15): forces, and coupling of rigid-body motion and modes, for each mode */
     double h[8];
-    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
-        h[i] = K[i] * alpha[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
-            - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
+    for (int i = 0; i < 8; i += 4) {
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            TISSERAND_STORE(h + i + l, TISSERAND_LOAD(K + i + l) * TISSERAND_LOAD(alpha + i + l)
+                - oo_11 * TISSERAND_LOAD(S_11 + i + l) - f4 * TISSERAND_LOAD(S_12 + i + l)
+                - f5 * TISSERAND_LOAD(S_13 + i + l) - oo_22 * TISSERAND_LOAD(S_22 + i + l)
+                - f6 * TISSERAND_LOAD(S_23 + i + l) - oo_33 * TISSERAND_LOAD(S_33 + i + l)
+                - f7 * TISSERAND_LOAD(c7dot_1 + i + l) - f8 * TISSERAND_LOAD(c7dot_2 + i + l)
+                - f9 * TISSERAND_LOAD(c7dot_3 + i + l));
+        }
     }
 
     /* sums (appendix): BB = B^T c8^-1 B; Bh = B^T c8^-1 h */
@@ -983,10 +1019,13 @@ int body_symbolic_accel(
 
     /* alphaddot_i (15): accelerations of the modal amplitudes, for each mode */
     double x[8];
-    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
-        const double t15 = -(h[i] + omega1dot * d3_1[i]) - omega2dot * d3_2[i] - omega3dot * d3_3[i];
-        x[i] = t15;
-        vdot[6 + i] = t15;
+    for (int i = 0; i < 8; i += 4) {
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            const tisserand_lanes t15 = -(TISSERAND_LOAD(h + i + l) + omega1dot * TISSERAND_LOAD(d3_1 + i + l))
+                - omega2dot * TISSERAND_LOAD(d3_2 + i + l) - omega3dot * TISSERAND_LOAD(d3_3 + i + l);
+            TISSERAND_STORE(x + i + l, t15);
+            TISSERAND_STORE(vdot + 6 + i + l, t15);
+        }
     }
 
     /* sums (appendix): shapes = sum that is finite if all are */
@@ -1374,8 +1413,10 @@ int body_symbolic_rates(
     qdot[6] = t4 * omega3 + t1 * omega2 - t2 * omega1;
 
     /* rates_i (1): from Qdot = Q (omega x), for each mode */
-    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
-        qdot[7 + i] = alphadot[i];
+    for (int i = 0; i < 8; i += 4) {
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            TISSERAND_STORE(qdot + 7 + i + l, TISSERAND_LOAD(alphadot + i + l));
+        }
     }
     return 0;
 }
@@ -1638,11 +1679,18 @@ int body_symbolic_residual(
         + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - d3dot_1 * omega2;
 
     /* F_i (15): qdot less its value from v, then M vdot + h, for each mode */
-    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
-        F[7 + i] = alpha_t[i] - alphadot[i];
-        F[21 + i] = alphaddot[i] + K[i] * alpha[i] + omega1dot * d3_1[i] + omega2dot * d3_2[i]
-            + omega3dot * d3_3[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
-            - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
+    for (int i = 0; i < 8; i += 4) {
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            TISSERAND_STORE(F + 7 + i + l, TISSERAND_LOAD(alpha_t + i + l) - TISSERAND_LOAD(alphadot + i + l));
+            TISSERAND_STORE(F + 21 + i + l, TISSERAND_LOAD(alphaddot + i + l) + TISSERAND_LOAD(K + i
+                + l) * TISSERAND_LOAD(alpha + i + l) + omega1dot * TISSERAND_LOAD(d3_1 + i + l)
+                + omega2dot * TISSERAND_LOAD(d3_2 + i + l) + omega3dot * TISSERAND_LOAD(d3_3 + i + l)
+                - oo_11 * TISSERAND_LOAD(S_11 + i + l) - f4 * TISSERAND_LOAD(S_12 + i + l)
+                - f5 * TISSERAND_LOAD(S_13 + i + l) - oo_22 * TISSERAND_LOAD(S_22 + i + l)
+                - f6 * TISSERAND_LOAD(S_23 + i + l) - oo_33 * TISSERAND_LOAD(S_33 + i + l)
+                - f7 * TISSERAND_LOAD(c7dot_1 + i + l) - f8 * TISSERAND_LOAD(c7dot_2 + i + l)
+                - f9 * TISSERAND_LOAD(c7dot_3 + i + l));
+        }
     }
     return 0;
 }
@@ -1814,31 +1862,31 @@ int body_symbolic_jacobian(
         }
         for (int j = 0; j < 8; j++) {
             double *column = jac + 23 + 12 * j + i;
-            const double *C5_11 = tables + 72 * i + 36 * j;
-            const double *C5_12 = tables + 4 + 72 * i + 36 * j;
-            const double *C5_13 = tables + 8 + 72 * i + 36 * j;
-            const double *C5_22 = tables + 12 + 72 * i + 36 * j;
-            const double *C5_23 = tables + 16 + 72 * i + 36 * j;
-            const double *C5_33 = tables + 20 + 72 * i + 36 * j;
-            const double *c7_1 = tables + 24 + 72 * i + 36 * j;
-            const double *c7_2 = tables + 28 + 72 * i + 36 * j;
-            const double *c7_3 = tables + 32 + 72 * i + 36 * j;
+            const double *C5_11_j = tables + 72 * i + 36 * j;
+            const double *C5_12_j = tables + 4 + 72 * i + 36 * j;
+            const double *C5_13_j = tables + 8 + 72 * i + 36 * j;
+            const double *C5_22_j = tables + 12 + 72 * i + 36 * j;
+            const double *C5_23_j = tables + 16 + 72 * i + 36 * j;
+            const double *C5_33_j = tables + 20 + 72 * i + 36 * j;
+            const double *c7_1_j = tables + 24 + 72 * i + 36 * j;
+            const double *c7_2_j = tables + 28 + 72 * i + 36 * j;
+            const double *c7_3_j = tables + 32 + 72 * i + 36 * j;
             for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
-                TISSERAND_STORE(column + l, -(oo_11 * TISSERAND_LOAD(C5_11 + l)) - f4 * TISSERAND_LOAD(C5_12 + l)
-                    - f5 * TISSERAND_LOAD(C5_13 + l) - oo_22 * TISSERAND_LOAD(C5_22 + l)
-                    - f6 * TISSERAND_LOAD(C5_23 + l) - oo_33 * TISSERAND_LOAD(C5_33 + l)
-                    - omega1dot * TISSERAND_LOAD(c7_1 + l) - omega2dot * TISSERAND_LOAD(c7_2 + l)
-                    - omega3dot * TISSERAND_LOAD(c7_3 + l));
+                TISSERAND_STORE(column + l, -(oo_11 * TISSERAND_LOAD(C5_11_j + l))
+                    - f4 * TISSERAND_LOAD(C5_12_j + l) - f5 * TISSERAND_LOAD(C5_13_j + l)
+                    - oo_22 * TISSERAND_LOAD(C5_22_j + l) - f6 * TISSERAND_LOAD(C5_23_j + l)
+                    - oo_33 * TISSERAND_LOAD(C5_33_j + l) - omega1dot * TISSERAND_LOAD(c7_1_j + l)
+                    - omega2dot * TISSERAND_LOAD(c7_2_j + l) - omega3dot * TISSERAND_LOAD(c7_3_j + l));
             }
         }
         for (int j = 0; j < 8; j++) {
             double *column = jac + 170 + 12 * j + i;
-            const double *c7_1 = tables + 24 + 72 * i + 36 * j;
-            const double *c7_2 = tables + 28 + 72 * i + 36 * j;
-            const double *c7_3 = tables + 32 + 72 * i + 36 * j;
+            const double *c7_1_j = tables + 24 + 72 * i + 36 * j;
+            const double *c7_2_j = tables + 28 + 72 * i + 36 * j;
+            const double *c7_3_j = tables + 32 + 72 * i + 36 * j;
             for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
-                TISSERAND_STORE(column + l, -(f7 * TISSERAND_LOAD(c7_1 + l)) - f8 * TISSERAND_LOAD(c7_2 + l)
-                    - f9 * TISSERAND_LOAD(c7_3 + l));
+                TISSERAND_STORE(column + l, -(f7 * TISSERAND_LOAD(c7_1_j + l)) - f8 * TISSERAND_LOAD(c7_2_j + l)
+                    - f9 * TISSERAND_LOAD(c7_3_j + l));
             }
         }
     }
@@ -2022,36 +2070,53 @@ int body_symbolic_jacobian(
     jac[157] = 2.0 * Sdot_33 + t29 + J_33 * cj - t18;
 
     /* jacobian_i (15): derivatives of the residual, for each mode */
-    TISSERAND_SHORT for (int i = 0; i < 8; i++) {
-        jac[19 + 12 * i] = cj;
-        jac[20 + 12 * i] = c7ddot_1[i] + f7 * C5dot_11[i] + f8 * C5dot_12[i] + f9 * C5dot_13[i]
-            + f12 * S_11[i] + f10 * S_12[i] + f13 * S_13[i] + f11 * S_23[i] + f6 * S_33[i]
-            + omega2 * c7dot_3[i] - f6 * S_22[i] - omega3 * c7dot_2[i];
-        jac[21 + 12 * i] = c7ddot_2[i] + f7 * C5dot_12[i] + f8 * C5dot_22[i] + f9 * C5dot_23[i]
-            + f5 * S_11[i] + f16 * S_12[i] + f17 * S_22[i] + f15 * S_23[i] + omega3 * c7dot_1[i]
-            - f14 * S_13[i] - f5 * S_33[i] - omega1 * c7dot_3[i];
-        jac[22 + 12 * i] = c7ddot_3[i] + f7 * C5dot_13[i] + f8 * C5dot_23[i] + f9 * C5dot_33[i]
-            + f18 * S_12[i] + f19 * S_13[i] + f4 * S_22[i] + f20 * S_23[i] + f21 * S_33[i]
-            + omega1 * c7dot_2[i] - f4 * S_11[i] - omega2 * c7dot_1[i];
-        const double t33 = cj * d3_1[i];
-        const double t34 = f7 * S_11[i];
-        const double t35 = f8 * S_12[i];
-        const double t36 = f9 * S_13[i];
-        jac[128 + i] = t33 - 2.0 * c7dot_1[i] - t34 - t35 - t36;
-        const double t37 = cj * d3_2[i];
-        const double t38 = f7 * S_12[i];
-        const double t39 = f8 * S_22[i];
-        const double t40 = f9 * S_23[i];
-        jac[143 + i] = t37 - 2.0 * c7dot_2[i] - t38 - t39 - t40;
-        const double t41 = cj * d3_3[i];
-        const double t42 = f7 * S_13[i];
-        const double t43 = f8 * S_23[i];
-        const double t44 = f9 * S_33[i];
-        jac[158 + i] = t41 - 2.0 * c7dot_3[i] - t42 - t43 - t44;
-        jac[166 + 12 * i] = -1.0;
-        jac[167 + 12 * i] = t34 + t35 + t36 + t33 + omega2 * d3_3[i] - omega3 * d3_2[i];
-        jac[168 + 12 * i] = t38 + t39 + t40 + t37 + omega3 * d3_1[i] - omega1 * d3_3[i];
-        jac[169 + 12 * i] = t42 + t43 + t44 + t41 + omega1 * d3_2[i] - omega2 * d3_1[i];
+    for (int i = 0; i < 8; i += 4) {
+        for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
+            for (int m = 0; m < TISSERAND_WIDTH; m++) jac[19 + 12 * (i + l + m)] = cj;
+            TISSERAND_SCATTER(jac + 20 + 12 * (i + l), 12, TISSERAND_LOAD(c7ddot_1 + i + l)
+                + f7 * TISSERAND_LOAD(C5dot_11 + i + l) + f8 * TISSERAND_LOAD(C5dot_12 + i + l)
+                + f9 * TISSERAND_LOAD(C5dot_13 + i + l) + f12 * TISSERAND_LOAD(S_11 + i + l)
+                + f10 * TISSERAND_LOAD(S_12 + i + l) + f13 * TISSERAND_LOAD(S_13 + i + l)
+                + f11 * TISSERAND_LOAD(S_23 + i + l) + f6 * TISSERAND_LOAD(S_33 + i + l)
+                + omega2 * TISSERAND_LOAD(c7dot_3 + i + l) - f6 * TISSERAND_LOAD(S_22 + i + l)
+                - omega3 * TISSERAND_LOAD(c7dot_2 + i + l));
+            TISSERAND_SCATTER(jac + 21 + 12 * (i + l), 12, TISSERAND_LOAD(c7ddot_2 + i + l)
+                + f7 * TISSERAND_LOAD(C5dot_12 + i + l) + f8 * TISSERAND_LOAD(C5dot_22 + i + l)
+                + f9 * TISSERAND_LOAD(C5dot_23 + i + l) + f5 * TISSERAND_LOAD(S_11 + i + l)
+                + f16 * TISSERAND_LOAD(S_12 + i + l) + f17 * TISSERAND_LOAD(S_22 + i + l)
+                + f15 * TISSERAND_LOAD(S_23 + i + l) + omega3 * TISSERAND_LOAD(c7dot_1 + i + l)
+                - f14 * TISSERAND_LOAD(S_13 + i + l) - f5 * TISSERAND_LOAD(S_33 + i + l)
+                - omega1 * TISSERAND_LOAD(c7dot_3 + i + l));
+            TISSERAND_SCATTER(jac + 22 + 12 * (i + l), 12, TISSERAND_LOAD(c7ddot_3 + i + l)
+                + f7 * TISSERAND_LOAD(C5dot_13 + i + l) + f8 * TISSERAND_LOAD(C5dot_23 + i + l)
+                + f9 * TISSERAND_LOAD(C5dot_33 + i + l) + f18 * TISSERAND_LOAD(S_12 + i + l)
+                + f19 * TISSERAND_LOAD(S_13 + i + l) + f4 * TISSERAND_LOAD(S_22 + i + l)
+                + f20 * TISSERAND_LOAD(S_23 + i + l) + f21 * TISSERAND_LOAD(S_33 + i + l)
+                + omega1 * TISSERAND_LOAD(c7dot_2 + i + l) - f4 * TISSERAND_LOAD(S_11 + i + l)
+                - omega2 * TISSERAND_LOAD(c7dot_1 + i + l));
+            const tisserand_lanes t33 = cj * TISSERAND_LOAD(d3_1 + i + l);
+            const tisserand_lanes t34 = f7 * TISSERAND_LOAD(S_11 + i + l);
+            const tisserand_lanes t35 = f8 * TISSERAND_LOAD(S_12 + i + l);
+            const tisserand_lanes t36 = f9 * TISSERAND_LOAD(S_13 + i + l);
+            TISSERAND_STORE(jac + 128 + i + l, t33 - 2.0 * TISSERAND_LOAD(c7dot_1 + i + l) - t34 - t35 - t36);
+            const tisserand_lanes t37 = cj * TISSERAND_LOAD(d3_2 + i + l);
+            const tisserand_lanes t38 = f7 * TISSERAND_LOAD(S_12 + i + l);
+            const tisserand_lanes t39 = f8 * TISSERAND_LOAD(S_22 + i + l);
+            const tisserand_lanes t40 = f9 * TISSERAND_LOAD(S_23 + i + l);
+            TISSERAND_STORE(jac + 143 + i + l, t37 - 2.0 * TISSERAND_LOAD(c7dot_2 + i + l) - t38 - t39 - t40);
+            const tisserand_lanes t41 = cj * TISSERAND_LOAD(d3_3 + i + l);
+            const tisserand_lanes t42 = f7 * TISSERAND_LOAD(S_13 + i + l);
+            const tisserand_lanes t43 = f8 * TISSERAND_LOAD(S_23 + i + l);
+            const tisserand_lanes t44 = f9 * TISSERAND_LOAD(S_33 + i + l);
+            TISSERAND_STORE(jac + 158 + i + l, t41 - 2.0 * TISSERAND_LOAD(c7dot_3 + i + l) - t42 - t43 - t44);
+            for (int m = 0; m < TISSERAND_WIDTH; m++) jac[166 + 12 * (i + l + m)] = -1.0;
+            TISSERAND_SCATTER(jac + 167 + 12 * (i + l), 12, t34 + t35 + t36 + t33
+                + omega2 * TISSERAND_LOAD(d3_3 + i + l) - omega3 * TISSERAND_LOAD(d3_2 + i + l));
+            TISSERAND_SCATTER(jac + 168 + 12 * (i + l), 12, t38 + t39 + t40 + t37
+                + omega3 * TISSERAND_LOAD(d3_1 + i + l) - omega1 * TISSERAND_LOAD(d3_3 + i + l));
+            TISSERAND_SCATTER(jac + 169 + 12 * (i + l), 12, t42 + t43 + t44 + t41
+                + omega1 * TISSERAND_LOAD(d3_2 + i + l) - omega2 * TISSERAND_LOAD(d3_1 + i + l));
+        }
     }
     return 0;
 }

@@ -262,8 +262,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "b170f916d83900af"
-#define BODY_SYMBOLIC_HASH_b170f916d83900af
+#define BODY_SYMBOLIC_HASH "25c93fbda4ac9ee1"
+#define BODY_SYMBOLIC_HASH_25c93fbda4ac9ee1
 
 /* ---- sizes and indices ---- */
 

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 STORE = re.compile(r"\s*(?:h|M)\[")
-DEFINE = re.compile(r"\s*(?:const )?double \*?(\w+)(?:\[\d+\])? =")
+DEFINE = re.compile(r"\s*(?:const )?(?:double|tisserand_lanes) \*?(\w+)(?:\[\d+\])? =")
 LOAD = re.compile(r"= (?:q|v|k|p)(?:\[\d+\]| \+ \d+)?;$")
 PRODUCT = re.compile(r"\s*(\w+)_l [+-]= TISSERAND_LOAD\(\w+ \+ \d+ \* j \+ l\) \* ")
-ELEMENT = re.compile(r"\s*(\w+)\[i\] =")
+ELEMENT = re.compile(r"\s*(?:TISSERAND_STORE\((\w+) \+ i \+ l, (?!\1_l\))|(\w+)\[i\] =)")
+IN_LANES = re.compile(r"\s*TISSERAND_(?:STORE|SCATTER)\((h|M) \+ (\d+) \+ (?:\d+ \* \()?i \+ l")
 
 
 @dataclass(frozen=True)
@@ -32,8 +33,10 @@ class Source:
         """Lines by what they store: h or M, the first element, and whether it is the first of a loop over shapes."""
         found = {}
         for number, line in self.numbered:
-            if match := re.match(r"\s*(h|M)\[(\d+)( \+ [^\]]*)?\] =", line):
+            if match := re.match(r"\s*(?:for \([^)]*\) )?(h|M)\[(\d+)( \+ [^\]]*)?\] =", line):
                 found[match[1], int(match[2]), bool(match[3])] = number
+            elif match := IN_LANES.match(line):
+                found[match[1], int(match[2]), True] = number
             elif match := re.match(r"\s*double \*column = (h|M) \+ (\d+)", line):
                 found[match[1], int(match[2]), True] = number
         return found
@@ -48,7 +51,7 @@ class Source:
         for number, line in self.numbered:
             match = PRODUCT.match(line) or ELEMENT.match(line) or DEFINE.match(line)
             if match and not LOAD.search(line):
-                found[match[1]] = number
+                found[next(filter(None, match.groups()))] = number
         return found
 
 

@@ -39,6 +39,22 @@ typedef double tisserand_lanes, tisserand_loose;
 #  endif
 #  define TISSERAND_LOAD(address) (*(const tisserand_loose *) (address))
 #  define TISSERAND_STORE(address, value) (*(tisserand_loose *) (address) = (value))
+/* Lanes to elements at a distance. */
+#  if TISSERAND_WIDTH == 4
+#    define TISSERAND_SCATTER(address, stride, value) do { \\
+         const tisserand_lanes lanes_ = (value); \\
+         double *to_ = (address); \\
+         to_[0] = lanes_[0], to_[stride] = lanes_[1], to_[2 * (stride)] = lanes_[2], to_[3 * (stride)] = lanes_[3]; \\
+     } while (0)
+#  elif TISSERAND_WIDTH == 2
+#    define TISSERAND_SCATTER(address, stride, value) do { \\
+         const tisserand_lanes lanes_ = (value); \\
+         double *to_ = (address); \\
+         to_[0] = lanes_[0], to_[stride] = lanes_[1]; \\
+     } while (0)
+#  else
+#    define TISSERAND_SCATTER(address, stride, value) (*(address) = (value))
+#  endif
 #endif
 
 /* Before a short loop: gcc would unroll it first, and then not make vectors of it. */
@@ -71,13 +87,21 @@ def store(address: str | BreakableText, value: str | BreakableText) -> list[str]
     return statement("", "", join("TISSERAND_STORE(", address, ", ", value, ")"), ";")
 
 
+def scatter(output: str, offset: int, stride: int, value: BreakableText) -> list[str]:
+    """The statement that stores lanes of rows i + l in elements offset + stride (i + l) of an output."""
+    address = join(f"{output} + ", f"{offset} + " if offset else "", strided(0, stride, BreakableText(("i", " + l"))))
+    if stride == 1:
+        return store(address, value)
+    return statement("", "", join("TISSERAND_SCATTER(", address, f", {stride}, ", value, ")"), ";")
+
+
 def in_lanes(leaf: Named) -> BreakableText:
     """A leaf in rows i + l, or in row i + l and column j of a matrix; what is the same in all lanes is a number."""
     match leaf:
         case ScalarRef():
             return element(leaf)
         case MatrixEntry():
-            return load(f"{leaf.table} + l")
+            return load(f"{leaf.table}_j + l")
         case ArrayAccess():
             if leaf.index == "j":
                 return element(leaf, BreakableText(("j",)))
@@ -112,17 +136,13 @@ def fits_vectors(expr: Expr) -> bool:
     return True
 
 
-def lane_lets(lets: Iterable[Let]) -> Lines:
-    """Values in lanes."""
-    lines: Lines = []
-    names: set[str] = set()
-    for let in lets:
-        kind = "double"
-        if has_lanes(let.expr, names):
-            kind = "tisserand_lanes"
-            names.add(let.name)
-        lines += defining(statement("", f"const {kind} {let.name} = ", text(let.expr, C, in_lanes), ";"), let.name)
-    return lines
+def lane_let(let: Let, names: set[str]) -> Lines:
+    """A value, which is a vector if it differs from lane to lane; then its name is added to `names`, which do."""
+    kind = "double"
+    if has_lanes(let.expr, names):
+        kind = "tisserand_lanes"
+        names.add(let.name)
+    return defining(statement("", f"const {kind} {let.name} = ", text(let.expr, C, in_lanes), ";"), let.name)
 
 
 def loop_head(index: str, stop: int, start: int = 0, body: str = "{", short: bool = True) -> str:

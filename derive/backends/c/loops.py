@@ -11,11 +11,22 @@ from fractions import Fraction
 from itertools import count
 from typing import assert_never
 
-from derive.backends.c.lanes import Lines, fits_vectors, in_lanes, indented, lane_lets, loop_head, over_lanes, store
+from derive.backends.c.lanes import (
+    Lines,
+    fits_vectors,
+    has_lanes,
+    in_lanes,
+    indented,
+    lane_let,
+    loop_head,
+    over_lanes,
+    scatter,
+    store,
+)
 from derive.backends.c.matrix_loops import MAX_SUMS, cholesky, matrix_store, matvec, pack, triangular_solve
 from derive.backends.expression_text import C, strided, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
-from derive.backends.wrapping import PLUS, join, statement
+from derive.backends.wrapping import PLUS, BreakableText, join, statement
 from derive.ir.analysis import reads
 from derive.ir.expressions import Number
 from derive.ir.statements import (
@@ -85,8 +96,20 @@ class CLoops:
             if isinstance(item, StoreLocal) and item.array not in self._arrays:
                 self._arrays.add(item.array)
                 declarations.append(f"double {item.array}[{padded(loop.count)}];")
-        body = [line for item in loop.body for line in _map_item(item)]
-        return [*plain(*declarations, loop_head("i", loop.count)), *body, *plain("}")]
+        whole = loop.count // LANES * LANES if all(fits_vectors(item.expr) for item in loop.body) else 0
+        lines = plain(*declarations)
+        if whole:
+            names: set[str] = set()
+            body = [line for item in loop.body for line in _lane_item(item, names)]
+            lines += [
+                *plain(f"for (int i = 0; i < {whole}; i += {LANES}) {{"),
+                *indented(over_lanes(body)),
+                *plain("}"),
+            ]
+        if loop.count > whole:
+            body = [line for item in loop.body for line in _map_item(item)]
+            lines += [*plain(loop_head("i", loop.count, whole)), *body, *plain("}")]
+        return lines
 
 
 def _accumulate(loop: Accumulate, name: str) -> Lines:
@@ -117,7 +140,8 @@ def _in_vectors(loop: Accumulate) -> bool:
 
 def _lane_sums(loop: Accumulate, sums: tuple[Sum, ...], first: int, name: str, whole: int) -> Lines:
     """Some sums in four lanes, over as many modes as fill all lanes."""
-    inner = lane_lets(_needed(loop.lets, sums))
+    names: set[str] = set()
+    inner = [line for let in _needed(loop.lets, sums) for line in lane_let(let, names)]
     for total in sums:
         inner += plain(*statement("", f"{total.name}_l += ", text(total.term, C, in_lanes), ";"))
     body = [
@@ -141,6 +165,28 @@ def _needed(lets: tuple[Let, ...], sums: Iterable[Sum]) -> list[Let]:
     return kept
 
 
+def _lane_item(item: MapItem, names: set[str]) -> Lines:
+    """An item of a `Map` in lanes; `names` are the values that differ from lane to lane."""
+    value = text(item.expr, C, in_lanes)
+    match item:
+        case Let():
+            return lane_let(item, names)
+        case StoreLocal():
+            output, offset, stride = item.array, 0, 1
+        case StoreStrided():
+            output, offset, stride = item.output, item.offset, item.stride
+        case _:
+            assert_never(item)
+    if has_lanes(item.expr, names):
+        texts = scatter(output, offset, stride, value)
+    else:
+        index = _element_index(offset, stride, BreakableText(("i", " + l", " + m")))
+        texts = statement("", f"for (int m = 0; m < TISSERAND_WIDTH; m++) {output}[{index}] = ", value, ";")
+    if isinstance(item, StoreStrided):
+        return storing(texts, output, offset, over_modes=True)
+    return defining(texts, output)
+
+
 def _map_item(item: MapItem) -> Lines:
     value = text(item.expr, C)
     match item:
@@ -149,13 +195,13 @@ def _map_item(item: MapItem) -> Lines:
         case StoreLocal():
             return defining(statement("    ", f"{item.array}[i] = ", value, ";"), item.array)
         case StoreStrided():
-            target = f"{item.output}[{_element_index(item)}] = "
+            target = f"{item.output}[{_element_index(item.offset, item.stride, BreakableText(('i',)))}] = "
             return storing(statement("    ", target, value, ";"), item.output, item.offset, over_modes=True)
         case _:
             assert_never(item)
 
 
-def _element_index(item: StoreStrided) -> str:
+def _element_index(offset: int, stride: int, i: BreakableText) -> str:
     """The index of the element that a step i writes, its offset first."""
-    index = strided(0, item.stride)
-    return str(join(str(item.offset), PLUS, index) if item.offset else index)
+    index = strided(0, stride, i)
+    return str(join(str(offset), PLUS, index) if offset else index)

@@ -82,11 +82,19 @@ def _tables_of(loop: MatVec) -> list[str]:
     return [table for table in loop.packing.tables if table in used]
 
 
-def _pointer(packing: Packing, table: str, column: str = "") -> str:
+def _pointer(packing: Packing, table: str) -> str:
     """A name for the columns of a matrix in the block of row i."""
+    return f"const double *{table} = {_block(packing, table)};"
+
+
+def _column(packing: Packing, table: str) -> str:
+    """A name for column j of a matrix in the block of row i."""
+    return f"const double *{table}_j = {_block(packing, table)} + {packing.stride(table)} * j;"
+
+
+def _block(packing: Packing, table: str) -> str:
     first = packing.first(table)
-    start = f"{packing.array}{f' + {first}' if first else ''}"
-    return f"const double *{table} = {start} + {packing.block(table) // LANES} * i{column};"
+    return f"{packing.array}{f' + {first}' if first else ''} + {packing.block(table) // LANES} * i"
 
 
 def _blocks(rows: int) -> str:
@@ -155,7 +163,7 @@ def _matrix_rows(loop: MatrixStore, rows: int) -> Lines:
     used = [t for t in packing.tables if _reads(loop.expr, t)]
     target = f"double *column = {loop.output} + {loop.offset} + {loop.stride} * j + i;"
     columns = storing([target], loop.output, loop.offset, over_modes=True)
-    columns += plain(*(_pointer(packing, table, f" + {packing.stride(table)} * j") for table in used))
+    columns += plain(*(_column(packing, table) for table in used))
     if rows == LANES:
         columns += over_lanes(plain(*store("column + l", text(loop.expr, C, in_lanes))))
     else:
@@ -168,7 +176,7 @@ def _in_block(leaf: Named) -> BreakableText:
     """A leaf of a matrix in row i + l and column j."""
     match leaf:
         case MatrixEntry():
-            return BreakableText((f"{leaf.table}[l]",))
+            return BreakableText((f"{leaf.table}_j[l]",))
         case ArrayAccess():
             return element(leaf, BreakableText(("i", " + l") if leaf.index == "i" else ("j",)))
         case ScalarRef():
