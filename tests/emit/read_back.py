@@ -35,9 +35,7 @@ class Source:
         for number, line in self.numbered:
             if match := re.match(r"\s*(?:for \([^)]*\) )?(h|M)\[(\d+)( \+ [^\]]*)?\] =", line):
                 found[match[1], int(match[2]), bool(match[3])] = number
-            elif match := IN_LANES.match(line):
-                found[match[1], int(match[2]), True] = number
-            elif match := re.match(r"\s*double \*column = (h|M) \+ (\d+)", line):
+            elif (match := IN_LANES.match(line)) or (match := re.match(r"\s*double \*column = (h|M) \+ (\d+)", line)):
                 found[match[1], int(match[2]), True] = number
         return found
 
