@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from derive.artifacts import File
+from derive.errors import Problem, SpecError
 from derive.export.c_parts import INTEGRATOR, c_numbers, integrator_files, sample_values
 from derive.export.cpp_wrapper import member_functions
 from derive.export.host_model import HostModel
@@ -10,10 +11,23 @@ from derive.export.interface import Interface
 from derive.ir.statements import ReturnCode
 from derive.rendering import render
 
+_TARGETS = """\
+all ALL_BUILD clean edit_cache help install INSTALL package PACKAGE package_source preinstall rebuild_cache RUN_TESTS
+test ZERO_CHECK
+"""
+TARGETS = frozenset(_TARGETS.split())
+"""Names that CMake keeps for its own targets."""
+
 
 def cmake_files(model: HostModel) -> tuple[File, ...]:
-    """The files of a CMake project. Raises CompilerError, and what the integration of the reference motion raises."""
+    """The files of a CMake project.
+
+    Raises SpecError for a name that no library can have, CompilerError, and what the integration of the reference
+    motion raises.
+    """
     name = model.name
+    if name in TARGETS:
+        raise SpecError((Problem("name", f"CMake has a target {name} of its own; choose another name"),))
     values = sample_values(model) | {
         "title": model.model.doc,
         "outputs": model.outputs,

@@ -43,11 +43,11 @@ def export_folder(model: HostModel, kind: str) -> str:
 def exported_files(model: HostModel, kind: str, interface: Interface) -> tuple[HostFile, ...]:
     """The files of an interface in a folder of their own, and their record.
 
-    Raises SpecError where the name of the model is that of another file.
+    Raises SpecError where the name of the model is that of another file, also where upper and lower case are the same.
     """
     folder = export_folder(model, kind)
     made = interface.files(model)
-    paths = [file.path for file in made]
+    paths = [file.path.lower() for file in made]
     if any(paths.count(path) > 1 for path in paths):
         taken = f'"{model.name}" is the name of a file that this interface adds; choose another name'
         raise SpecError((Problem("name", taken),), None)

@@ -109,6 +109,22 @@ def test_faults_have_the_line_of_their_key(toy: object, tmp_path: Path, capsys: 
     assert not (tmp_path / "out").exists()
 
 
+OWN = {"sample": "petsc", "adaptive": "fortran", "reference": "sundials", "Sample": "sundials", "test": "cmake"}
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_names_that_an_export_needs_itself_are_refused(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "named.toml"
+    path.write_text(PUSHED.replace('"pushed"', f'"{name}"'))
+    line = PUSHED.splitlines().index('name = "pushed"') + 1
+    assert main(["export", str(path), "--to", OWN[name], "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert f"named.toml:{line}: name: " in error and "choose another name" in error
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_motion_without_speed_at_the_start_is_no_crash(
     toy: object, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -49,6 +49,16 @@ def test_names_that_are_too_long_for_fortran_are_listed() -> None:
     assert parse(text, "given.toml")
 
 
+@pytest.mark.hosts
+def test_long_names_fit_on_the_lines_of_fortran(tmp_path: Path) -> None:
+    """A line has at most 132 characters; more of them are an error of the compiler."""
+    name, body, marker = "n" * 40, "b" * 26, "m" * 29
+    model = prepared(PUSHED.replace("pushed", name).replace("rod", body).replace("root", marker))
+    assert max(len(kernel.name) for kernel in model.model.kernels) == 63
+    derive.write(fortran_files(model), tmp_path)
+    run(program("make"), "-C", tmp_path, "test", f"FC={program('gfortran')}", "FFLAGS=-std=f2018 -Wall -Werror")
+
+
 def test_an_output_with_the_name_of_an_argument_gets_another_one() -> None:
     """Fortran takes f for F: load(q, F, k, f)."""
     (module,) = (file.text for file in fortran_files(prepared(PUSHED)) if file.path == "pushed_fortran.f90")

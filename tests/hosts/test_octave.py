@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -61,11 +62,22 @@ def test_the_scripts_keep_to_the_syntax_of_matlab(name: str) -> None:
                 assert foreign not in code, f"{file.path}: {foreign}"
 
 
+def test_the_c_calls_what_matlab_documents_too() -> None:
+    """Functions of the C matrix and MEX API of MATLAB, by its documentation."""
+    (source,) = (file.text for file in octave_files(prepared(PUSHED)) if file.path == "pushed_mex.c")
+    documented = {"mexErrMsgIdAndTxt", "mexFunction", "mxGetNumberOfElements", "mxGetPr", "mxGetString"}
+    documented |= {"mxCreateDoubleMatrix", "mxREAL", "mxArray", "mxMalloc", "mxFree"}
+    documented |= {f"mxIs{kind}" for kind in ("Char", "Complex", "Double", "Sparse")}
+    assert set(re.findall(r"\bm(?:e?)x[A-Z]\w+", source)) == documented
+    assert re.findall(r"#include <(\S+)>", source) == ["mex.h", "string.h"]
+
+
 ERRORS = {
     "pushed_mex('setup', -1)": "tisserand:not_finite setup: a value is not finite or not positive",
     "pushed_mex('setup', [1, 2])": "tisserand:arguments setup: p has to be a real vector of 1 doubles",
     "pushed_mex('setup', 1i)": "tisserand:arguments setup: p has to be a real vector of 1 doubles",
     "pushed_mex('setup')": "tisserand:arguments setup takes 1 arguments and has 1 results",
+    "pushed_mex('motion', 2, '01', 1, k, 0, q, v)": "tisserand:arguments motion: times has to be a real vector of do",
     "pushed_mex('acel')": "tisserand:arguments pushed has no function acel; see pushed.h",
     "pushed_mex('motion', 3, [0, 1], 1e-9, k, 0, q, v)": "tisserand:arguments motion: count has to be",
     "pushed_mex('motion', 2, [0, -1], 1e-9, k, 0, q, v)": "tisserand:integrator motion: code 4 of adaptive.h",

@@ -70,6 +70,8 @@ def test_the_program_has_the_motion_of_a_simulation_and_exact_jacobians(name: st
     said = ctest(folder)
     for method in ("bdf", "arkimex"):
         assert re.search(rf"{model.name}, {method}: [1-9]\d* steps, \d+ repeated; largest difference", said)
+    if name == "spinning_beam":  # errors of Newton's method do not shorten the steps
+        assert int(re.findall(r"arkimex: (\d+) steps", said)[0]) < 60
     for form in FORMS if model.model.bodies else ("ode",):
         errors = jacobian_errors(folder, "-form", form)
         assert len(errors) >= 4 and max(errors) < 1e-7, form
