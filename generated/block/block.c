@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_1ee92aaa1f9168fe
+#ifndef BLOCK_HASH_d1bc0207e1058afd
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 

@@ -340,8 +340,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "1ee92aaa1f9168fe"
-#define BLOCK_HASH_1ee92aaa1f9168fe
+#define BLOCK_HASH "d1bc0207e1058afd"
+#define BLOCK_HASH_d1bc0207e1058afd
 
 /* ---- sizes and indices ---- */
 

@@ -262,8 +262,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "25c93fbda4ac9ee1"
-#define BODY_SYMBOLIC_HASH_25c93fbda4ac9ee1
+#define BODY_SYMBOLIC_HASH "c1a7d164c313faf0"
+#define BODY_SYMBOLIC_HASH_c1a7d164c313faf0
 
 /* ---- sizes and indices ---- */
 

@@ -314,8 +314,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define CRANK_SLIDER_3_HASH "a3cf9b5e3d609269"
-#define CRANK_SLIDER_3_HASH_a3cf9b5e3d609269
+#define CRANK_SLIDER_3_HASH "18ae37436bd6d721"
+#define CRANK_SLIDER_3_HASH_18ae37436bd6d721
 
 /* ---- sizes and indices ---- */
 

@@ -297,8 +297,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "c7687e2e965e3c36"
-#define DOUBLE_PENDULUM_HASH_c7687e2e965e3c36
+#define DOUBLE_PENDULUM_HASH "16c973655de8cbce"
+#define DOUBLE_PENDULUM_HASH_16c973655de8cbce
 
 /* ---- sizes and indices ---- */
 

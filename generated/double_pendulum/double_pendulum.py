@@ -158,7 +158,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "c7687e2e965e3c36"
+HASH = "16c973655de8cbce"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",
@@ -3959,11 +3959,17 @@ def _arrays(sizes, *values):
 
     Arrays are given by what yields their elements along the last axis, see `_elements`.
     """
+    shapes = set()  # of the batches
     for size, value in zip(sizes.values(), values):
-        if not (isinstance(value, float) if size is None else _is_vector(value, size)):
+        if size is not None and _is_vectors(value, size):
+            shapes.add(value.shape[:-1])
+        elif size is not None or not isinstance(value, float):
             break
-    else:  # a single state, of which nothing has to be converted
-        return numpy, ((), _DOUBLE), values
+    else:  # doubles of NumPy, of which nothing has to be converted
+        shapes.discard(())
+        shape = shapes.pop() if len(shapes) == 1 else numpy.broadcast_shapes(*shapes)
+        values = [value if size is None else _elements(value) for value, size in zip(values, sizes.values())]
+        return numpy, (shape, _DOUBLE), values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
@@ -3976,14 +3982,14 @@ def _arrays(sizes, *values):
 def _elements(array):
     """The elements along the last axis, by [i]; those of a single state are numbers, faster than arrays without axes."""
     if isinstance(array, numpy.ndarray):
-        return array if array.ndim == 1 else numpy.moveaxis(array, -1, 0)
+        return array.T if array.ndim < 3 else numpy.moveaxis(array, -1, 0)
     return tuple(array[..., i] for i in range(array.shape[-1]))
 
 
-def _is_vector(value, size):
-    """Whether an argument is a vector of doubles of NumPy of that size, and no constants of another model."""
+def _is_vectors(value, size):
+    """Whether an argument has vectors of doubles of NumPy of that size, and no constants of another model."""
     own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
-    return own and value.dtype is _DOUBLE and value.shape == (size,)
+    return own and value.dtype is _DOUBLE and value.shape[-1:] == (size,)
 
 
 def _array(xp, name, size, value):
@@ -4011,6 +4017,11 @@ def _stack(xp, batch, elements):
     shape, dtype = batch
     if xp is numpy and not shape:
         return numpy.array(elements, dtype)
+    if xp is numpy:  # several times faster than its stack
+        result = numpy.empty((*shape, len(elements)), dtype)
+        for i, element in enumerate(elements):
+            result[..., i] = element
+        return result
     if not elements:
         return xp.zeros((*shape, 0), dtype=dtype)
 

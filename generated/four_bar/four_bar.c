@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_dfe53fb4d64b8583
+#ifndef FOUR_BAR_HASH_ff22a4b31e924c1c
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 

@@ -339,8 +339,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FOUR_BAR_HASH "dfe53fb4d64b8583"
-#define FOUR_BAR_HASH_dfe53fb4d64b8583
+#define FOUR_BAR_HASH "ff22a4b31e924c1c"
+#define FOUR_BAR_HASH_ff22a4b31e924c1c
 
 /* ---- sizes and indices ---- */
 

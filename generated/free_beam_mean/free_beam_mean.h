@@ -261,8 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "0519da97ca813c67"
-#define FREE_BEAM_MEAN_HASH_0519da97ca813c67
+#define FREE_BEAM_MEAN_HASH "c2a835d673270b06"
+#define FREE_BEAM_MEAN_HASH_c2a835d673270b06
 
 /* ---- sizes and indices ---- */
 

@@ -249,8 +249,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_POINT_HASH "d5badd42cc4c6649"
-#define FREE_BEAM_POINT_HASH_d5badd42cc4c6649
+#define FREE_BEAM_POINT_HASH "e1595a65f4ea2549"
+#define FREE_BEAM_POINT_HASH_e1595a65f4ea2549
 
 /* ---- sizes and indices ---- */
 

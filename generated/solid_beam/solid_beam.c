@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_5aa88aa4e55c9630
+#ifndef SOLID_BEAM_HASH_195f68b3c84e6651
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 

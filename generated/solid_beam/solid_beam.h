@@ -432,8 +432,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SOLID_BEAM_HASH "5aa88aa4e55c9630"
-#define SOLID_BEAM_HASH_5aa88aa4e55c9630
+#define SOLID_BEAM_HASH "195f68b3c84e6651"
+#define SOLID_BEAM_HASH_195f68b3c84e6651
 
 /* ---- sizes and indices ---- */
 

@@ -271,8 +271,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPINNING_BEAM_HASH "111c08830039acda"
-#define SPINNING_BEAM_HASH_111c08830039acda
+#define SPINNING_BEAM_HASH "b72b4de5b243185d"
+#define SPINNING_BEAM_HASH_b72b4de5b243185d
 
 /* ---- sizes and indices ---- */
 

@@ -239,8 +239,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPUN_UP_CANTILEVER_HASH "c0b8154d5bc51f82"
-#define SPUN_UP_CANTILEVER_HASH_c0b8154d5bc51f82
+#define SPUN_UP_CANTILEVER_HASH "f710e2fdfbcf6dae"
+#define SPUN_UP_CANTILEVER_HASH_f710e2fdfbcf6dae
 
 /* ---- sizes and indices ---- */
 

@@ -1,4 +1,4 @@
-"""The generated Python takes single states as numbers of Python, which are faster, with the results of arrays."""
+"""The generated Python takes single states as numbers of Python, and many as they are, with the results of arrays."""
 
 from __future__ import annotations
 
@@ -49,6 +49,32 @@ def test_a_single_state_is_computed_with_numbers(model: str, monkeypatch: pytest
             assert ours.dtype == np.float64 and ours.shape == of_arrays.shape
             assert np.allclose(ours, of_arrays, rtol=1e-13, atol=1e-15), name
     with pytest.raises(AssertionError):  # lists are converted
+        names["mass"](*as_lists(cases[0][1]))
+
+
+@pytest.mark.parametrize("model", ["mean_2", "given_2_flat", "given_3_table"])
+@pytest.mark.parametrize("shape", [(7,), (1,), (2, 3)])
+def test_many_states_are_not_converted(model: str, shape: tuple[int, ...], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Arrays of doubles are used as they are, also beside vectors and numbers, which broadcast."""
+    names, rng = names_of(model), np.random.default_rng(2)
+    k = names["setup"](np.array(names["DEFAULTS"]))
+    cases = []
+    for kernel in MODELS[model]().model.kernels[1:]:
+        state = {a.name: rng.uniform(-0.5, 0.5, (*shape, a.size)) for a in kernel.arguments if not a.scalar}
+        state |= {"k": k} | ({"v": state["v"][(0,) * len(shape)]} if "v" in state else {})
+        given = tuple(0.5 if a.scalar else state[a.name] for a in kernel.arguments)
+        cases.append((kernel.name, given, names[kernel.name](*as_lists(given))))
+
+    def refused(*_: object) -> None:
+        raise AssertionError("arrays of doubles are used as they are")
+
+    monkeypatch.setitem(names["mass"].__globals__, "_array", refused)
+    for name, given, expected in cases:
+        found = names[name](*given)
+        for ours, of_lists in zip(*((x if isinstance(x, tuple) else (x,)) for x in (found, expected)), strict=True):
+            assert ours.dtype == np.float64 and ours.shape[:-1] == shape and ours.flags.c_contiguous
+            assert ours.tobytes() == of_lists.tobytes(), name
+    with pytest.raises(AssertionError):
         names["mass"](*as_lists(cases[0][1]))
 
 
