@@ -10,14 +10,14 @@
 static const char NO_SUCH_TYPE[] = "all variables are of the type Float64";
 
 #define NO_VARIABLES(Type)                                                                                            \
-    FMI3_EXPORT fmi3Status FMI3(Get##Type)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,                  \
-                                         fmi3##Type values[], size_t value_count)                                      \
+    FMI3_EXPORT fmi3Status FMI3(Get##Type)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,                \
+                                           fmi3##Type values[], size_t value_count)                                    \
     {                                                                                                                  \
         (void) vr, (void) values, (void) value_count;                                                                  \
         return count == 0 ? fmi3OK : refuse(c, NO_SUCH_TYPE);                                                          \
     }                                                                                                                  \
-    FMI3_EXPORT fmi3Status FMI3(Set##Type)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,                  \
-                                         const fmi3##Type values[], size_t value_count)                                \
+    FMI3_EXPORT fmi3Status FMI3(Set##Type)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,                \
+                                           const fmi3##Type values[], size_t value_count)                              \
     {                                                                                                                  \
         (void) vr, (void) values, (void) value_count;                                                                  \
         return count == 0 ? fmi3OK : refuse(c, NO_SUCH_TYPE);                                                          \
@@ -36,14 +36,14 @@ NO_VARIABLES(Boolean)
 NO_VARIABLES(String)
 
 FMI3_EXPORT fmi3Status FMI3(GetBinary)(fmi3Instance c, const fmi3ValueReference vr[], size_t count, size_t sizes[],
-                                     fmi3Binary values[], size_t value_count)
+                                       fmi3Binary values[], size_t value_count)
 {
     (void) vr, (void) sizes, (void) values, (void) value_count;
     return count == 0 ? fmi3OK : refuse(c, NO_SUCH_TYPE);
 }
 
 FMI3_EXPORT fmi3Status FMI3(SetBinary)(fmi3Instance c, const fmi3ValueReference vr[], size_t count, const size_t sizes[],
-                                     const fmi3Binary values[], size_t value_count)
+                                       const fmi3Binary values[], size_t value_count)
 {
     (void) vr, (void) sizes, (void) values, (void) value_count;
     return count == 0 ? fmi3OK : refuse(c, NO_SUCH_TYPE);
@@ -69,8 +69,8 @@ FMI3_EXPORT fmi3Status FMI3(GetNumberOfVariableDependencies)(fmi3Instance c, fmi
 }
 
 FMI3_EXPORT fmi3Status FMI3(GetVariableDependencies)(fmi3Instance c, fmi3ValueReference dependent, size_t elements[],
-                                                   fmi3ValueReference independents[], size_t independent_elements[],
-                                                   fmi3DependencyKind kinds[], size_t count)
+                                                     fmi3ValueReference independents[], size_t independent_elements[],
+                                                     fmi3DependencyKind kinds[], size_t count)
 {
     (void) dependent, (void) elements, (void) independents, (void) independent_elements, (void) kinds, (void) count;
     return refuse(c, "the dependencies of elements are not provided");
@@ -84,57 +84,57 @@ static fmi3Status no_clocks(fmi3Instance c, size_t count)
 }
 
 FMI3_EXPORT fmi3Status FMI3(GetIntervalDecimal)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-                                              fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
+                                                fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
 {
     (void) vr, (void) intervals, (void) qualifiers;
     return no_clocks(c, count);
 }
 
 FMI3_EXPORT fmi3Status FMI3(GetIntervalFraction)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-                                               fmi3UInt64 counters[], fmi3UInt64 resolutions[],
-                                               fmi3IntervalQualifier qualifiers[])
+                                                 fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+                                                 fmi3IntervalQualifier qualifiers[])
 {
     (void) vr, (void) counters, (void) resolutions, (void) qualifiers;
     return no_clocks(c, count);
 }
 
 FMI3_EXPORT fmi3Status FMI3(GetShiftDecimal)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-                                           fmi3Float64 shifts[])
+                                             fmi3Float64 shifts[])
 {
     (void) vr, (void) shifts;
     return no_clocks(c, count);
 }
 
 FMI3_EXPORT fmi3Status FMI3(GetShiftFraction)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-                                            fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+                                              fmi3UInt64 counters[], fmi3UInt64 resolutions[])
 {
     (void) vr, (void) counters, (void) resolutions;
     return no_clocks(c, count);
 }
 
 FMI3_EXPORT fmi3Status FMI3(SetIntervalDecimal)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-                                              const fmi3Float64 intervals[])
+                                                const fmi3Float64 intervals[])
 {
     (void) vr, (void) intervals;
     return no_clocks(c, count);
 }
 
 FMI3_EXPORT fmi3Status FMI3(SetIntervalFraction)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-                                               const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+                                                 const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 {
     (void) vr, (void) counters, (void) resolutions;
     return no_clocks(c, count);
 }
 
 FMI3_EXPORT fmi3Status FMI3(SetShiftDecimal)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-                                           const fmi3Float64 shifts[])
+                                             const fmi3Float64 shifts[])
 {
     (void) vr, (void) shifts;
     return no_clocks(c, count);
 }
 
 FMI3_EXPORT fmi3Status FMI3(SetShiftFraction)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-                                            const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
+                                              const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 {
     (void) vr, (void) counters, (void) resolutions;
     return no_clocks(c, count);
@@ -189,7 +189,7 @@ FMI3_EXPORT fmi3Status FMI3(GetNumberOfEventIndicators)(fmi3Instance c, size_t *
 }
 
 FMI3_EXPORT fmi3Status FMI3(GetOutputDerivatives)(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-                                                const fmi3Int32 orders[], fmi3Float64 values[], size_t value_count)
+                                                  const fmi3Int32 orders[], fmi3Float64 values[], size_t value_count)
 {
     (void) vr, (void) orders, (void) values, (void) value_count;
     return count == 0 ? fmi3OK : refuse(c, "there are no derivatives of outputs");
