@@ -30,6 +30,8 @@ WORDS = frozenset(_WORDS.split())
 """The words of Rust that are none of C or C++, which no specification takes as a name."""
 PATHS = frozenset(("crate", "self", "Self", "super"))
 """Those of them that r# does not turn into names."""
+CRATES = frozenset(("alloc", "core", "proc_macro", "std", "test"))
+"""The crates of Rust itself."""
 
 
 @dataclass(frozen=True)
@@ -50,10 +52,10 @@ def rust_files(model: HostModel) -> tuple[File, ...]:
     raises.
     """
     name = model.name
-    if name in WORDS:
-        raise SpecError(
-            (Problem("name", f"{name} is a word of Rust, and cannot be the name of a crate; choose another"),)
-        )
+    if name in WORDS | CRATES:
+        what = "word" if name in WORDS else "crate"
+        text = f"{name} is a {what} of Rust, and cannot be the name of a crate; choose another"
+        raise SpecError((Problem("name", text),))
     motion = reference_motion(model)
     values = {
         "mark": MARK,

@@ -78,5 +78,6 @@ def test_words_of_rust_are_no_names() -> None:
     assert (
         "pub const r#move: usize = 0;" in texts["src/lib.rs"] and "pub const self_: usize = 0;" in texts["src/lib.rs"]
     )
-    with pytest.raises(SpecError, match="crate is a word of Rust"):
-        rust_files(prepared(PUSHED.replace("pushed", "crate")))
+    for name, what in {"crate": "word", "std": "crate", "test": "crate"}.items():
+        with pytest.raises(SpecError, match=f"{name} is a {what} of Rust"):
+            rust_files(prepared(PUSHED.replace("pushed", name)))
