@@ -72,9 +72,9 @@ ARITHMETIC = frozenset({Operator.ADD, Operator.SUB, Operator.MUL, Operator.DIV, 
 """The operators that vectors have."""
 
 
-def over_lanes(body: Iterable[SourceLine]) -> Lines:
-    """A loop over the lanes l."""
-    return [*plain(f"for (int l = 0; l < {LANES}; l += TISSERAND_WIDTH) {{"), *indented(body), *plain("}")]
+def over_lanes(body: Iterable[SourceLine], lanes: int = LANES) -> Lines:
+    """A loop over the lanes l; fewer than four where no row has more."""
+    return [*plain(f"for (int l = 0; l < {lanes}; l += TISSERAND_WIDTH) {{"), *indented(body), *plain("}")]
 
 
 def load(address: str | BreakableText) -> BreakableText:

@@ -74,7 +74,7 @@ def _products(packing: Packing, totals: list[RowSum]) -> Lines:
         value = f"{load(f'{p.table} + {packing.stride(p.table)} * j + l')} * {p.vector}[j]"
         lines += defining([f"    {t.name}_l {change} {value};"], t.name)
     lines += plain("}", *(line for t in totals for line in store(f"{t.name} + i + l", f"{t.name}_l")))
-    return over_lanes(lines)
+    return over_lanes(lines, min(LANES, packing.count))
 
 
 def _tables_of(loop: MatVec) -> list[str]:
