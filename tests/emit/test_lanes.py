@@ -115,3 +115,14 @@ def test_values_in_a_sum_are_vectors_where_they_differ_from_lane_to_lane() -> No
     assert "const double same = a * b;" in text
     assert "const tisserand_lanes own = TISSERAND_LOAD(x + i + l) + same;" in text
     assert "s_l += own * TISSERAND_LOAD(x + i + l);" in text
+
+
+def test_sums_of_fewer_terms_than_lanes_are_straight_lines() -> None:
+    """Compilers need no array of lanes then; a sum of negative zeros is a positive one, as with lanes."""
+    lets = (Let("own", Operation(Operator.ADD, (X, ScalarRef("a")))),)
+    sums = (Sum("s", ScalarRef("b"), Operation(Operator.MUL, (ScalarRef("own"), X))),)
+    assert [line.text.strip() for line in CLoops().lines(Accumulate(2, lets, sums))] == [
+        "const double own_0 = x[0] + a;",
+        "const double own_1 = x[1] + a;",
+        "const double s = b + (0.0 + (own_0 * x[0]) + (own_1 * x[1]));",
+    ]

@@ -24,11 +24,11 @@ from derive.backends.c.lanes import (
     store,
 )
 from derive.backends.c.matrix_loops import MAX_SUMS, cholesky, matrix_store, matvec, pack, triangular_solve
-from derive.backends.expression_text import C, strided, text
+from derive.backends.expression_text import C, Named, element, strided, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.backends.wrapping import PLUS, BreakableText, join, statement
 from derive.ir.analysis import reads
-from derive.ir.expressions import Number
+from derive.ir.expressions import Expr, Number, ScalarRef
 from derive.ir.statements import (
     LANES,
     Accumulate,
@@ -115,6 +115,8 @@ class CLoops:
 def _accumulate(loop: Accumulate, name: str) -> Lines:
     """Sums, whose lanes are in the array `name`."""
     whole = loop.count // LANES * LANES if _in_vectors(loop) else 0
+    if loop.count < LANES:
+        return _few_terms(loop)
     lines = plain(f"double {name}[{len(loop.sums)}][{LANES}];")
     if whole:
         for first in range(0, len(loop.sums), MAX_SUMS):
@@ -131,6 +133,29 @@ def _accumulate(loop: Accumulate, name: str) -> Lines:
         lanes = f"(({name}[{k}][0] + {name}[{k}][1]) + ({name}[{k}][2] + {name}[{k}][3]))"
         value = lanes if total.base == ZERO else f"{text(total.base, C)} + {lanes}"
         lines += defining([f"const double {total.name} = {value};"], total.name)
+    return lines
+
+
+def _few_terms(loop: Accumulate) -> Lines:
+    """Sums of fewer terms than there are lanes, in straight line; a zero in front, since a sum never is -0."""
+    names = {let.name for let in loop.lets}
+
+    def term(expr: Expr, k: int) -> BreakableText:
+        def leaf(item: Named) -> BreakableText:
+            if isinstance(item, ScalarRef):
+                return BreakableText((f"{item.name}_{k}" if item.name in names else item.name,))
+            return element(item, BreakableText((str(k),)))
+
+        return text(expr, C, leaf)
+
+    lines: Lines = []
+    for k in range(loop.count):
+        for let in loop.lets:
+            lines += defining(statement("", f"const double {let.name}_{k} = ", term(let.expr, k), ";"), let.name)
+    for total in loop.sums:
+        base = "" if total.base == ZERO else join(text(total.base, C), PLUS)
+        added = join("(0.0", *(part for k in range(loop.count) for part in (PLUS, "(", term(total.term, k), ")")), ")")
+        lines += defining(statement("", f"const double {total.name} = ", join(base, added), ";"), total.name)
     return lines
 
 
