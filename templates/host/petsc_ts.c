@@ -208,8 +208,8 @@ PetscErrorCode tisserand_petsc_start(tisserand_petsc *own, PetscReal t, PetscRea
     PetscFunctionReturn(SUCCESS);
 }
 
-/* Newton's method has converged when its last change of q and v is below a tenth of the tolerances of ts. Norms of F mix
-   rows of different units, and rounding errors of stiff elastic forces exceed parts of it such as 1e-8. */
+/* Newton's method has converged when its last change of q and v is below a tenth of the tolerances of ts. Norms of F, by
+   which PETSc decides, mix rows of different units, so that errors of q and v remain that the control of steps sees. */
 static PetscErrorCode converged(SNES snes, PetscInt iteration, PetscReal size, PetscReal unused, PetscReal norm,
                                 SNESConvergedReason *reason, void *data)
 {
@@ -269,6 +269,18 @@ static PetscErrorCode set_linear_solver(SNES snes)
     PetscFunctionReturn(SUCCESS);
 }
 
+/* The kind of the equations, by which methods with explicit stages decide how they begin. */
+static TSEquationType equation_type(const tisserand_petsc *own)
+{
+    if (own->form.size == own->model->nq + own->model->nv) {
+        return TS_EQ_IMPLICIT;
+    }
+    if (strcmp(own->form.name, "index1") == 0) {
+        return TS_EQ_DAE_IMPLICIT_INDEX1;
+    }
+    return strcmp(own->form.name, "ggl") == 0 ? TS_EQ_DAE_IMPLICIT_INDEX2 : TS_EQ_DAE_IMPLICIT_INDEX3;
+}
+
 PetscErrorCode tisserand_petsc_configure(TS ts, PetscReal rtol, PetscReal atol, tisserand_petsc *own)
 {
     const int differential = own->model->nq + own->model->nv;
@@ -286,7 +298,7 @@ PetscErrorCode tisserand_petsc_configure(TS ts, PetscReal rtol, PetscReal atol, 
     PetscCall(TSSetIJacobian(ts, J, J, tisserand_petsc_jacobian, own));
     PetscCall(TSGetDM(ts, &dm));
     PetscCall(DMShellSetMatrix(dm, J)); /* methods such as ARKIMEX create further matrices */
-    PetscCall(TSSetEquationType(ts, own->form.size == differential ? TS_EQ_IMPLICIT : TS_EQ_DAE_IMPLICIT_INDEX2));
+    PetscCall(TSSetEquationType(ts, equation_type(own)));
     /* Errors of the multipliers are those of v or q times M or the unit matrix, divided by the step: rounding errors of
        q and v exceed the tolerance in the multipliers, the more so the shorter the step. Norms therefore exclude them. */
     PetscCall(MatCreateVecs(J, &tolerances, NULL));

@@ -97,8 +97,8 @@ PetscErrorCode tisserand_petsc_start(
     const double *v,
     Vec y);
 
-/* Give ts the functions above, and what these equations need: see petsc_ts.c. rtol and atol are the tolerances of q and v.
-   TSSetFromOptions may follow and change all of it. */
+/* Give ts the functions above, and what these equations need: see petsc_ts.c. rtol and atol, which has to be positive, are the
+   tolerances of q and v. TSSetFromOptions may follow and change all of it. */
 PetscErrorCode tisserand_petsc_configure(
     TS ts,
     PetscReal rtol,
