@@ -36,8 +36,8 @@ KERNELS = {
 VECTORS = ("-std=c99", "-O1", "-ftree-vectorize", "-ffp-contract=off")
 """Compiles in half the time of -O2."""
 
-BEAMS = [(frame, n) for frame in ("mean", "point") for n in (2, 8)]
-BODIES = [*((n, "given", "table") for n in (0, 1, 3, 5)), (5, "mean", "table"), (2, "mean", "flat")]
+BEAMS = [("mean", 2), ("point", 2), ("point", 8)]
+BODIES = [*((n, "given", "table") for n in (0, 1, 5)), (5, "mean", "table"), (2, "mean", "flat")]
 MODELS: dict[str, Callable[[], tuple[derive.File, ...]]] = {
     **{f"{frame}_{n}": lambda frame=frame, n=n: beams.made(frame, n).files for frame, n in BEAMS},
     **{f"{frame}_{n}_{way}": lambda n=n, frame=frame, way=way: body(n, frame, way) for n, frame, way in BODIES},
@@ -206,7 +206,7 @@ def test_blocks_are_narrower_where_there_are_many_shapes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("model", "of_nan"), [("mean_2", 1), ("given_3_table", 2), ("mean_5_table", 1), ("mean_2_flat", 1)]
+    ("model", "of_nan"), [("mean_2", 1), ("given_5_table", 2), ("mean_5_table", 1), ("mean_2_flat", 1)]
 )
 @pytest.mark.parametrize("bad", [0, 5, 31, 32, 39])
 def test_a_state_that_fails_does_not_touch_the_others(model: str, of_nan: int, bad: int) -> None:

@@ -146,6 +146,7 @@ def set_a() -> tuple[Scene, TrustedReference]:
     return replace(scene, plots=(plot,)), TrustedReference((plot,), LadderModel(Shapes.RIGID), (agreement,))
 
 
+@pytest.mark.long
 def test_set_a(set_a: tuple[Scene, TrustedReference], monkeypatch: pytest.MonkeyPatch) -> None:
     """One shape of second order at 1 and at 5 %, one sine of first order at 15 %, and nothing at 0.01 %."""
     scene, known = set_a

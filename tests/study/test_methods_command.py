@@ -64,6 +64,7 @@ def test_every_failure_has_a_line_that_agrees_with_theory() -> None:
     assert text.count("agrees: ") == len(FAILURES) and "DIFFERS" not in text
 
 
+@pytest.mark.long
 def test_a_line_differs_where_its_measurement_does() -> None:
     """Each line alone, if what it measures is what it warns of."""
     s = study()
@@ -84,6 +85,7 @@ def test_a_line_differs_where_its_measurement_does() -> None:
         assert methods_text(changed).count("DIFFERS: ") == 1
 
 
+@pytest.mark.long
 def test_the_tables_and_the_files() -> None:
     s = study()
     text = methods_text(s)

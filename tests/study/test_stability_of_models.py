@@ -88,9 +88,9 @@ def test_a_rotating_cantilever_of_first_order_is_lost_at_its_natural_frequency()
     [
         (LadderModel(Shapes.SINES, 1, SECOND, "chord"), 1.0),  # the exact mode of buckling
         (polynomials(1, SECOND, "chord"), 12 / EULER),
-        (polynomials(4, SECOND, "mean"), 1.00056),
+        pytest.param(polynomials(4, SECOND, "mean"), 1.00056, marks=pytest.mark.long),
         (polynomials(2, SECOND, "mean", 2), 1.00752),
-        (polynomials(2, FIRST, "mean", 2), 1.21888),
+        pytest.param(polynomials(2, FIRST, "mean", 2), 1.21888, marks=pytest.mark.long),
         (polynomials(4, FIRST, "mean"), None),
         (LadderModel(Shapes.RIGID), None),
     ],
