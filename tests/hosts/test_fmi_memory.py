@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from pathlib import Path
 
@@ -239,3 +240,15 @@ def test_no_memory_is_lost_or_overrun(name: str, version: int, tmp_path: Path) -
         "-lm",
     )
     assert run(tmp_path / "program") == "5 allocations\n" * 2  # three of an instance, two stored states
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_instances_share_no_variables(version: int, tmp_path: Path) -> None:
+    """So that threads can have an instance each: the sources have constants and functions alone."""
+    with zipfile.ZipFile(unit(model_of("pushed"), version, tmp_path)) as archive:
+        archive.extractall(tmp_path)
+    sources = sorted((tmp_path / "sources").glob("*.c"))
+    run(program("gcc"), "-std=c99", "-O0", "-fno-pic", "-fcommon", "-c", *sources, cwd=tmp_path)
+    symbols = run(program("nm"), *sorted(tmp_path.glob("*.o")))
+    kinds = set(re.findall(r"^[0-9a-f ]{16} (\w) \w+$", symbols, re.M))
+    assert kinds == {"T", "t", "R", "r", "U"}
