@@ -23,6 +23,8 @@ from derive.errors import SpecError
 from derive.export.exudyn_floating_frame import floating_frame_arguments
 from derive.reduction.body import prepare, reduce
 from derive.reduction.integrals import antisymmetric, shape_integrals
+from derive.sid.read import read
+from derive.sid.write import write
 from derive.spec.toml.read import parse
 
 pytestmark = pytest.mark.hosts
@@ -128,6 +130,13 @@ def test_both_bodies_hang_at_a_joint_of_exudyn(exu: ModuleType, folder: Path) ->
         states.append((body.state(mbs), mbs.GetObjectOutput(joint, exu.OutputVariableType.Force)))
     assert difference(states[0][0], states[1][0]) < 1e-5
     assert np.allclose(states[0][1], states[1][1], rtol=0, atol=1e-3 * np.max(np.abs(states[0][1])))
+
+
+def test_a_body_of_an_sid_file_has_the_same_arguments() -> None:
+    body = reduce(tumbling())
+    ours, given = (floating_frame_arguments(of) for of in (body, read(write(body))))
+    for name, array in ours.items():
+        assert np.allclose(given[name], array, rtol=1e-12, atol=1e-12 * np.max(np.abs(array), initial=0)), name
 
 
 def test_what_is_refused(folder: Path) -> None:
