@@ -36,7 +36,7 @@ def model(data: str, size: int, lowering: str, name: str) -> tuple[Model, np.nda
 
 def function(source: str, name: str) -> str:
     """The text of a function in the text of a C file."""
-    match = re.search(rf"^int {name}\(.*?^}}\n", source, re.MULTILINE | re.DOTALL)
+    match = re.search(rf"^(TISSERAND_SCALAR\n)?int {name}\(.*?^}}\n", source, re.MULTILINE | re.DOTALL)
     assert match, name
     return match.group()
 
@@ -48,7 +48,7 @@ def main(argv: list[str]) -> None:
     header, source = CBackend().files(generated, "a benchmark")
     seconds = time.perf_counter() - start
     prefix = f"own_{lowering}_"
-    head = source.text[: source.text.index(f"int {generated.name}_setup(")]
+    head = source.text[: source.text.index(function(source.text, f"{generated.name}_setup"))]
     shared = header.text + head.replace(f'#include "{generated.name}.h"', "")
     for name in SEPARATE:
         text = shared + function(source.text, f"{generated.name}_{name}")

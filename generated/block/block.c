@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_d1bc0207e1058afd
+#ifndef BLOCK_HASH_a4a527db715e7429
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -20,6 +20,13 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+
+/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
+#else
+#  define TISSERAND_SCALAR
+#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -41,6 +48,7 @@
 #  define TISSERAND_INLINE static inline
 #  define TISSERAND_APART static
 #endif
+TISSERAND_SCALAR
 int block_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -50,25 +58,22 @@ int block_setup(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
     (void) k;
 
     /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double alpha1 = q[7];
+    const double alpha8 = q[14];
     const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double alpha3 = q[9];
     const double S_1_12 = (-0.06983677418017273) * alpha3;
     const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double alpha2 = q[8];
     const double S_1_23 = (-0.4396173773693272) * alpha2;
     const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
     const double S_2_11 = 0.8385822755284659 * alpha2;
@@ -81,10 +86,14 @@ int block_mass(
     const double S_3_13 = 0.17281858343053574 * alpha2;
     const double S_3_22 = 0.7416169147200682 * alpha3;
     const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double alpha4 = q[10];
     const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double alpha7 = q[13];
     const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double alpha6 = q[12];
     const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
     const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double alpha5 = q[11];
     const double S_4_23 = 0.40905294172354 * alpha5;
     const double S_4_33 = 0.13301478065162953 * alpha4;
     const double S_5_11 = 0.7757986416100022 * alpha5;
@@ -135,20 +144,20 @@ int block_mass(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-        + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
         + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
     const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
         + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
     const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-        + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
         + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-        + S_8_33 * alpha8;
+        + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8);
 
     /* M (15): factors of the accelerations */
     M[0] = 6.48;
@@ -191,6 +200,7 @@ int block_mass(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -199,39 +209,27 @@ int block_force(
     double *h)
 {
     (void) t;
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
     (void) k;
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double omega1 = v[3];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = v[4];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = v[5];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
     const double oo_33 = omega3 * omega3;
 
     /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double alpha1 = q[7];
+    const double alpha8 = q[14];
     const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double alpha3 = q[9];
     const double S_1_12 = (-0.06983677418017273) * alpha3;
     const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double alpha2 = q[8];
     const double S_1_23 = (-0.4396173773693272) * alpha2;
     const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
     const double S_2_11 = 0.8385822755284659 * alpha2;
@@ -244,10 +242,14 @@ int block_force(
     const double S_3_13 = 0.17281858343053574 * alpha2;
     const double S_3_22 = 0.7416169147200682 * alpha3;
     const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double alpha4 = q[10];
     const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double alpha7 = q[13];
     const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double alpha6 = q[12];
     const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
     const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double alpha5 = q[11];
     const double S_4_23 = 0.40905294172354 * alpha5;
     const double S_4_33 = 0.13301478065162953 * alpha4;
     const double S_5_11 = 0.7757986416100022 * alpha5;
@@ -276,25 +278,33 @@ int block_force(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-        + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
         + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
     const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
         + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
     const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-        + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
         + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-        + S_8_33 * alpha8;
+        + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8);
 
     /*
      * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
      *     shapes, summed with their rates
      */
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
@@ -351,15 +361,12 @@ int block_force(
     const double t10 = 2.0 * omega1;
     const double t11 = 2.0 * omega2;
     const double t12 = 2.0 * omega3;
-    h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
-        + t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-        - omega3 * d3dot_2;
-    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t10 * Sdot_12 + t11 * Sdot_22
-        + t12 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-        - omega1 * d3dot_3;
-    h[5] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
-        + t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-        - omega2 * d3dot_1;
+    h[3] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
+        + (t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2);
+    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t10 * Sdot_12 + t11 * Sdot_22
+        + (t12 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3);
+    h[5] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
+        + (t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1);
     h[6] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12 - S_1_22 * oo_22
         - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t10 * c7dot_1_1 - t12 * c7dot_1_3;
     h[7] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13 - S_2_22 * oo_22
@@ -367,22 +374,23 @@ int block_force(
     h[8] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
         - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
     h[9] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13
-        - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t10 * c7dot_4_1 - t11 * c7dot_4_2
-        - t12 * c7dot_4_3;
+        - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23 + S_4_33 * oo_33 + t10 * c7dot_4_1
+        + t11 * c7dot_4_2 + t12 * c7dot_4_3);
     h[10] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
-        - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t10 * t1
-        - t11 * c7dot_5_2 - t12 * c7dot_5_3;
+        - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t10 * t1
+        + t11 * c7dot_5_2 + t12 * c7dot_5_3);
     h[11] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
-        - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-        - t10 * c7dot_6_1 + t11 * t5 + t12 * t7;
+        - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23 + S_6_33 * oo_33
+        + t10 * c7dot_6_1 - t11 * t5 - t12 * t7);
     h[12] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t10 * t2
-        + t11 * t6 + t12 * t8;
+        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t10 * t2
+        - t11 * t6 - t12 * t8);
     h[13] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12 - S_8_22 * oo_22
         - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -392,39 +400,27 @@ int block_mass_force(
     double *h)
 {
     (void) t;
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
     (void) k;
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double omega1 = v[3];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = v[4];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = v[5];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
     const double oo_33 = omega3 * omega3;
 
     /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double alpha1 = q[7];
+    const double alpha8 = q[14];
     const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double alpha3 = q[9];
     const double S_1_12 = (-0.06983677418017273) * alpha3;
     const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double alpha2 = q[8];
     const double S_1_23 = (-0.4396173773693272) * alpha2;
     const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
     const double S_2_11 = 0.8385822755284659 * alpha2;
@@ -437,10 +433,14 @@ int block_mass_force(
     const double S_3_13 = 0.17281858343053574 * alpha2;
     const double S_3_22 = 0.7416169147200682 * alpha3;
     const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double alpha4 = q[10];
     const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double alpha7 = q[13];
     const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double alpha6 = q[12];
     const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
     const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double alpha5 = q[11];
     const double S_4_23 = 0.40905294172354 * alpha5;
     const double S_4_33 = 0.13301478065162953 * alpha4;
     const double S_5_11 = 0.7757986416100022 * alpha5;
@@ -469,21 +469,26 @@ int block_mass_force(
 
     /* alpha8 (15): force and column of M of alpha8 */
     const double t1 = 2.0 * omega1;
+    const double alpha2dot = v[7];
     const double t2 = 0.06014933573656158 * alpha2dot;
     const double t3 = 2.0 * omega3;
+    const double alpha3dot = v[8];
     const double t4 = 0.10707341325868729 * alpha3dot;
     h[13] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12 - S_8_22 * oo_22
         - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t1 * t2 + t3 * t4;
     M[36] = 1.0;
 
     /* alpha7 (15): force and column of M of alpha7 */
+    const double alpha6dot = v[11];
     const double t5 = 0.03812757101123808 * alpha6dot;
     const double t6 = 2.0 * omega2;
+    const double alpha5dot = v[10];
     const double t7 = (-0.3338704835108587) * alpha5dot;
+    const double alpha4dot = v[9];
     const double t8 = 0.16411826642656863 * alpha4dot;
     h[12] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t1 * t5
-        + t6 * t7 + t3 * t8;
+        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t1 * t5
+        - t6 * t7 - t3 * t8);
     M[35] = 1.0;
 
     /*
@@ -492,11 +497,14 @@ int block_mass_force(
      */
     const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
     const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+    const double alpha8dot = v[13];
+    const double alpha1dot = v[6];
     const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
     const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
     const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
     const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
     const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+    const double alpha7dot = v[12];
     const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
     const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
     const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
@@ -506,21 +514,21 @@ int block_mass_force(
     const double t9 = (-0.13286677220194004) * alpha4dot;
     const double t10 = (-0.17320212202534865) * alpha5dot;
     h[11] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
-        - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-        - t1 * c7dot_6_1 + t6 * t9 + t3 * t10;
+        - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23 + S_6_33 * oo_33
+        + t1 * c7dot_6_1 - t6 * t9 - t3 * t10);
     M[34] = 1.0;
 
     /* alpha5 (15): force and column of M of alpha5 */
     const double t11 = 0.8146287617076164 * alpha4dot;
     h[10] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
-        - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t1 * t11
-        - t6 * c7dot_5_2 - t3 * c7dot_5_3;
+        - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t1 * t11
+        + t6 * c7dot_5_2 + t3 * c7dot_5_3);
     M[33] = 1.0;
 
     /* alpha4 (15): force and column of M of alpha4 */
     h[9] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13
-        - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t1 * c7dot_4_1 - t6 * c7dot_4_2
-        - t3 * c7dot_4_3;
+        - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23 + S_4_33 * oo_33 + t1 * c7dot_4_1 + t6 * c7dot_4_2
+        + t3 * c7dot_4_3);
     M[32] = 1.0;
 
     /* alpha3 (15): force and column of M of alpha3 */
@@ -563,20 +571,20 @@ int block_mass_force(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-        + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
         + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
     const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
         + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
     const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-        + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
         + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-        + S_8_33 * alpha8;
+        + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8);
 
     /*
      * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
@@ -607,8 +615,8 @@ int block_mass_force(
         + alpha5 * c7dot_5_3 - alpha6 * t10 - alpha7 * t8 - alpha8 * t4;
 
     /* pi3 (15): force and column of M of pi3 */
-    h[5] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23 + t3 * Sdot_33
-        + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
+    h[5] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23
+        + (t3 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1);
     M[21] = J_33;
     M[22] = d3_1_3;
     M[23] = d3_3_3;
@@ -619,8 +627,8 @@ int block_mass_force(
     M[28] = d3_8_3;
 
     /* pi2 (15): force and column of M of pi2 */
-    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * Sdot_12 + t6 * Sdot_22 + t3 * Sdot_23
-        + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3;
+    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t1 * Sdot_12 + t6 * Sdot_22
+        + (t3 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3);
     M[13] = J_22;
     M[14] = J_23;
     M[15] = d3_2_2;
@@ -631,8 +639,8 @@ int block_mass_force(
     M[20] = d3_7_2;
 
     /* pi1 (15): force and column of M of pi1 */
-    h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12 + t3 * Sdot_13
-        + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33 - omega3 * d3dot_2;
+    h[3] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12
+        + (t3 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2);
     M[3] = J_11;
     M[4] = J_12;
     M[5] = J_13;
@@ -658,6 +666,7 @@ int block_mass_force(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -666,31 +675,16 @@ int block_accel(
     double *vdot)
 {
     (void) t;
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
     (void) k;
 
     /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double alpha1 = q[7];
+    const double alpha8 = q[14];
     const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double alpha3 = q[9];
     const double S_1_12 = (-0.06983677418017273) * alpha3;
     const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double alpha2 = q[8];
     const double S_1_23 = (-0.4396173773693272) * alpha2;
     const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
     const double S_2_11 = 0.8385822755284659 * alpha2;
@@ -703,10 +697,14 @@ int block_accel(
     const double S_3_13 = 0.17281858343053574 * alpha2;
     const double S_3_22 = 0.7416169147200682 * alpha3;
     const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double alpha4 = q[10];
     const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double alpha7 = q[13];
     const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double alpha6 = q[12];
     const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
     const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double alpha5 = q[11];
     const double S_4_23 = 0.40905294172354 * alpha5;
     const double S_4_33 = 0.13301478065162953 * alpha4;
     const double S_5_11 = 0.7757986416100022 * alpha5;
@@ -748,20 +746,20 @@ int block_accel(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-        + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
         + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
     const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
         + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
     const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-        + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
         + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-        + S_8_33 * alpha8;
+        + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8);
 
     /*
      * pivots (LDL^T): eliminate c1, c2, c3, alpha8, alpha1, alpha2, alpha3, alpha7, pi1, pi2,
@@ -819,8 +817,11 @@ int block_accel(
     if (!(pivot_pi3 - 5.684341886080802e-14 * J_33 > 0.0)) return 1; /* the pivot of pi3 vanished */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double omega1 = v[3];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = v[4];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = v[5];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
@@ -830,6 +831,14 @@ int block_accel(
      * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
      *     shapes, summed with their rates
      */
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
@@ -895,29 +904,29 @@ int block_accel(
         - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t42 * c7dot_2_1
         - t45 * c7dot_2_2;
     const double t48 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t42 * t34
-        + t45 * t38 + t43 * t40;
-    const double t49 = d3_8_1 * t44 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t42 * Sdot_11
-        + t45 * Sdot_12 + t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
-        - J_23 * oo_33 - omega3 * d3dot_2) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48;
+        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t42 * t34
+        - t45 * t38 - t43 * t40);
+    const double t49 = d3_8_1 * t44 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23
+        + t42 * Sdot_11 + t45 * Sdot_12 + (t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13
+        - J_22 * oo_23 - omega3 * d3dot_2)) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48;
     const double t50 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
         - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t45 * t36 - t43 * c7dot_3_3;
-    const double t51 = d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t42 * Sdot_12
-        + t45 * Sdot_22 + t43 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12
-        - J_33 * oo_13 - omega1 * d3dot_3 + t2 * t47) + d3_7_2 * t48 - t4 * t49;
+    const double t51 = d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11)
+        + t42 * Sdot_12 + t45 * Sdot_22 + (t43 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12
+        - J_33 * oo_13 - omega1 * d3dot_3) + t2 * t47) + d3_7_2 * t48 - t4 * t49;
     const double t52 = t6 * t49 - (828661201.2040272 * alpha4 - S_4_11 * oo_11
-        - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23
-        - S_4_33 * oo_33 - t42 * c7dot_4_1 - t45 * c7dot_4_2 - t43 * c7dot_4_3) - t8 * t51;
+        - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23
+        + S_4_33 * oo_33 + t42 * c7dot_4_1 + t45 * c7dot_4_2 + t43 * c7dot_4_3)) - t8 * t51;
     const double t53 = t11 * t51 - (1482944676.1858206 * alpha5 - S_5_11 * oo_11
-        - 2.0 * S_5_12 * oo_12 - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23
-        - S_5_33 * oo_33 + t42 * t33 - t45 * c7dot_5_2 - t43 * c7dot_5_3 + t9 * t49) - t13 * t52;
+        - 2.0 * S_5_12 * oo_12 - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23
+        + S_5_33 * oo_33 - t42 * t33 + t45 * c7dot_5_2 + t43 * c7dot_5_3) + t9 * t49) - t13 * t52;
     const double t54 = t15 * t49 - (1586764292.5824752 * alpha6 - S_6_11 * oo_11
-        - 2.0 * S_6_12 * oo_12 - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23
-        - S_6_33 * oo_33 - t42 * c7dot_6_1 + t45 * t37 + t43 * t39) - t17 * t51 + t19 * t52
+        - 2.0 * S_6_12 * oo_12 - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23
+        + S_6_33 * oo_33 + t42 * c7dot_6_1 - t45 * t37 - t43 * t39)) - t17 * t51 + t19 * t52
         - t21 * t53;
-    const double t55 = (d3_8_3 * t44 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t42 * Sdot_13
-        + t45 * Sdot_23 + t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22
-        - J_13 * oo_23 - omega2 * d3dot_1) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49
+    const double t55 = (d3_8_3 * t44 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13
+        + t42 * Sdot_13 + t45 * Sdot_23 + (t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12
+        - J_13 * oo_23 - omega2 * d3dot_1)) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49
         - t26 * t51 - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3;
     const double t56 = t54 * inverse_pivot_alpha6 - t32 * t55;
     const double t57 = t53 * inverse_pivot_alpha5 - t21 * t56 - t30 * t55;
@@ -948,48 +957,34 @@ int block_accel(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
     (void) k;
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double omega1 = v[3];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = v[4];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = v[5];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
     const double oo_33 = omega3 * omega3;
 
     /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double alpha1 = q[7];
+    const double alpha8 = q[14];
     const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double alpha3 = q[9];
     const double S_1_12 = (-0.06983677418017273) * alpha3;
     const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double alpha2 = q[8];
     const double S_1_23 = (-0.4396173773693272) * alpha2;
     const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
     const double S_2_11 = 0.8385822755284659 * alpha2;
@@ -1002,10 +997,14 @@ int block_energy(
     const double S_3_13 = 0.17281858343053574 * alpha2;
     const double S_3_22 = 0.7416169147200682 * alpha3;
     const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double alpha4 = q[10];
     const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double alpha7 = q[13];
     const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double alpha6 = q[12];
     const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
     const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double alpha5 = q[11];
     const double S_4_23 = 0.40905294172354 * alpha5;
     const double S_4_33 = 0.13301478065162953 * alpha4;
     const double S_5_11 = 0.7757986416100022 * alpha5;
@@ -1034,38 +1033,46 @@ int block_energy(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-        + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
         + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
     const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
         + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
     const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-        + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
         + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-        + S_8_33 * alpha8;
+        + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8);
 
     /*
      * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_3 = int rho Phi_8 x
      *     rdot . e3
      */
+    const double alpha2dot = v[7];
     const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+    const double alpha3dot = v[8];
     const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+    const double alpha8dot = v[13];
+    const double alpha1dot = v[6];
     const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
     const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
     const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+    const double alpha5dot = v[10];
     const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+    const double alpha6dot = v[11];
     const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+    const double alpha7dot = v[12];
     const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
     const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
     const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
     const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
 
     /* d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3 */
+    const double alpha4dot = v[9];
     const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
         - alpha5 * (0.8146287617076164 * alpha4dot) + alpha6 * c7dot_6_1
         - alpha7 * (0.03812757101123808 * alpha6dot) - alpha8 * (0.06014933573656158 * alpha2dot);
@@ -1077,12 +1084,15 @@ int block_energy(
         - alpha7 * (0.16411826642656863 * alpha4dot) - alpha8 * (0.10707341325868729 * alpha3dot);
 
     /* energy (22): 1/2 int rho xdot . xdot and the strain energy */
+    const double c1dot = v[0];
+    const double c2dot = v[1];
+    const double c3dot = v[2];
     energy[0] = 0.5 * (oo_11 * J_11 + oo_22 * J_22 + oo_33 * J_33 + alpha1dot * alpha1dot
-        + alpha2dot * alpha2dot + alpha3dot * alpha3dot + alpha4dot * alpha4dot
-        + alpha5dot * alpha5dot + alpha6dot * alpha6dot + alpha7dot * alpha7dot
-        + alpha8dot * alpha8dot + 6.48 * (c1dot * c1dot) + 6.48 * (c2dot * c2dot)
-        + 6.48 * (c3dot * c3dot) + 2.0 * omega1 * d3dot_1 + 2.0 * omega2 * d3dot_2
-        + 2.0 * omega3 * d3dot_3 + 2.0 * oo_12 * J_12 + 2.0 * oo_13 * J_13 + 2.0 * oo_23 * J_23);
+        + alpha2dot * alpha2dot + (alpha3dot * alpha3dot + alpha4dot * alpha4dot
+        + alpha5dot * alpha5dot + alpha6dot * alpha6dot + alpha7dot * alpha7dot)
+        + (alpha8dot * alpha8dot + 6.48 * (c1dot * c1dot) + 6.48 * (c2dot * c2dot)
+        + 6.48 * (c3dot * c3dot) + 2.0 * omega1 * d3dot_1 + (2.0 * omega2 * d3dot_2
+        + 2.0 * omega3 * d3dot_3 + 2.0 * oo_12 * J_12 + 2.0 * oo_13 * J_13 + 2.0 * oo_23 * J_23)));
     energy[1] = 0.5 * (132785871.23214255 * alpha1 * alpha1 + 298337711.7011645 * alpha2 * alpha2
         + 424127787.13520163 * alpha3 * alpha3 + 828661201.2040272 * alpha4 * alpha4
         + 1482944676.1858206 * alpha5 * alpha5 + 1586764292.5824752 * alpha6 * alpha6
@@ -1090,44 +1100,20 @@ int block_energy(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double c3 = q[2];
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
@@ -1158,9 +1144,13 @@ int block_momentum(
     const double Q_33 = t1 + t4 - t2 - t3;
 
     /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double alpha1 = q[7];
+    const double alpha8 = q[14];
     const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double alpha3 = q[9];
     const double S_1_12 = (-0.06983677418017273) * alpha3;
     const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double alpha2 = q[8];
     const double S_1_23 = (-0.4396173773693272) * alpha2;
     const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
     const double S_2_11 = 0.8385822755284659 * alpha2;
@@ -1173,10 +1163,14 @@ int block_momentum(
     const double S_3_13 = 0.17281858343053574 * alpha2;
     const double S_3_22 = 0.7416169147200682 * alpha3;
     const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double alpha4 = q[10];
     const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double alpha7 = q[13];
     const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double alpha6 = q[12];
     const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
     const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double alpha5 = q[11];
     const double S_4_23 = 0.40905294172354 * alpha5;
     const double S_4_33 = 0.13301478065162953 * alpha4;
     const double S_5_11 = 0.7757986416100022 * alpha5;
@@ -1205,38 +1199,46 @@ int block_momentum(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-        + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
         + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
     const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
         + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
     const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-        + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
         + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-        + S_8_33 * alpha8;
+        + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8);
 
     /*
      * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_3 = int rho Phi_8 x
      *     rdot . e3
      */
+    const double alpha2dot = v[7];
     const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+    const double alpha3dot = v[8];
     const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+    const double alpha8dot = v[13];
+    const double alpha1dot = v[6];
     const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
     const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
     const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+    const double alpha5dot = v[10];
     const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+    const double alpha6dot = v[11];
     const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+    const double alpha7dot = v[12];
     const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
     const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
     const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
     const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
 
     /* d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3 */
+    const double alpha4dot = v[9];
     const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
         - alpha5 * (0.8146287617076164 * alpha4dot) + alpha6 * c7dot_6_1
         - alpha7 * (0.03812757101123808 * alpha6dot) - alpha8 * (0.06014933573656158 * alpha2dot);
@@ -1248,70 +1250,81 @@ int block_momentum(
         - alpha7 * (0.16411826642656863 * alpha4dot) - alpha8 * (0.10707341325868729 * alpha3dot);
 
     /* momentum (1): int rho xdot and int rho x x xdot */
+    const double c1dot = v[0];
     momentum[0] = 6.48 * c1dot;
+    const double c2dot = v[1];
     momentum[1] = 6.48 * c2dot;
+    const double c3dot = v[2];
     momentum[2] = 6.48 * c3dot;
+    const double omega1 = v[3];
+    const double omega2 = v[4];
+    const double omega3 = v[5];
     const double t13 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
     const double t14 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
     const double t15 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+    const double c2 = q[1];
+    const double c3 = q[2];
     momentum[3] = t13 * Q_11 + t14 * Q_12 + t15 * Q_13 + 6.48 * (c3dot * c2) - 6.48 * (c2dot * c3);
+    const double c1 = q[0];
     momentum[4] = t13 * Q_21 + t14 * Q_22 + t15 * Q_23 + 6.48 * (c1dot * c3) - 6.48 * (c3dot * c1);
     momentum[5] = t13 * Q_31 + t14 * Q_32 + t15 * Q_33 + 6.48 * (c2dot * c1) - 6.48 * (c1dot * c2);
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *qdot)
 {
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* rates (1): from Qdot = Q (omega x) */
+    const double c1dot = v[0];
     qdot[0] = c1dot;
+    const double c2dot = v[1];
     qdot[1] = c2dot;
+    const double c3dot = v[2];
     qdot[2] = c3dot;
+    const double omega1 = v[3];
     const double t1 = 0.5 * omega1;
+    const double omega2 = v[4];
     const double t2 = 0.5 * omega2;
+    const double omega3 = v[5];
     const double t3 = 0.5 * omega3;
     qdot[3] = -(t1 * e1) - t2 * e2 - t3 * e3;
     qdot[4] = t1 * e0 + t3 * e2 - t2 * e3;
     qdot[5] = t2 * e0 + t1 * e3 - t3 * e1;
     qdot[6] = t3 * e0 + t2 * e1 - t1 * e2;
+    const double alpha1dot = v[6];
     qdot[7] = alpha1dot;
+    const double alpha2dot = v[7];
     qdot[8] = alpha2dot;
+    const double alpha3dot = v[8];
     qdot[9] = alpha3dot;
+    const double alpha4dot = v[9];
     qdot[10] = alpha4dot;
+    const double alpha5dot = v[10];
     qdot[11] = alpha5dot;
+    const double alpha6dot = v[11];
     qdot[12] = alpha6dot;
+    const double alpha7dot = v[12];
     qdot[13] = alpha7dot;
+    const double alpha8dot = v[13];
     qdot[14] = alpha8dot;
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_marker_corner(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1320,54 +1333,45 @@ int block_marker_corner(
     double *xdot,
     double *jacobian)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double c3 = q[2];
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha8 = q[14];
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha4 = q[10];
+    const double alpha7 = q[13];
     const double r_1 = 0.5275946394495463 * alpha5 + 0.5399871638663002 * alpha6
         + 0.4769773500056812 * alpha8 - 0.2 - 0.2507781328854089 * alpha1
-        - 0.36792703197185106 * alpha2 - 0.02518144397540276 * alpha3 - 0.3818220213312505 * alpha4
-        - 0.09926014335411275 * alpha7;
+        - (0.36792703197185106 * alpha2 + 0.02518144397540276 * alpha3 + 0.3818220213312505 * alpha4
+        + 0.09926014335411275 * alpha7);
     const double r_2 = 0.0018728385876259446 * alpha1 + 0.7007780273831681 * alpha2
         + 0.011048122138255248 * alpha4 + 6.810993114921505e-05 * alpha6 - 0.05
-        - 0.49015913705042813 * alpha3 - 0.6134412407766932 * alpha5 - 0.47267468962111114 * alpha7
-        - 0.03554137704558601 * alpha8;
+        - (0.49015913705042813 * alpha3 + 0.6134412407766932 * alpha5 + 0.47267468962111114 * alpha7
+        + 0.03554137704558601 * alpha8);
     const double r_3 = 0.7449011505569272 * alpha1 + 0.8406521835887735 * alpha3
         + 0.6842272816391906 * alpha4 + 0.003531455783832332 * alpha5 + 0.8812076801683899 * alpha7
-        - 0.03 - 0.0012626716947180161 * alpha2 - 6.974591890078557e-05 * alpha6
-        - 0.6113913128674688 * alpha8;
+        - (0.03 + 0.0012626716947180161 * alpha2 + 6.974591890078557e-05 * alpha6
+        + 0.6113913128674688 * alpha8);
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha8dot = v[13];
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha7dot = v[12];
     const double rdot_1 = 0.5275946394495463 * alpha5dot + 0.5399871638663002 * alpha6dot
         + 0.4769773500056812 * alpha8dot - 0.2507781328854089 * alpha1dot
         - 0.36792703197185106 * alpha2dot - 0.02518144397540276 * alpha3dot
@@ -1408,14 +1412,23 @@ int block_marker_corner(
     const double Q_33 = t1 + t4 - t2 - t3;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double c1 = q[0];
     x[0] = c1 + r_1 * Q_11 + r_2 * Q_12 + r_3 * Q_13;
+    const double c2 = q[1];
     x[1] = c2 + r_1 * Q_21 + r_2 * Q_22 + r_3 * Q_23;
+    const double c3 = q[2];
     x[2] = c3 + r_1 * Q_31 + r_2 * Q_32 + r_3 * Q_33;
+    const double omega2 = v[4];
+    const double omega3 = v[5];
     const double t13 = rdot_1 + omega2 * r_3 - omega3 * r_2;
+    const double omega1 = v[3];
     const double t14 = rdot_2 + omega3 * r_1 - omega1 * r_3;
     const double t15 = rdot_3 + omega1 * r_2 - omega2 * r_1;
+    const double c1dot = v[0];
     xdot[0] = c1dot + t13 * Q_11 + t14 * Q_12 + t15 * Q_13;
+    const double c2dot = v[1];
     xdot[1] = c2dot + t13 * Q_21 + t14 * Q_22 + t15 * Q_23;
+    const double c3dot = v[2];
     xdot[2] = c3dot + t13 * Q_31 + t14 * Q_32 + t15 * Q_33;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1480,6 +1493,7 @@ int block_marker_corner(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_marker_centre(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1488,28 +1502,13 @@ int block_marker_centre(
     double *xdot,
     double *jacobian)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double c3 = q[2];
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha8 = q[14];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha8dot = v[13];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
@@ -1540,17 +1539,32 @@ int block_marker_centre(
     const double Q_33 = t1 + t4 - t2 - t3;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double alpha2 = q[8];
     const double t13 = 0.4490479497916433 * alpha2;
+    const double alpha1 = q[7];
+    const double alpha8 = q[14];
     const double t14 = 0.4549790471738913 * alpha1 + 0.5315455430903949 * alpha8;
+    const double c1 = q[0];
     x[0] = c1 - t13 * Q_12 - t14 * Q_13;
+    const double c2 = q[1];
     x[1] = c2 - t13 * Q_22 - t14 * Q_23;
+    const double c3 = q[2];
     x[2] = c3 - t13 * Q_32 - t14 * Q_33;
+    const double omega3 = v[5];
+    const double omega2 = v[4];
     const double t15 = omega3 * t13 - omega2 * t14;
+    const double omega1 = v[3];
+    const double alpha2dot = v[7];
     const double t16 = omega1 * t14 - 0.4490479497916433 * alpha2dot;
+    const double alpha1dot = v[6];
+    const double alpha8dot = v[13];
     const double t17 = 0.4549790471738913 * alpha1dot + 0.5315455430903949 * alpha8dot
         + omega1 * t13;
+    const double c1dot = v[0];
     xdot[0] = c1dot + t15 * Q_11 + t16 * Q_12 - t17 * Q_13;
+    const double c2dot = v[1];
     xdot[1] = c2dot + t15 * Q_21 + t16 * Q_22 - t17 * Q_23;
+    const double c3dot = v[2];
     xdot[2] = c3dot + t15 * Q_31 + t16 * Q_32 - t17 * Q_33;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1576,6 +1590,7 @@ int block_marker_centre(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_marker_end(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1584,43 +1599,33 @@ int block_marker_end(
     double *xdot,
     double *jacobian)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double c3 = q[2];
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha8 = q[14];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha8dot = v[13];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
+    const double alpha6 = q[12];
     const double r_1 = 0.2 - 0.5600463460571621 * alpha6;
+    const double alpha2 = q[8];
+    const double alpha5 = q[11];
     const double r_2 = 0.6969176041930503 * alpha2 + 0.599135556698704 * alpha5;
+    const double alpha1 = q[7];
+    const double alpha4 = q[10];
+    const double alpha8 = q[14];
     const double r_3 = 0.748878107500388 * alpha1 - 0.7054512084307272 * alpha4
         - 0.6731445856665152 * alpha8;
+    const double alpha2dot = v[7];
+    const double alpha5dot = v[10];
     const double rdot_2 = 0.6969176041930503 * alpha2dot + 0.599135556698704 * alpha5dot;
+    const double alpha1dot = v[6];
+    const double alpha4dot = v[9];
+    const double alpha8dot = v[13];
     const double rdot_3 = 0.748878107500388 * alpha1dot - 0.7054512084307272 * alpha4dot
         - 0.6731445856665152 * alpha8dot;
 
@@ -1651,14 +1656,24 @@ int block_marker_end(
     const double Q_33 = t1 + t4 - t2 - t3;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double c1 = q[0];
     x[0] = c1 + r_1 * Q_11 + r_2 * Q_12 + r_3 * Q_13;
+    const double c2 = q[1];
     x[1] = c2 + r_1 * Q_21 + r_2 * Q_22 + r_3 * Q_23;
+    const double c3 = q[2];
     x[2] = c3 + r_1 * Q_31 + r_2 * Q_32 + r_3 * Q_33;
+    const double omega2 = v[4];
+    const double alpha6dot = v[11];
+    const double omega3 = v[5];
     const double t13 = omega2 * r_3 - 0.5600463460571621 * alpha6dot - omega3 * r_2;
+    const double omega1 = v[3];
     const double t14 = rdot_2 + omega3 * r_1 - omega1 * r_3;
     const double t15 = rdot_3 + omega1 * r_2 - omega2 * r_1;
+    const double c1dot = v[0];
     xdot[0] = c1dot + t13 * Q_11 + t14 * Q_12 + t15 * Q_13;
+    const double c2dot = v[1];
     xdot[1] = c2dot + t13 * Q_21 + t14 * Q_22 + t15 * Q_23;
+    const double c3dot = v[2];
     xdot[2] = c3dot + t13 * Q_31 + t14 * Q_32 + t15 * Q_33;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1693,30 +1708,20 @@ int block_marker_end(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_load_corner(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
-    const double F_3 = F[2];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
@@ -1747,23 +1752,34 @@ int block_load_corner(
     const double Q_33 = t1 + t4 - t2 - t3;
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
+    const double F_3 = F[2];
     const double Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31;
     const double Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32;
     const double Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33;
 
     /* r (1): the marker in the body frame */
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha8 = q[14];
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha4 = q[10];
+    const double alpha7 = q[13];
     const double r_1 = 0.5275946394495463 * alpha5 + 0.5399871638663002 * alpha6
         + 0.4769773500056812 * alpha8 - 0.2 - 0.2507781328854089 * alpha1
-        - 0.36792703197185106 * alpha2 - 0.02518144397540276 * alpha3 - 0.3818220213312505 * alpha4
-        - 0.09926014335411275 * alpha7;
+        - (0.36792703197185106 * alpha2 + 0.02518144397540276 * alpha3 + 0.3818220213312505 * alpha4
+        + 0.09926014335411275 * alpha7);
     const double r_2 = 0.0018728385876259446 * alpha1 + 0.7007780273831681 * alpha2
         + 0.011048122138255248 * alpha4 + 6.810993114921505e-05 * alpha6 - 0.05
-        - 0.49015913705042813 * alpha3 - 0.6134412407766932 * alpha5 - 0.47267468962111114 * alpha7
-        - 0.03554137704558601 * alpha8;
+        - (0.49015913705042813 * alpha3 + 0.6134412407766932 * alpha5 + 0.47267468962111114 * alpha7
+        + 0.03554137704558601 * alpha8);
     const double r_3 = 0.7449011505569272 * alpha1 + 0.8406521835887735 * alpha3
         + 0.6842272816391906 * alpha4 + 0.003531455783832332 * alpha5 + 0.8812076801683899 * alpha7
-        - 0.03 - 0.0012626716947180161 * alpha2 - 6.974591890078557e-05 * alpha6
-        - 0.6113913128674688 * alpha8;
+        - (0.03 + 0.0012626716947180161 * alpha2 + 6.974591890078557e-05 * alpha6
+        + 0.6113913128674688 * alpha8);
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
@@ -1783,25 +1799,20 @@ int block_load_corner(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_load_centre(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha8 = q[14];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
-    const double F_3 = F[2];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
@@ -1832,6 +1843,9 @@ int block_load_centre(
     const double Q_33 = t1 + t4 - t2 - t3;
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
+    const double F_3 = F[2];
     const double Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31;
     const double Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32;
     const double Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33;
@@ -1840,7 +1854,10 @@ int block_load_centre(
     f[0] = F_1;
     f[1] = F_2;
     f[2] = F_3;
+    const double alpha1 = q[7];
+    const double alpha8 = q[14];
     const double t13 = 0.4549790471738913 * alpha1 + 0.5315455430903949 * alpha8;
+    const double alpha2 = q[8];
     const double t14 = 0.4490479497916433 * alpha2;
     f[3] = Fb_2 * t13 - Fb_3 * t14;
     f[4] = -(Fb_1 * t13);
@@ -1856,28 +1873,20 @@ int block_load_centre(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_load_end(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha8 = q[14];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
-    const double F_3 = F[2];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
@@ -1908,13 +1917,22 @@ int block_load_end(
     const double Q_33 = t1 + t4 - t2 - t3;
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
+    const double F_3 = F[2];
     const double Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31;
     const double Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32;
     const double Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33;
 
     /* r (1): the marker in the body frame */
+    const double alpha6 = q[12];
     const double r_1 = 0.2 - 0.5600463460571621 * alpha6;
+    const double alpha2 = q[8];
+    const double alpha5 = q[11];
     const double r_2 = 0.6969176041930503 * alpha2 + 0.599135556698704 * alpha5;
+    const double alpha1 = q[7];
+    const double alpha4 = q[10];
+    const double alpha8 = q[14];
     const double r_3 = 0.748878107500388 * alpha1 - 0.7054512084307272 * alpha4
         - 0.6731445856665152 * alpha8;
 
@@ -1936,6 +1954,7 @@ int block_load_end(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1944,79 +1963,35 @@ int block_residual(
     double *F)
 {
     (void) t;
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = y[3];
     const double e1 = y[4];
     const double e2 = y[5];
     const double e3 = y[6];
-    const double alpha1 = y[7];
-    const double alpha2 = y[8];
-    const double alpha3 = y[9];
-    const double alpha4 = y[10];
-    const double alpha5 = y[11];
-    const double alpha6 = y[12];
-    const double alpha7 = y[13];
-    const double alpha8 = y[14];
-    const double c1dot = y[15];
-    const double c2dot = y[16];
-    const double c3dot = y[17];
-    const double omega1 = y[18];
-    const double omega2 = y[19];
-    const double omega3 = y[20];
-    const double alpha1dot = y[21];
-    const double alpha2dot = y[22];
-    const double alpha3dot = y[23];
-    const double alpha4dot = y[24];
-    const double alpha5dot = y[25];
-    const double alpha6dot = y[26];
-    const double alpha7dot = y[27];
-    const double alpha8dot = y[28];
-    const double c1_t = ydot[0];
-    const double c2_t = ydot[1];
-    const double c3_t = ydot[2];
-    const double e0_t = ydot[3];
-    const double e1_t = ydot[4];
-    const double e2_t = ydot[5];
-    const double e3_t = ydot[6];
-    const double alpha1_t = ydot[7];
-    const double alpha2_t = ydot[8];
-    const double alpha3_t = ydot[9];
-    const double alpha4_t = ydot[10];
-    const double alpha5_t = ydot[11];
-    const double alpha6_t = ydot[12];
-    const double alpha7_t = ydot[13];
-    const double alpha8_t = ydot[14];
-    const double c1ddot = ydot[15];
-    const double c2ddot = ydot[16];
-    const double c3ddot = ydot[17];
-    const double omega1dot = ydot[18];
-    const double omega2dot = ydot[19];
-    const double omega3dot = ydot[20];
-    const double alpha1ddot = ydot[21];
-    const double alpha2ddot = ydot[22];
-    const double alpha3ddot = ydot[23];
-    const double alpha4ddot = ydot[24];
-    const double alpha5ddot = ydot[25];
-    const double alpha6ddot = ydot[26];
-    const double alpha7ddot = ydot[27];
-    const double alpha8ddot = ydot[28];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double omega1 = y[18];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = y[19];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = y[20];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
     const double oo_33 = omega3 * omega3;
 
     /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double alpha1 = y[7];
+    const double alpha8 = y[14];
     const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double alpha3 = y[9];
     const double S_1_12 = (-0.06983677418017273) * alpha3;
     const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double alpha2 = y[8];
     const double S_1_23 = (-0.4396173773693272) * alpha2;
     const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
     const double S_2_11 = 0.8385822755284659 * alpha2;
@@ -2029,10 +2004,14 @@ int block_residual(
     const double S_3_13 = 0.17281858343053574 * alpha2;
     const double S_3_22 = 0.7416169147200682 * alpha3;
     const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double alpha4 = y[10];
     const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double alpha7 = y[13];
     const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double alpha6 = y[12];
     const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
     const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double alpha5 = y[11];
     const double S_4_23 = 0.40905294172354 * alpha5;
     const double S_4_33 = 0.13301478065162953 * alpha4;
     const double S_5_11 = 0.7757986416100022 * alpha5;
@@ -2074,25 +2053,33 @@ int block_residual(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-        + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
         + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
     const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
         + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
     const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-        + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
         + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-        + S_8_33 * alpha8;
+        + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8);
 
     /*
      * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
      *     shapes, summed with their rates
      */
+    const double alpha1dot = y[21];
+    const double alpha2dot = y[22];
+    const double alpha3dot = y[23];
+    const double alpha4dot = y[24];
+    const double alpha5dot = y[25];
+    const double alpha6dot = y[26];
+    const double alpha7dot = y[27];
+    const double alpha8dot = y[28];
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
@@ -2143,26 +2130,47 @@ int block_residual(
         + alpha5 * c7dot_5_3 - alpha6 * t7 - alpha7 * t8 - alpha8 * t9;
 
     /* residual (15): kinematics, then the equations of motion */
+    const double c1_t = ydot[0];
+    const double c1dot = y[15];
     F[0] = c1_t - c1dot;
+    const double c2_t = ydot[1];
+    const double c2dot = y[16];
     F[1] = c2_t - c2dot;
+    const double c3_t = ydot[2];
+    const double c3dot = y[17];
     F[2] = c3_t - c3dot;
     const double t10 = 0.5 * omega1;
     const double t11 = 0.5 * omega2;
     const double t12 = 0.5 * omega3;
+    const double e0_t = ydot[3];
     F[3] = e0_t + (t10 * e1 + t11 * e2 + t12 * e3);
+    const double e1_t = ydot[4];
     F[4] = e1_t - (t10 * e0 + t12 * e2 - t11 * e3);
+    const double e2_t = ydot[5];
     F[5] = e2_t - (t11 * e0 + t10 * e3 - t12 * e1);
+    const double e3_t = ydot[6];
     F[6] = e3_t - (t12 * e0 + t11 * e1 - t10 * e2);
+    const double alpha1_t = ydot[7];
     F[7] = alpha1_t - alpha1dot;
+    const double alpha2_t = ydot[8];
     F[8] = alpha2_t - alpha2dot;
+    const double alpha3_t = ydot[9];
     F[9] = alpha3_t - alpha3dot;
+    const double alpha4_t = ydot[10];
     F[10] = alpha4_t - alpha4dot;
+    const double alpha5_t = ydot[11];
     F[11] = alpha5_t - alpha5dot;
+    const double alpha6_t = ydot[12];
     F[12] = alpha6_t - alpha6dot;
+    const double alpha7_t = ydot[13];
     F[13] = alpha7_t - alpha7dot;
+    const double alpha8_t = ydot[14];
     F[14] = alpha8_t - alpha8dot;
+    const double c1ddot = ydot[15];
     F[15] = 6.48 * c1ddot;
+    const double c2ddot = ydot[16];
     F[16] = 6.48 * c2ddot;
+    const double c3ddot = ydot[17];
     F[17] = 6.48 * c3ddot;
     const double t13 = 2.0 * omega1;
     const double t14 = 2.0 * omega2;
@@ -2170,57 +2178,69 @@ int block_residual(
     const double t16 = (-0.8784787837749884) * alpha2;
     const double t17 = 0.8146287617076164 * alpha5;
     const double t18 = 0.03812757101123808 * alpha7;
-    F[18] = J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12 + J_23 * oo_22
-        + J_33 * oo_23 + t13 * Sdot_11 + t14 * Sdot_12 + t15 * Sdot_13 - alpha1ddot * t16
-        + alpha2ddot * d3_2_1 - alpha4ddot * t17 + alpha5ddot * d3_5_1 - alpha6ddot * t18
-        + alpha7ddot * d3_7_1 + alpha8ddot * d3_8_1 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
-        - J_23 * oo_33 - omega3 * d3dot_2;
+    const double omega1dot = ydot[18];
+    const double omega2dot = ydot[19];
+    const double omega3dot = ydot[20];
+    const double alpha1ddot = ydot[21];
+    const double alpha2ddot = ydot[22];
+    const double alpha4ddot = ydot[24];
+    const double alpha5ddot = ydot[25];
+    const double alpha6ddot = ydot[26];
+    const double alpha7ddot = ydot[27];
+    const double alpha8ddot = ydot[28];
+    F[18] = J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12 + J_23 * (oo_22
+        - oo_33) + (J_33 * oo_23 + t13 * Sdot_11 + t14 * Sdot_12 + t15 * Sdot_13 - alpha1ddot * t16)
+        + (alpha2ddot * d3_2_1 - alpha4ddot * t17 + alpha5ddot * d3_5_1 - alpha6ddot * t18
+        + alpha7ddot * d3_7_1 + (alpha8ddot * d3_8_1 + omega2 * d3dot_3 - J_12 * oo_13
+        - J_22 * oo_23 - omega3 * d3dot_2));
     const double t19 = 0.3434623359074803 * alpha3;
     const double t20 = (-0.13286677220194004) * alpha6;
     const double t21 = (-0.3338704835108587) * alpha7;
-    F[19] = J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * oo_33 + J_22 * omega2dot
-        + J_23 * omega3dot + t13 * Sdot_12 + t14 * Sdot_22 + t15 * Sdot_23 - alpha2ddot * t19
-        + alpha3ddot * d3_3_2 - alpha4ddot * t20 - alpha5ddot * t21 + alpha6ddot * d3_6_2
-        + alpha7ddot * d3_7_2 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-        - omega1 * d3dot_3;
+    const double alpha3ddot = ydot[23];
+    F[19] = J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * (oo_33 - oo_11)
+        + J_22 * omega2dot + (J_23 * omega3dot + t13 * Sdot_12 + t14 * Sdot_22 + t15 * Sdot_23
+        - alpha2ddot * t19) + (alpha3ddot * d3_3_2 - alpha4ddot * t20 - alpha5ddot * t21
+        + alpha6ddot * d3_6_2 + alpha7ddot * d3_7_2 + (omega3 * d3dot_1 - J_23 * oo_12
+        - J_33 * oo_13 - omega1 * d3dot_3));
     const double t22 = 0.14213269823254854 * alpha3;
     const double t23 = 0.16411826642656863 * alpha7;
     const double t24 = (-0.17320212202534865) * alpha6;
-    F[20] = J_12 * oo_11 + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot + J_23 * oo_13
-        + J_33 * omega3dot + t13 * Sdot_13 + t14 * Sdot_23 + t15 * Sdot_33 - alpha1ddot * t22
-        + alpha3ddot * d3_3_3 - alpha4ddot * t23 - alpha5ddot * t24 + alpha6ddot * d3_6_3
-        + alpha7ddot * d3_7_3 + alpha8ddot * d3_8_3 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22
-        - J_13 * oo_23 - omega2 * d3dot_1;
+    F[20] = J_12 * (oo_11 - oo_22) + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot
+        + J_23 * oo_13 + (J_33 * omega3dot + t13 * Sdot_13 + t14 * Sdot_23 + t15 * Sdot_33
+        - alpha1ddot * t22) + (alpha3ddot * d3_3_3 - alpha4ddot * t23 - alpha5ddot * t24
+        + alpha6ddot * d3_6_3 + alpha7ddot * d3_7_3 + (alpha8ddot * d3_8_3 + omega1 * d3dot_2
+        - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1));
     F[21] = 132785871.23214255 * alpha1 + alpha1ddot - t16 * omega1dot - t22 * omega3dot
-        - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12 - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23
-        - S_1_33 * oo_33 - t13 * c7dot_1_1 - t15 * c7dot_1_3;
+        - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12 - (S_1_22 * oo_22 + 2.0 * S_1_23 * oo_23
+        + S_1_33 * oo_33 + t13 * c7dot_1_1 + t15 * c7dot_1_3);
     F[22] = 298337711.7011645 * alpha2 + alpha2ddot + d3_2_1 * omega1dot - t19 * omega2dot
-        - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13 - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23
-        - S_2_33 * oo_33 - t13 * c7dot_2_1 - t14 * c7dot_2_2;
+        - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13 - (S_2_22 * oo_22 + 2.0 * S_2_23 * oo_23
+        + S_2_33 * oo_33 + t13 * c7dot_2_1 + t14 * c7dot_2_2);
     F[23] = 424127787.13520163 * alpha3 + alpha3ddot + d3_3_2 * omega2dot + d3_3_3 * omega3dot
-        - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12 - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22
-        - S_3_33 * oo_33 + t14 * t4 - t15 * c7dot_3_3;
+        - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12 - (2.0 * S_3_13 * oo_13 + S_3_22 * oo_22
+        + S_3_33 * oo_33 - t14 * t4 + t15 * c7dot_3_3);
     F[24] = 828661201.2040272 * alpha4 + alpha4ddot - t17 * omega1dot - t20 * omega2dot
-        - t23 * omega3dot - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13
-        - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t13 * c7dot_4_1 - t14 * c7dot_4_2
-        - t15 * c7dot_4_3;
+        - t23 * omega3dot - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12 - (2.0 * S_4_13 * oo_13
+        + S_4_22 * oo_22 + 2.0 * S_4_23 * oo_23 + S_4_33 * oo_33 + t13 * c7dot_4_1 + t14 * c7dot_4_2
+        + t15 * c7dot_4_3);
     F[25] = 1482944676.1858206 * alpha5 + alpha5ddot + d3_5_1 * omega1dot - t21 * omega2dot
-        - t24 * omega3dot - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12 - 2.0 * S_5_13 * oo_13
-        - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t13 * t1 - t14 * c7dot_5_2
-        - t15 * c7dot_5_3;
+        - t24 * omega3dot - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12 - (2.0 * S_5_13 * oo_13
+        + S_5_22 * oo_22 + 2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t13 * t1 + t14 * c7dot_5_2
+        + t15 * c7dot_5_3);
     F[26] = 1586764292.5824752 * alpha6 + alpha6ddot - t18 * omega1dot + d3_6_2 * omega2dot
-        + d3_6_3 * omega3dot - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12 - 2.0 * S_6_13 * oo_13
-        - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33 - t13 * c7dot_6_1 + t14 * t5
-        + t15 * t7;
+        + d3_6_3 * omega3dot - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12 - (2.0 * S_6_13 * oo_13
+        + S_6_22 * oo_22 + 2.0 * S_6_23 * oo_23 + S_6_33 * oo_33 + t13 * c7dot_6_1 - t14 * t5
+        - t15 * t7);
     F[27] = 1703959547.9391162 * alpha7 + alpha7ddot + d3_7_1 * omega1dot + d3_7_2 * omega2dot
-        + d3_7_3 * omega3dot - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12 - 2.0 * S_7_13 * oo_13
-        - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t13 * t2 + t14 * t6 + t15 * t8;
+        + d3_7_3 * omega3dot - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12 - (2.0 * S_7_13 * oo_13
+        + S_7_22 * oo_22 + 2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t13 * t2 - t14 * t6 - t15 * t8);
     F[28] = 2561832557.220976 * alpha8 + alpha8ddot + d3_8_1 * omega1dot + d3_8_3 * omega3dot
-        - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12 - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23
-        - S_8_33 * oo_33 + t13 * t3 + t15 * t9;
+        - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12 - (S_8_22 * oo_22 + 2.0 * S_8_23 * oo_23
+        + S_8_33 * oo_33 - t13 * t3 - t15 * t9);
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2230,62 +2250,39 @@ int block_jacobian(
     double *jac)
 {
     (void) t;
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = y[3];
     const double e1 = y[4];
     const double e2 = y[5];
     const double e3 = y[6];
-    const double alpha1 = y[7];
-    const double alpha2 = y[8];
-    const double alpha3 = y[9];
-    const double alpha4 = y[10];
-    const double alpha5 = y[11];
-    const double alpha6 = y[12];
-    const double alpha7 = y[13];
-    const double alpha8 = y[14];
-    const double omega1 = y[18];
-    const double omega2 = y[19];
-    const double omega3 = y[20];
-    const double alpha1dot = y[21];
-    const double alpha2dot = y[22];
-    const double alpha3dot = y[23];
-    const double alpha4dot = y[24];
-    const double alpha5dot = y[25];
-    const double alpha6dot = y[26];
-    const double alpha7dot = y[27];
-    const double alpha8dot = y[28];
-    const double omega1dot = ydot[18];
-    const double omega2dot = ydot[19];
-    const double omega3dot = ydot[20];
-    const double alpha1ddot = ydot[21];
-    const double alpha2ddot = ydot[22];
-    const double alpha3ddot = ydot[23];
-    const double alpha4ddot = ydot[24];
-    const double alpha5ddot = ydot[25];
-    const double alpha6ddot = ydot[26];
-    const double alpha7ddot = ydot[27];
-    const double alpha8ddot = ydot[28];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double omega1 = y[18];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = y[19];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = y[20];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
     const double oo_33 = omega3 * omega3;
 
     /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double alpha1 = y[7];
     const double t1 = 0.9229461451083147 * alpha1;
+    const double alpha8 = y[14];
     const double t2 = 0.0526587076325526 * alpha8;
     const double S_1_11 = t1 + t2;
+    const double alpha3 = y[9];
     const double S_1_12 = (-0.06983677418017273) * alpha3;
     const double t3 = 0.9995777759514879 * alpha1;
     const double t4 = 0.00021667253526842326 * alpha8;
     const double S_1_22 = t3 + t4;
+    const double alpha2 = y[8];
     const double S_1_23 = (-0.4396173773693272) * alpha2;
     const double t5 = 0.07747607894019715 * alpha1;
     const double t6 = (-0.05287538016782101) * alpha8;
@@ -2304,11 +2301,15 @@ int block_jacobian(
     const double S_3_13 = 0.17281858343053574 * alpha2;
     const double S_3_22 = 0.7416169147200682 * alpha3;
     const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double alpha4 = y[10];
     const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double alpha7 = y[13];
     const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double alpha6 = y[12];
     const double t11 = 0.06612677259881924 * alpha6;
     const double S_4_13 = -0.006948727887756916 + t11;
     const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double alpha5 = y[11];
     const double S_4_23 = 0.40905294172354 * alpha5;
     const double S_4_33 = 0.13301478065162953 * alpha4;
     const double S_5_11 = 0.7757986416100022 * alpha5;
@@ -2360,25 +2361,33 @@ int block_jacobian(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-        + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
         + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
     const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
         + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
     const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-        + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
         + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-        + S_8_33 * alpha8;
+        + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8);
 
     /*
      * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
      *     shapes, summed with their rates
      */
+    const double alpha1dot = y[21];
+    const double alpha2dot = y[22];
+    const double alpha3dot = y[23];
+    const double alpha4dot = y[24];
+    const double alpha5dot = y[25];
+    const double alpha6dot = y[26];
+    const double alpha7dot = y[27];
+    const double alpha8dot = y[28];
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
@@ -2457,406 +2466,422 @@ int block_jacobian(
     jac[19] = cj;
     const double t37 = t1 + S_1_11 + t2;
     const double t38 = 2.0 * S_1_12;
-    const double t39 = 2.0 * S_1_23;
-    const double t40 = t5 + S_1_33 + t6;
-    const double t41 = 2.0 * omega1;
-    const double t42 = 2.0 * omega2;
-    const double t43 = (-0.06983677418017273) * alpha3dot;
-    const double t44 = t3 + S_1_22 + t4;
-    jac[20] = omega1dot * t37 + omega2dot * t38 + oo_22 * t39 + oo_23 * t40
-        + t41 * (0.9229461451083147 * alpha1dot + 0.0526587076325526 * alpha8dot) + t42 * t43
-        + (-0.8784787837749884) * alpha2ddot + omega2 * c7dot_1_3 - oo_13 * t38 - oo_23 * t44
-        - oo_33 * t39;
-    const double t45 = 2.0 * omega3;
-    const double t46 = (-0.4396173773693272) * alpha2dot;
-    jac[21] = oo_13 * t37 + omega1dot * t38 + oo_23 * t38 + omega2dot * t44 + omega3dot * t39
-        + t41 * t43 + t42 * (0.9995777759514879 * alpha1dot + 0.00021667253526842326 * alpha8dot)
-        + t45 * t46 + omega3 * c7dot_1_1 - oo_12 * t39 - oo_13 * t40 - omega1 * c7dot_1_3;
-    jac[22] = oo_11 * t38 + oo_12 * t44 + omega2dot * t39 + oo_13 * t39 + omega3dot * t40
-        + t42 * t46 + t45 * (0.07747607894019715 * alpha1dot + (-0.05287538016782101) * alpha8dot)
-        + 0.14213269823254854 * alpha3ddot - oo_12 * t37 - oo_22 * t38 - omega2 * c7dot_1_1;
-    jac[23] = 132785871.23214255 - 0.9229461451083147 * oo_11 - 0.9995777759514879 * oo_22
-        - 0.07747607894019715 * oo_33;
-    const double t47 = (-0.8784787837749884) * omega1dot;
-    const double t48 = (-0.8792347547386544) * oo_23;
-    jac[24] = t47 - t48;
-    const double t49 = 0.14213269823254854 * omega3dot;
-    const double t50 = (-0.13967354836034546) * oo_12;
-    jac[25] = t49 - t50;
-    const double t51 = (-0.0526587076325526) * oo_11 - 0.00021667253526842326 * oo_22
-        - (-0.05287538016782101) * oo_33;
-    jac[26] = t51;
+    const double t39 = oo_22 - oo_33;
+    const double t40 = 2.0 * S_1_23;
+    const double t41 = t5 + S_1_33 + t6;
+    const double t42 = 2.0 * omega1;
+    const double t43 = 2.0 * omega2;
+    const double t44 = (-0.06983677418017273) * alpha3dot;
+    const double t45 = t3 + S_1_22 + t4;
+    const double omega1dot = ydot[18];
+    const double omega2dot = ydot[19];
+    const double alpha2ddot = ydot[22];
+    jac[20] = omega1dot * t37 + omega2dot * t38 + t39 * t40 + (oo_23 * t41
+        + t42 * (0.9229461451083147 * alpha1dot + 0.0526587076325526 * alpha8dot) + t43 * t44)
+        + ((-0.8784787837749884) * alpha2ddot + (omega2 * c7dot_1_3 - oo_13 * t38 - oo_23 * t45));
+    const double t46 = 2.0 * omega3;
+    const double t47 = (-0.4396173773693272) * alpha2dot;
+    const double omega3dot = ydot[20];
+    jac[21] = oo_13 * t37 + omega1dot * t38 + oo_23 * t38 + omega2dot * t45 + (omega3dot * t40
+        + t42 * t44 + t43 * (0.9995777759514879 * alpha1dot + 0.00021667253526842326 * alpha8dot)
+        + t46 * t47) + (omega3 * c7dot_1_1 - oo_12 * t40 - oo_13 * t41 - omega1 * c7dot_1_3);
+    const double t48 = oo_11 - oo_22;
+    const double alpha3ddot = ydot[23];
+    jac[22] = t48 * t38 + oo_12 * t45 + omega2dot * t40 + oo_13 * t40 + (omega3dot * t41 + t43 * t47
+        + t46 * (0.07747607894019715 * alpha1dot + (-0.05287538016782101) * alpha8dot))
+        + (0.14213269823254854 * alpha3ddot - (oo_12 * t37 + omega2 * c7dot_1_1));
+    jac[23] = 132785871.23214255 - 0.9229461451083147 * oo_11 - (0.9995777759514879 * oo_22
+        + 0.07747607894019715 * oo_33);
+    const double t49 = (-0.8784787837749884) * omega1dot;
+    const double t50 = (-0.8792347547386544) * oo_23;
+    jac[24] = t49 - t50;
+    const double t51 = 0.14213269823254854 * omega3dot;
+    const double t52 = (-0.13967354836034546) * oo_12;
+    jac[25] = t51 - t52;
+    const double t53 = (-0.0526587076325526) * oo_11 - (0.00021667253526842326 * oo_22
+        + (-0.05287538016782101) * oo_33);
+    jac[26] = t53;
     jac[27] = cj;
-    const double t52 = 2.0 * S_2_11;
-    const double t53 = 2.0 * S_2_13;
-    const double t54 = t7 + S_2_23 + t8;
-    const double t55 = 2.0 * S_2_33;
-    const double t56 = 0.17281858343053574 * alpha3dot;
-    const double t57 = 2.0 * S_2_22;
-    jac[28] = omega1dot * t52 + omega3dot * t53 + oo_12 * t53 + oo_22 * t54 + oo_23 * t55
-        + t41 * (0.8385822755284659 * alpha2dot) + t45 * t56 - (-0.8784787837749884) * alpha1ddot
-        + 0.06014933573656158 * alpha8ddot - oo_23 * t57 - oo_33 * t54 - omega3 * c7dot_2_2;
-    const double t58 = (-0.4396173773693272) * alpha1dot + (-0.02992582521388207) * alpha8dot;
-    jac[29] = oo_13 * t52 + oo_33 * t53 + omega2dot * t57 + omega3dot * t54
-        + t42 * (0.1617571164547129 * alpha2dot) + t45 * t58 + 0.3434623359074803 * alpha3ddot
-        + omega3 * c7dot_2_1 - oo_11 * t53 - oo_12 * t54 - oo_13 * t55;
-    jac[30] = omega1dot * t53 + oo_12 * t57 + omega2dot * t54 + oo_13 * t54 + omega3dot * t55
-        + t41 * t56 + t42 * t58 + t45 * (0.9996606080168212 * alpha2dot) + omega1 * c7dot_2_2
-        - oo_12 * t52 - oo_23 * t53 - omega2 * c7dot_2_1;
-    jac[31] = -(t47 + t48);
-    jac[32] = 298337711.7011645 - 0.8385822755284659 * oo_11 - 0.1617571164547129 * oo_22
-        - 0.9996606080168212 * oo_33;
-    const double t59 = 0.3434623359074803 * omega2dot;
-    const double t60 = 0.3456371668610715 * oo_13;
-    jac[33] = t59 - t60;
-    const double t61 = 0.06014933573656158 * omega1dot;
-    const double t62 = (-0.05985165042776414) * oo_23;
-    jac[34] = t61 - t62;
+    const double t54 = 2.0 * S_2_11;
+    const double t55 = 2.0 * S_2_13;
+    const double t56 = t7 + S_2_23 + t8;
+    const double t57 = 2.0 * S_2_33;
+    const double t58 = 0.17281858343053574 * alpha3dot;
+    const double t59 = 2.0 * S_2_22;
+    const double alpha1ddot = ydot[21];
+    const double alpha8ddot = ydot[28];
+    jac[28] = omega1dot * t54 + omega3dot * t55 + oo_12 * t55 + t39 * t56 + (oo_23 * t57
+        + t42 * (0.8385822755284659 * alpha2dot) + t46 * t58 - (-0.8784787837749884) * alpha1ddot)
+        + (0.06014933573656158 * alpha8ddot - oo_23 * t59 - omega3 * c7dot_2_2);
+    const double t60 = oo_33 - oo_11;
+    const double t61 = (-0.4396173773693272) * alpha1dot + (-0.02992582521388207) * alpha8dot;
+    jac[29] = oo_13 * t54 + t60 * t55 + omega2dot * t59 + (omega3dot * t56
+        + t43 * (0.1617571164547129 * alpha2dot) + t46 * t61) + (0.3434623359074803 * alpha3ddot
+        + (omega3 * c7dot_2_1 - oo_12 * t56 - oo_13 * t57));
+    jac[30] = omega1dot * t55 + oo_12 * t59 + omega2dot * t56 + oo_13 * t56 + (omega3dot * t57
+        + t42 * t58 + t43 * t61 + t46 * (0.9996606080168212 * alpha2dot)) + (omega1 * c7dot_2_2
+        - oo_12 * t54 - oo_23 * t55 - omega2 * c7dot_2_1);
+    jac[31] = -(t49 + t50);
+    jac[32] = 298337711.7011645 - 0.8385822755284659 * oo_11 - (0.1617571164547129 * oo_22
+        + 0.9996606080168212 * oo_33);
+    const double t62 = 0.3434623359074803 * omega2dot;
+    const double t63 = 0.3456371668610715 * oo_13;
+    jac[33] = t62 - t63;
+    const double t64 = 0.06014933573656158 * omega1dot;
+    const double t65 = (-0.05985165042776414) * oo_23;
+    jac[34] = t64 - t65;
     jac[35] = cj;
-    const double t63 = 2.0 * S_3_11;
-    const double t64 = t9 + S_3_12 + t10;
-    const double t65 = 2.0 * S_3_13;
-    const double t66 = 2.0 * S_3_33;
-    const double t67 = (-0.06983677418017273) * alpha1dot + 0.05213396507997798 * alpha8dot;
-    const double t68 = 0.17281858343053574 * alpha2dot;
-    const double t69 = 2.0 * S_3_22;
-    jac[36] = omega1dot * t63 + omega2dot * t64 + omega3dot * t65 + oo_12 * t65 + oo_23 * t66
-        + t41 * (0.9959824929644516 * alpha3dot) + t42 * t67 + t45 * t68 + omega2 * c7dot_3_3
-        - oo_13 * t64 - oo_23 * t69 + omega3 * t25;
-    jac[37] = oo_13 * t63 + omega1dot * t64 + oo_23 * t64 + oo_33 * t65 + omega2dot * t69
-        + t41 * t67 + t42 * (0.7416169147200682 * alpha3dot) - 0.3434623359074803 * alpha2ddot
-        - oo_11 * t65 - oo_13 * t66 - omega1 * c7dot_3_3;
-    jac[38] = oo_11 * t64 + omega1dot * t65 + oo_12 * t69 + omega3dot * t66 + t41 * t68
-        + t45 * (0.26240059231547974 * alpha3dot) - 0.14213269823254854 * alpha1ddot
-        + 0.10707341325868729 * alpha8ddot - omega1 * t25 - oo_12 * t63 - oo_22 * t64 - oo_23 * t65;
-    jac[39] = -(t49 + t50);
-    jac[40] = -(t59 + t60);
-    jac[41] = 424127787.13520163 - 0.9959824929644516 * oo_11 - 0.7416169147200682 * oo_22
-        - 0.26240059231547974 * oo_33;
-    const double t70 = 0.10707341325868729 * omega3dot;
-    const double t71 = 0.10426793015995596 * oo_12;
-    jac[42] = t70 - t71;
+    const double t66 = 2.0 * S_3_11;
+    const double t67 = t9 + S_3_12 + t10;
+    const double t68 = 2.0 * S_3_13;
+    const double t69 = 2.0 * S_3_33;
+    const double t70 = (-0.06983677418017273) * alpha1dot + 0.05213396507997798 * alpha8dot;
+    const double t71 = 0.17281858343053574 * alpha2dot;
+    const double t72 = 2.0 * S_3_22;
+    jac[36] = omega1dot * t66 + omega2dot * t67 + omega3dot * t68 + oo_12 * t68 + (oo_23 * t69
+        + t42 * (0.9959824929644516 * alpha3dot) + t43 * t70 + t46 * t71) + (omega2 * c7dot_3_3
+        - oo_13 * t67 - oo_23 * t72 + omega3 * t25);
+    jac[37] = oo_13 * t66 + omega1dot * t67 + oo_23 * t67 + t60 * t68 + omega2dot * t72 + (t42 * t70
+        + t43 * (0.7416169147200682 * alpha3dot) - 0.3434623359074803 * alpha2ddot) - (oo_13 * t69
+        + omega1 * c7dot_3_3);
+    jac[38] = t48 * t67 + omega1dot * t68 + oo_12 * t72 + (omega3dot * t69 + t42 * t71
+        + t46 * (0.26240059231547974 * alpha3dot) - 0.14213269823254854 * alpha1ddot)
+        + (0.10707341325868729 * alpha8ddot - omega1 * t25 - oo_12 * t66 - oo_23 * t68);
+    jac[39] = -(t51 + t52);
+    jac[40] = -(t62 + t63);
+    jac[41] = 424127787.13520163 - 0.9959824929644516 * oo_11 - (0.7416169147200682 * oo_22
+        + 0.26240059231547974 * oo_33);
+    const double t73 = 0.10707341325868729 * omega3dot;
+    const double t74 = 0.10426793015995596 * oo_12;
+    jac[42] = t73 - t74;
     jac[43] = cj;
-    const double t72 = 2.0 * S_4_11;
-    const double t73 = 2.0 * S_4_12;
-    const double t74 = -0.006948727887756916 + S_4_13 + t11;
-    const double t75 = 2.0 * S_4_23;
-    const double t76 = 2.0 * S_4_33;
-    const double t77 = (-0.07653897132838097) * alpha7dot;
-    const double t78 = 0.06612677259881924 * alpha6dot;
-    const double t79 = 2.0 * S_4_22;
-    jac[44] = omega1dot * t72 + omega2dot * t73 + omega3dot * t74 + oo_12 * t74 + oo_22 * t75
-        + oo_23 * t76 + t41 * (0.8691692710140388 * alpha4dot) + t42 * t77 + t45 * t78
-        + 0.8146287617076164 * alpha5ddot + omega2 * c7dot_4_3 - oo_13 * t73 - oo_23 * t79
-        - oo_33 * t75 - omega3 * c7dot_4_2;
-    const double t80 = 0.40905294172354 * alpha5dot;
-    jac[45] = oo_13 * t72 + omega1dot * t73 + oo_23 * t73 + oo_33 * t74 + omega2dot * t79
-        + omega3dot * t75 + t41 * t77 + t42 * (0.9978159483343315 * alpha4dot) + t45 * t80
-        + (-0.13286677220194004) * alpha6ddot + omega3 * c7dot_4_1 - oo_11 * t74 - oo_12 * t75
-        - oo_13 * t76 - omega1 * c7dot_4_3;
-    jac[46] = oo_11 * t73 + omega1dot * t74 + oo_12 * t79 + omega2dot * t75 + oo_13 * t75
-        + omega3dot * t76 + t41 * t78 + t42 * t80 + t45 * (0.13301478065162953 * alpha4dot)
-        + 0.16411826642656863 * alpha7ddot + omega1 * c7dot_4_2 - oo_12 * t72 - oo_22 * t73
-        - oo_23 * t74 - omega2 * c7dot_4_1;
-    jac[47] = 828661201.2040272 - 0.8691692710140388 * oo_11 - 0.9978159483343315 * oo_22
-        - 0.13301478065162953 * oo_33;
-    const double t81 = 0.8146287617076164 * omega1dot;
-    const double t82 = 0.81810588344708 * oo_23;
-    jac[48] = t81 - t82;
-    const double t83 = (-0.13286677220194004) * omega2dot;
-    const double t84 = 0.1322535451976385 * oo_13;
-    jac[49] = t83 - t84;
-    const double t85 = 0.16411826642656863 * omega3dot;
-    const double t86 = (-0.15307794265676195) * oo_12;
-    jac[50] = t85 - t86;
+    const double t75 = 2.0 * S_4_11;
+    const double t76 = 2.0 * S_4_12;
+    const double t77 = -0.006948727887756916 + S_4_13 + t11;
+    const double t78 = 2.0 * S_4_23;
+    const double t79 = 2.0 * S_4_33;
+    const double t80 = (-0.07653897132838097) * alpha7dot;
+    const double t81 = 0.06612677259881924 * alpha6dot;
+    const double t82 = 2.0 * S_4_22;
+    const double alpha5ddot = ydot[25];
+    jac[44] = omega1dot * t75 + omega2dot * t76 + omega3dot * t77 + oo_12 * t77 + t39 * t78
+        + (oo_23 * t79 + t42 * (0.8691692710140388 * alpha4dot) + t43 * t80 + t46 * t81)
+        + (0.8146287617076164 * alpha5ddot + (omega2 * c7dot_4_3 - oo_13 * t76 - oo_23 * t82
+        - omega3 * c7dot_4_2));
+    const double t83 = 0.40905294172354 * alpha5dot;
+    const double alpha6ddot = ydot[26];
+    jac[45] = oo_13 * t75 + omega1dot * t76 + oo_23 * t76 + t60 * t77 + omega2dot * t82
+        + (omega3dot * t78 + t42 * t80 + t43 * (0.9978159483343315 * alpha4dot) + t46 * t83)
+        + ((-0.13286677220194004) * alpha6ddot + (omega3 * c7dot_4_1 - oo_12 * t78 - oo_13 * t79
+        - omega1 * c7dot_4_3));
+    const double alpha7ddot = ydot[27];
+    jac[46] = t48 * t76 + omega1dot * t77 + oo_12 * t82 + omega2dot * t78 + oo_13 * t78
+        + (omega3dot * t79 + t42 * t81 + t43 * t83 + t46 * (0.13301478065162953 * alpha4dot))
+        + (0.16411826642656863 * alpha7ddot + (omega1 * c7dot_4_2 - oo_12 * t75 - oo_23 * t77
+        - omega2 * c7dot_4_1));
+    jac[47] = 828661201.2040272 - 0.8691692710140388 * oo_11 - (0.9978159483343315 * oo_22
+        + 0.13301478065162953 * oo_33);
+    const double t84 = 0.8146287617076164 * omega1dot;
+    const double t85 = 0.81810588344708 * oo_23;
+    jac[48] = t84 - t85;
+    const double t86 = (-0.13286677220194004) * omega2dot;
+    const double t87 = 0.1322535451976385 * oo_13;
+    jac[49] = t86 - t87;
+    const double t88 = 0.16411826642656863 * omega3dot;
+    const double t89 = (-0.15307794265676195) * oo_12;
+    jac[50] = t88 - t89;
     jac[51] = cj;
-    const double t87 = 2.0 * S_5_11;
-    const double t88 = 0.019222459468399348 + S_5_12 + t12;
-    const double t89 = 2.0 * S_5_13;
-    const double t90 = 2.0 * S_5_23;
-    const double t91 = 2.0 * S_5_33;
-    const double t92 = (-0.08100155107836308) * alpha6dot;
-    const double t93 = (-0.17116304786243786) * alpha7dot;
-    const double t94 = 2.0 * S_5_22;
-    jac[52] = omega1dot * t87 + omega2dot * t88 + omega3dot * t89 + oo_12 * t89 + oo_22 * t90
-        + oo_23 * t91 + t41 * (0.7757986416100022 * alpha5dot) + t42 * t92 + t45 * t93
-        - 0.8146287617076164 * alpha4ddot + omega2 * c7dot_5_3 - oo_13 * t88 - oo_23 * t94
-        - oo_33 * t90 - omega3 * c7dot_5_2;
-    const double t95 = 0.40905294172354 * alpha4dot;
-    jac[53] = oo_13 * t87 + omega1dot * t88 + oo_23 * t88 + oo_33 * t89 + omega2dot * t94
-        + omega3dot * t90 + t41 * t92 + t42 * (0.22560185358382823 * alpha5dot) + t45 * t95
-        + (-0.3338704835108587) * alpha7ddot - omega3 * t22 - oo_11 * t89 - oo_12 * t90
-        - oo_13 * t91 - omega1 * c7dot_5_3;
-    jac[54] = oo_11 * t88 + omega1dot * t89 + oo_12 * t94 + omega2dot * t90 + oo_13 * t90
-        + omega3dot * t91 + t41 * t93 + t42 * t95 + t45 * (0.9985995048061699 * alpha5dot)
-        + (-0.17320212202534865) * alpha6ddot + omega1 * c7dot_5_2 - oo_12 * t87 - oo_22 * t88
-        - oo_23 * t89 + omega2 * t22;
-    jac[55] = -(t81 + t82);
-    jac[56] = 1482944676.1858206 - 0.7757986416100022 * oo_11 - 0.22560185358382823 * oo_22
-        - 0.9985995048061699 * oo_33;
-    const double t96 = (-0.17320212202534865) * omega3dot;
-    const double t97 = (-0.16200310215672617) * oo_12;
-    jac[57] = t96 - t97;
-    const double t98 = (-0.3338704835108587) * omega2dot;
-    const double t99 = (-0.3423260957248757) * oo_13;
-    jac[58] = t98 - t99;
+    const double t90 = 2.0 * S_5_11;
+    const double t91 = 0.019222459468399348 + S_5_12 + t12;
+    const double t92 = 2.0 * S_5_13;
+    const double t93 = 2.0 * S_5_23;
+    const double t94 = 2.0 * S_5_33;
+    const double t95 = (-0.08100155107836308) * alpha6dot;
+    const double t96 = (-0.17116304786243786) * alpha7dot;
+    const double t97 = 2.0 * S_5_22;
+    const double alpha4ddot = ydot[24];
+    jac[52] = omega1dot * t90 + omega2dot * t91 + omega3dot * t92 + oo_12 * t92 + t39 * t93
+        + (oo_23 * t94 + t42 * (0.7757986416100022 * alpha5dot) + t43 * t95 + t46 * t96)
+        + (omega2 * c7dot_5_3 - oo_13 * t91 - oo_23 * t97 - omega3 * c7dot_5_2
+        - 0.8146287617076164 * alpha4ddot);
+    const double t98 = 0.40905294172354 * alpha4dot;
+    jac[53] = oo_13 * t90 + omega1dot * t91 + oo_23 * t91 + t60 * t92 + omega2dot * t97
+        + (omega3dot * t93 + t42 * t95 + t43 * (0.22560185358382823 * alpha5dot) + t46 * t98)
+        + ((-0.3338704835108587) * alpha7ddot - (omega3 * t22 + oo_12 * t93 + oo_13 * t94
+        + omega1 * c7dot_5_3));
+    jac[54] = t48 * t91 + omega1dot * t92 + oo_12 * t97 + omega2dot * t93 + oo_13 * t93
+        + (omega3dot * t94 + t42 * t96 + t43 * t98 + t46 * (0.9985995048061699 * alpha5dot))
+        + ((-0.17320212202534865) * alpha6ddot + (omega1 * c7dot_5_2 - oo_12 * t90 - oo_23 * t92
+        + omega2 * t22));
+    jac[55] = -(t84 + t85);
+    jac[56] = 1482944676.1858206 - 0.7757986416100022 * oo_11 - (0.22560185358382823 * oo_22
+        + 0.9985995048061699 * oo_33);
+    const double t99 = (-0.17320212202534865) * omega3dot;
+    const double t100 = (-0.16200310215672617) * oo_12;
+    jac[57] = t99 - t100;
+    const double t101 = (-0.3338704835108587) * omega2dot;
+    const double t102 = (-0.3423260957248757) * oo_13;
+    jac[58] = t101 - t102;
     jac[59] = cj;
-    const double t100 = 0.006949696462346222 + (t13 + S_6_11);
-    const double t101 = 2.0 * S_6_12;
-    const double t102 = 2.0 * S_6_13;
-    const double t103 = 2.0 * S_6_23;
-    const double t104 = -0.28541913668350255 + (t15 + S_6_33);
-    const double t105 = (-0.08100155107836308) * alpha5dot;
-    const double t106 = 0.06612677259881924 * alpha4dot;
-    const double t107 = -0.2888453299117188 + (t14 + S_6_22);
-    jac[60] = omega1dot * t100 + omega2dot * t101 + omega3dot * t102 + oo_12 * t102 + oo_22 * t103
-        + oo_23 * t104 + t41 * (0.008120450003726742 * alpha6dot) + t42 * t105 + t45 * t106
-        + 0.03812757101123808 * alpha7ddot - omega2 * t28 - oo_13 * t101 - oo_23 * t107
-        - oo_33 * t103 + omega3 * t26;
-    const double t108 = (-0.009791878445593954) * alpha7dot;
-    jac[61] = oo_13 * t100 + omega1dot * t101 + oo_23 * t101 + oo_33 * t102 + omega2dot * t107
-        + omega3dot * t103 + t41 * t105 + t42 * (0.9938488193551677 * alpha6dot) + t45 * t108
-        - (-0.13286677220194004) * alpha4ddot + omega3 * c7dot_6_1 - oo_11 * t102 - oo_12 * t103
-        - oo_13 * t104 + omega1 * t28;
-    jac[62] = oo_11 * t101 + omega1dot * t102 + oo_12 * t107 + omega2dot * t103 + oo_13 * t103
-        + omega3dot * t104 + t41 * t106 + t42 * t108 + t45 * (0.998030730641106 * alpha6dot)
-        - (-0.17320212202534865) * alpha5ddot - omega1 * t26 - oo_12 * t100 - oo_22 * t101
-        - oo_23 * t102 - omega2 * c7dot_6_1;
-    jac[63] = -(t83 + t84);
-    jac[64] = -(t96 + t97);
-    jac[65] = 1586764292.5824752 - 0.008120450003726742 * oo_11 - 0.9938488193551677 * oo_22
-        - 0.998030730641106 * oo_33;
-    const double t109 = 0.03812757101123808 * omega1dot;
-    const double t110 = (-0.01958375689118791) * oo_23;
-    jac[66] = t109 - t110;
+    const double t103 = 0.006949696462346222 + (t13 + S_6_11);
+    const double t104 = 2.0 * S_6_12;
+    const double t105 = 2.0 * S_6_13;
+    const double t106 = 2.0 * S_6_23;
+    const double t107 = -0.28541913668350255 + (t15 + S_6_33);
+    const double t108 = (-0.08100155107836308) * alpha5dot;
+    const double t109 = 0.06612677259881924 * alpha4dot;
+    const double t110 = -0.2888453299117188 + (t14 + S_6_22);
+    jac[60] = omega1dot * t103 + omega2dot * t104 + omega3dot * t105 + oo_12 * t105 + t39 * t106
+        + (oo_23 * t107 + t42 * (0.008120450003726742 * alpha6dot) + t43 * t108 + t46 * t109)
+        + (0.03812757101123808 * alpha7ddot + (omega3 * t26 - (omega2 * t28 + oo_13 * t104
+        + oo_23 * t110)));
+    const double t111 = (-0.009791878445593954) * alpha7dot;
+    jac[61] = oo_13 * t103 + omega1dot * t104 + oo_23 * t104 + t60 * t105 + omega2dot * t110
+        + (omega3dot * t106 + t42 * t108 + t43 * (0.9938488193551677 * alpha6dot) + t46 * t111)
+        + (omega3 * c7dot_6_1 - oo_12 * t106 - oo_13 * t107 + omega1 * t28
+        - (-0.13286677220194004) * alpha4ddot);
+    jac[62] = t48 * t104 + omega1dot * t105 + oo_12 * t110 + omega2dot * t106 + oo_13 * t106
+        + (omega3dot * t107 + t42 * t109 + t43 * t111 + t46 * (0.998030730641106 * alpha6dot))
+        - ((-0.17320212202534865) * alpha5ddot + (omega1 * t26 + oo_12 * t103 + oo_23 * t105
+        + omega2 * c7dot_6_1));
+    jac[63] = -(t86 + t87);
+    jac[64] = -(t99 + t100);
+    jac[65] = 1586764292.5824752 - 0.008120450003726742 * oo_11 - (0.9938488193551677 * oo_22
+        + 0.998030730641106 * oo_33);
+    const double t112 = 0.03812757101123808 * omega1dot;
+    const double t113 = (-0.01958375689118791) * oo_23;
+    jac[66] = t112 - t113;
     jac[67] = cj;
-    const double t111 = 2.0 * S_7_11;
-    const double t112 = 2.0 * S_7_12;
-    const double t113 = 2.0 * S_7_13;
-    const double t114 = S_7_23 + S_7_23;
-    const double t115 = 2.0 * S_7_33;
-    const double t116 = (-0.07653897132838097) * alpha4dot;
-    const double t117 = (-0.17116304786243786) * alpha5dot;
-    const double t118 = 2.0 * S_7_22;
-    jac[68] = omega1dot * t111 + omega2dot * t112 + omega3dot * t113 + oo_12 * t113 + oo_22 * t114
-        + oo_23 * t115 + t41 * (0.9836361321701889 * alpha7dot) + t42 * t116 + t45 * t117
-        - 0.03812757101123808 * alpha6ddot - omega2 * t29 - oo_13 * t112 - oo_23 * t118
-        - oo_33 * t114 + omega3 * t27;
-    const double t119 = (-0.009791878445593954) * alpha6dot;
-    jac[69] = oo_13 * t111 + omega1dot * t112 + oo_23 * t112 + oo_33 * t113 + omega2dot * t118
-        + omega3dot * t114 + t41 * t116 + t42 * (0.7598894642705915 * alpha7dot) + t45 * t119
-        - (-0.3338704835108587) * alpha5ddot - omega3 * t23 - oo_11 * t113 - oo_12 * t114
-        - oo_13 * t115 + omega1 * t29;
-    jac[70] = oo_11 * t112 + omega1dot * t113 + oo_12 * t118 + omega2dot * t114 + oo_13 * t114
-        + omega3dot * t115 + t41 * t117 + t42 * t119 + t45 * (0.2564744035592197 * alpha7dot)
-        - 0.16411826642656863 * alpha4ddot - omega1 * t27 - oo_12 * t111 - oo_22 * t112
-        - oo_23 * t113 + omega2 * t23;
-    jac[71] = -(t85 + t86);
-    jac[72] = -(t98 + t99);
-    jac[73] = -(t109 + t110);
-    jac[74] = 1703959547.9391162 - 0.9836361321701889 * oo_11 - 0.7598894642705915 * oo_22
-        - 0.2564744035592197 * oo_33;
+    const double t114 = 2.0 * S_7_11;
+    const double t115 = 2.0 * S_7_12;
+    const double t116 = 2.0 * S_7_13;
+    const double t117 = S_7_23 + S_7_23;
+    const double t118 = 2.0 * S_7_33;
+    const double t119 = (-0.07653897132838097) * alpha4dot;
+    const double t120 = (-0.17116304786243786) * alpha5dot;
+    const double t121 = 2.0 * S_7_22;
+    jac[68] = omega1dot * t114 + omega2dot * t115 + omega3dot * t116 + oo_12 * t116 + t39 * t117
+        + (oo_23 * t118 + t42 * (0.9836361321701889 * alpha7dot) + t43 * t119 + t46 * t120)
+        + (omega3 * t27 - (omega2 * t29 + oo_13 * t115 + oo_23 * t121)
+        - 0.03812757101123808 * alpha6ddot);
+    const double t122 = (-0.009791878445593954) * alpha6dot;
+    jac[69] = oo_13 * t114 + omega1dot * t115 + oo_23 * t115 + t60 * t116 + omega2dot * t121
+        + (omega3dot * t117 + t42 * t119 + t43 * (0.7598894642705915 * alpha7dot) + t46 * t122)
+        + (omega1 * t29 - (omega3 * t23 + oo_12 * t117 + oo_13 * t118)
+        - (-0.3338704835108587) * alpha5ddot);
+    jac[70] = t48 * t115 + omega1dot * t116 + oo_12 * t121 + omega2dot * t117 + oo_13 * t117
+        + (omega3dot * t118 + t42 * t120 + t43 * t122 + t46 * (0.2564744035592197 * alpha7dot))
+        + (omega2 * t23 - (omega1 * t27 + oo_12 * t114 + oo_23 * t116)
+        - 0.16411826642656863 * alpha4ddot);
+    jac[71] = -(t88 + t89);
+    jac[72] = -(t101 + t102);
+    jac[73] = -(t112 + t113);
+    jac[74] = 1703959547.9391162 - 0.9836361321701889 * oo_11 - (0.7598894642705915 * oo_22
+        + 0.2564744035592197 * oo_33);
     jac[75] = cj;
-    const double t120 = t16 + (t17 + S_8_11);
-    const double t121 = 2.0 * S_8_12;
-    const double t122 = 2.0 * S_8_23;
-    const double t123 = t20 + (t21 + S_8_33);
-    const double t124 = 0.05213396507997798 * alpha3dot;
-    const double t125 = t18 + (t19 + S_8_22);
-    jac[76] = omega1dot * t120 + omega2dot * t121 + oo_22 * t122 + oo_23 * t123
-        + t41 * (0.0526587076325526 * alpha1dot + 0.8351337820732403 * alpha8dot) + t42 * t124
-        - 0.06014933573656158 * alpha2ddot - omega2 * t30 - oo_13 * t121 - oo_23 * t125
-        - oo_33 * t122;
-    const double t126 = (-0.02992582521388207) * alpha2dot;
-    jac[77] = oo_13 * t120 + omega1dot * t121 + oo_23 * t121 + omega2dot * t125 + omega3dot * t122
-        + t41 * t124 + t42 * (0.00021667253526842326 * alpha1dot + 0.994122776779808 * alpha8dot)
-        + t45 * t126 - omega3 * t24 - oo_12 * t122 - oo_13 * t123 + omega1 * t30;
-    jac[78] = oo_11 * t121 + oo_12 * t125 + omega2dot * t122 + oo_13 * t122 + omega3dot * t123
-        + t42 * t126 + t45 * ((-0.05287538016782101) * alpha1dot + 0.17074344114695217 * alpha8dot)
-        - 0.10707341325868729 * alpha3ddot - oo_12 * t120 - oo_22 * t121 + omega2 * t24;
-    jac[79] = t51;
-    jac[80] = -(t61 + t62);
-    jac[81] = -(t70 + t71);
-    jac[82] = 2561832557.220976 - 0.8351337820732403 * oo_11 - 0.994122776779808 * oo_22
-        - 0.17074344114695217 * oo_33;
+    const double t123 = t16 + (t17 + S_8_11);
+    const double t124 = 2.0 * S_8_12;
+    const double t125 = 2.0 * S_8_23;
+    const double t126 = t20 + (t21 + S_8_33);
+    const double t127 = 0.05213396507997798 * alpha3dot;
+    const double t128 = t18 + (t19 + S_8_22);
+    jac[76] = omega1dot * t123 + omega2dot * t124 + t39 * t125 + (oo_23 * t126
+        + t42 * (0.0526587076325526 * alpha1dot + 0.8351337820732403 * alpha8dot) + t43 * t127)
+        - (0.06014933573656158 * alpha2ddot + (omega2 * t30 + oo_13 * t124 + oo_23 * t128));
+    const double t129 = (-0.02992582521388207) * alpha2dot;
+    jac[77] = oo_13 * t123 + omega1dot * t124 + oo_23 * t124 + omega2dot * t128 + (omega3dot * t125
+        + t42 * t127 + t43 * (0.00021667253526842326 * alpha1dot + 0.994122776779808 * alpha8dot)
+        + t46 * t129) + (omega1 * t30 - (omega3 * t24 + oo_12 * t125 + oo_13 * t126));
+    jac[78] = t48 * t124 + oo_12 * t128 + omega2dot * t125 + oo_13 * t125 + (omega3dot * t126
+        + t43 * t129 + t46 * ((-0.05287538016782101) * alpha1dot + 0.17074344114695217 * alpha8dot))
+        + (omega2 * t24 - oo_12 * t123 - 0.10707341325868729 * alpha3ddot);
+    jac[79] = t53;
+    jac[80] = -(t64 + t65);
+    jac[81] = -(t73 + t74);
+    jac[82] = 2561832557.220976 - 0.8351337820732403 * oo_11 - (0.994122776779808 * oo_22
+        + 0.17074344114695217 * oo_33);
     jac[83] = -1.0;
-    const double t127 = 6.48 * cj;
-    jac[84] = t127;
+    const double t130 = 6.48 * cj;
+    jac[84] = t130;
     jac[85] = -1.0;
-    jac[86] = t127;
+    jac[86] = t130;
     jac[87] = -1.0;
-    jac[88] = t127;
-    const double t128 = 0.5 * e1;
-    jac[89] = t128;
-    const double t129 = (-0.5) * e0;
-    jac[90] = t129;
-    const double t130 = 0.5 * e3;
-    jac[91] = -t130;
-    const double t131 = 0.5 * e2;
-    jac[92] = t131;
-    const double t132 = J_13 * omega2;
-    const double t133 = J_12 * omega3;
-    jac[93] = t132 + 2.0 * Sdot_11 - t133 + cj * J_11;
-    const double t134 = 2.0 * Sdot_12;
-    const double t135 = J_33 * omega3;
-    const double t136 = cj * J_12;
-    jac[94] = J_11 * omega3 + t134 - J_13 * t41 - J_23 * omega2 - t135 - d3dot_3 + t136;
-    const double t137 = J_22 * omega2;
-    const double t138 = 2.0 * Sdot_13;
-    const double t139 = cj * J_13;
-    jac[95] = J_12 * t41 + t137 + J_23 * omega3 + t138 + d3dot_2 - J_11 * omega2 + t139;
-    const double t140 = (-0.8784787837749884) * alpha2;
-    const double t141 = cj * t140;
-    jac[96] = -(S_1_11 * t41) - t38 * omega2 - 2.0 * c7dot_1_1 - t141;
-    const double t142 = cj * d3_2_1;
-    jac[97] = t142 - (S_2_11 * t41 + t53 * omega3 + 2.0 * c7dot_2_1);
-    const double t143 = 2.0 * S_3_12;
-    jac[98] = -(S_3_11 * t41) - t143 * omega2 - t65 * omega3;
-    const double t144 = 2.0 * S_4_13;
-    const double t145 = 0.8146287617076164 * alpha5;
-    const double t146 = cj * t145;
-    jac[99] = -(S_4_11 * t41) - t73 * omega2 - t144 * omega3 - 2.0 * c7dot_4_1 - t146;
-    const double t147 = 2.0 * S_5_12;
-    const double t148 = cj * d3_5_1;
-    jac[100] = 2.0 * t22 - (S_5_11 * t41 + t147 * omega2 + t89 * omega3) + t148;
-    const double t149 = 0.03812757101123808 * alpha7;
-    const double t150 = cj * t149;
-    jac[101] = -(S_6_11 * t41) - t101 * omega2 - t102 * omega3 - 2.0 * c7dot_6_1 - t150;
-    const double t151 = cj * d3_7_1;
-    jac[102] = 2.0 * t23 - (S_7_11 * t41 + t112 * omega2 + t113 * omega3) + t151;
-    const double t152 = cj * d3_8_1;
-    jac[103] = 2.0 * t24 - (S_8_11 * t41 + t121 * omega2) + t152;
-    jac[104] = t131;
-    jac[105] = t130;
-    jac[106] = t129;
-    jac[107] = -t128;
-    jac[108] = J_13 * omega1 + J_23 * t42 + t135 + t134 + d3dot_3 - J_22 * omega3 + t136;
-    const double t153 = J_23 * omega1;
-    jac[109] = t133 + 2.0 * Sdot_22 - t153 + cj * J_22;
-    const double t154 = 2.0 * Sdot_23;
-    const double t155 = J_11 * omega1;
-    const double t156 = cj * J_23;
-    jac[110] = J_22 * omega1 + t154 - t155 - J_12 * t42 - J_13 * omega3 - d3dot_1 + t156;
-    jac[111] = -(t38 * omega1) - S_1_22 * t42 - t39 * omega3;
-    const double t157 = 2.0 * S_2_23;
-    const double t158 = 0.3434623359074803 * alpha3;
-    const double t159 = cj * t158;
-    jac[112] = -(S_2_22 * t42) - t157 * omega3 - 2.0 * c7dot_2_2 - t159;
-    const double t160 = cj * d3_3_2;
-    jac[113] = 2.0 * t25 - (t143 * omega1 + S_3_22 * t42) + t160;
-    const double t161 = (-0.13286677220194004) * alpha6;
+    jac[88] = t130;
+    const double t131 = 0.5 * e1;
+    jac[89] = t131;
+    const double t132 = (-0.5) * e0;
+    jac[90] = t132;
+    const double t133 = 0.5 * e3;
+    jac[91] = -t133;
+    const double t134 = 0.5 * e2;
+    jac[92] = t134;
+    const double t135 = J_13 * omega2;
+    const double t136 = J_12 * omega3;
+    jac[93] = t135 + 2.0 * Sdot_11 - t136 + cj * J_11;
+    const double t137 = 2.0 * Sdot_12;
+    const double t138 = J_33 * omega3;
+    const double t139 = cj * J_12;
+    jac[94] = J_11 * omega3 - J_13 * t42 + t137 - (J_23 * omega2 + t138 + d3dot_3) + t139;
+    const double t140 = J_22 * omega2;
+    const double t141 = 2.0 * Sdot_13;
+    const double t142 = cj * J_13;
+    jac[95] = J_12 * t42 + t140 + J_23 * omega3 + t141 + (d3dot_2 - J_11 * omega2) + t142;
+    const double t143 = (-0.8784787837749884) * alpha2;
+    const double t144 = cj * t143;
+    jac[96] = -(S_1_11 * t42) - t38 * omega2 - 2.0 * c7dot_1_1 - t144;
+    const double t145 = cj * d3_2_1;
+    jac[97] = t145 - (S_2_11 * t42 + t55 * omega3 + 2.0 * c7dot_2_1);
+    const double t146 = 2.0 * S_3_12;
+    jac[98] = -(S_3_11 * t42) - t146 * omega2 - t68 * omega3;
+    const double t147 = 2.0 * S_4_13;
+    const double t148 = 0.8146287617076164 * alpha5;
+    const double t149 = cj * t148;
+    jac[99] = -(S_4_11 * t42) - t76 * omega2 - (t147 * omega3 + 2.0 * c7dot_4_1) - t149;
+    const double t150 = cj * d3_5_1;
+    const double t151 = 2.0 * S_5_12;
+    jac[100] = t150 - (S_5_11 * t42 + t151 * omega2 + (t92 * omega3 - 2.0 * t22));
+    const double t152 = 0.03812757101123808 * alpha7;
+    const double t153 = cj * t152;
+    jac[101] = -(S_6_11 * t42) - t104 * omega2 - (t105 * omega3 + 2.0 * c7dot_6_1) - t153;
+    const double t154 = cj * d3_7_1;
+    jac[102] = t154 - (S_7_11 * t42 + t115 * omega2 + (t116 * omega3 - 2.0 * t23));
+    const double t155 = cj * d3_8_1;
+    jac[103] = 2.0 * t24 - (S_8_11 * t42 + t124 * omega2) + t155;
+    jac[104] = t134;
+    jac[105] = t133;
+    jac[106] = t132;
+    jac[107] = -t131;
+    jac[108] = J_13 * omega1 + J_23 * t43 + (t138 + t137) + (d3dot_3 - J_22 * omega3) + t139;
+    const double t156 = J_23 * omega1;
+    jac[109] = t136 + 2.0 * Sdot_22 - t156 + cj * J_22;
+    const double t157 = 2.0 * Sdot_23;
+    const double t158 = J_11 * omega1;
+    const double t159 = cj * J_23;
+    jac[110] = J_22 * omega1 - J_12 * t43 + t157 - (t158 + J_13 * omega3 + d3dot_1) + t159;
+    jac[111] = -(t38 * omega1) - (S_1_22 * t43 + t40 * omega3);
+    const double t160 = 2.0 * S_2_23;
+    const double t161 = 0.3434623359074803 * alpha3;
     const double t162 = cj * t161;
-    jac[114] = -(t73 * omega1) - S_4_22 * t42 - t75 * omega3 - 2.0 * c7dot_4_2 - t162;
-    const double t163 = (-0.3338704835108587) * alpha7;
-    const double t164 = cj * t163;
-    jac[115] = -(t147 * omega1) - S_5_22 * t42 - t90 * omega3 - 2.0 * c7dot_5_2 - t164;
-    const double t165 = cj * d3_6_2;
-    jac[116] = 2.0 * t26 - (t101 * omega1 + S_6_22 * t42 + t103 * omega3) + t165;
-    const double t166 = 2.0 * S_7_23;
-    const double t167 = cj * d3_7_2;
-    jac[117] = 2.0 * t27 - (t112 * omega1 + S_7_22 * t42 + t166 * omega3) + t167;
-    jac[118] = -(t121 * omega1) - S_8_22 * t42 - t122 * omega3;
-    jac[119] = t130;
-    jac[120] = -t131;
-    jac[121] = t128;
-    jac[122] = t129;
-    jac[123] = J_33 * omega2 + t138 - J_12 * omega1 - t137 - J_23 * t45 - d3dot_2 + t139;
-    jac[124] = t155 + J_12 * omega2 + J_13 * t45 + t154 + d3dot_1 - J_33 * omega1 + t156;
-    jac[125] = t153 + 2.0 * Sdot_33 - t132 + cj * J_33;
-    const double t168 = 0.14213269823254854 * alpha3;
-    const double t169 = cj * t168;
-    jac[126] = -(t39 * omega2) - S_1_33 * t45 - 2.0 * c7dot_1_3 - t169;
-    jac[127] = -(t53 * omega1) - t157 * omega2 - S_2_33 * t45;
-    const double t170 = cj * d3_3_3;
-    jac[128] = t170 - (t65 * omega1 + S_3_33 * t45 + 2.0 * c7dot_3_3);
-    const double t171 = 0.16411826642656863 * alpha7;
+    jac[112] = -(S_2_22 * t43) - t160 * omega3 - 2.0 * c7dot_2_2 - t162;
+    const double t163 = cj * d3_3_2;
+    jac[113] = t163 - (t146 * omega1 + (S_3_22 * t43 - 2.0 * t25));
+    const double t164 = (-0.13286677220194004) * alpha6;
+    const double t165 = cj * t164;
+    jac[114] = -(t76 * omega1) - (S_4_22 * t43 + t78 * omega3 + 2.0 * c7dot_4_2) - t165;
+    const double t166 = (-0.3338704835108587) * alpha7;
+    const double t167 = cj * t166;
+    jac[115] = -(t151 * omega1) - (S_5_22 * t43 + t93 * omega3 + 2.0 * c7dot_5_2) - t167;
+    const double t168 = cj * d3_6_2;
+    jac[116] = t168 - (t104 * omega1 + (S_6_22 * t43 + t106 * omega3 - 2.0 * t26));
+    const double t169 = cj * d3_7_2;
+    const double t170 = 2.0 * S_7_23;
+    jac[117] = t169 - (t115 * omega1 + (S_7_22 * t43 + t170 * omega3 - 2.0 * t27));
+    jac[118] = -(t124 * omega1) - (S_8_22 * t43 + t125 * omega3);
+    jac[119] = t133;
+    jac[120] = -t134;
+    jac[121] = t131;
+    jac[122] = t132;
+    jac[123] = J_33 * omega2 + t141 - J_23 * t46 - (J_12 * omega1 + t140 + d3dot_2) + t142;
+    jac[124] = t158 + J_12 * omega2 + J_13 * t46 + t157 + (d3dot_1 - J_33 * omega1) + t159;
+    jac[125] = t156 + 2.0 * Sdot_33 - t135 + cj * J_33;
+    const double t171 = 0.14213269823254854 * alpha3;
     const double t172 = cj * t171;
-    jac[129] = -(t144 * omega1) - t75 * omega2 - S_4_33 * t45 - 2.0 * c7dot_4_3 - t172;
-    const double t173 = (-0.17320212202534865) * alpha6;
-    const double t174 = cj * t173;
-    jac[130] = -(t89 * omega1) - t90 * omega2 - S_5_33 * t45 - 2.0 * c7dot_5_3 - t174;
-    const double t175 = cj * d3_6_3;
-    jac[131] = 2.0 * t28 - (t102 * omega1 + t103 * omega2 + S_6_33 * t45) + t175;
-    const double t176 = cj * d3_7_3;
-    jac[132] = 2.0 * t29 - (t113 * omega1 + t166 * omega2 + S_7_33 * t45) + t176;
-    const double t177 = cj * d3_8_3;
-    jac[133] = 2.0 * t30 - (t122 * omega2 + S_8_33 * t45) + t177;
+    jac[126] = -(t40 * omega2) - S_1_33 * t46 - 2.0 * c7dot_1_3 - t172;
+    jac[127] = -(t55 * omega1) - (t160 * omega2 + S_2_33 * t46);
+    const double t173 = cj * d3_3_3;
+    jac[128] = t173 - (t68 * omega1 + S_3_33 * t46 + 2.0 * c7dot_3_3);
+    const double t174 = 0.16411826642656863 * alpha7;
+    const double t175 = cj * t174;
+    jac[129] = -(t147 * omega1) - t78 * omega2 - S_4_33 * t46 - 2.0 * c7dot_4_3 - t175;
+    const double t176 = (-0.17320212202534865) * alpha6;
+    const double t177 = cj * t176;
+    jac[130] = -(t92 * omega1) - t93 * omega2 - S_5_33 * t46 - 2.0 * c7dot_5_3 - t177;
+    const double t178 = cj * d3_6_3;
+    jac[131] = t178 - (t105 * omega1 + t106 * omega2 + S_6_33 * t46 - 2.0 * t28);
+    const double t179 = cj * d3_7_3;
+    jac[132] = t179 - (t116 * omega1 + t170 * omega2 + S_7_33 * t46 - 2.0 * t29);
+    const double t180 = cj * d3_8_3;
+    jac[133] = t180 - (t125 * omega2 + S_8_33 * t46 - 2.0 * t30);
     jac[134] = -1.0;
-    jac[135] = t41 * S_1_11 + t42 * S_1_12 - omega2 * t168 - t141;
-    jac[136] = t41 * S_1_12 + t42 * S_1_22 + t45 * S_1_23 - omega3 * t140 + omega1 * t168;
-    jac[137] = t42 * S_1_23 + t45 * S_1_33 + omega2 * t140 - t169;
+    jac[135] = t42 * S_1_11 + t43 * S_1_12 - omega2 * t171 - t144;
+    jac[136] = t42 * S_1_12 + t43 * S_1_22 + t46 * S_1_23 + (omega1 * t171 - omega3 * t143);
+    jac[137] = t43 * S_1_23 + t46 * S_1_33 + omega2 * t143 - t172;
     jac[138] = cj;
-    const double t178 = (-0.8784787837749884) * t41;
-    jac[139] = t178;
-    const double t179 = 0.14213269823254854 * t45;
-    jac[140] = t179;
+    const double t181 = (-0.8784787837749884) * t42;
+    jac[139] = t181;
+    const double t182 = 0.14213269823254854 * t46;
+    jac[140] = t182;
     jac[141] = -1.0;
-    jac[142] = t41 * S_2_11 + t45 * S_2_13 + omega3 * t158 + t142;
-    jac[143] = t42 * S_2_22 + t45 * S_2_23 + omega3 * d3_2_1 - t159;
-    jac[144] = t41 * S_2_13 + t42 * S_2_23 + t45 * S_2_33 - omega1 * t158 - omega2 * d3_2_1;
-    jac[145] = -t178;
+    jac[142] = t42 * S_2_11 + t46 * S_2_13 + omega3 * t161 + t145;
+    jac[143] = t43 * S_2_22 + t46 * S_2_23 + omega3 * d3_2_1 - t162;
+    jac[144] = t42 * S_2_13 + t43 * S_2_23 + t46 * S_2_33 - (omega1 * t161 + omega2 * d3_2_1);
+    jac[145] = -t181;
     jac[146] = cj;
-    const double t180 = 0.3434623359074803 * t42;
-    jac[147] = t180;
-    const double t181 = 0.06014933573656158 * t41;
-    jac[148] = t181;
+    const double t183 = 0.3434623359074803 * t43;
+    jac[147] = t183;
+    const double t184 = 0.06014933573656158 * t42;
+    jac[148] = t184;
     jac[149] = -1.0;
-    jac[150] = t41 * S_3_11 + t42 * S_3_12 + t45 * S_3_13 + omega2 * d3_3_3 - omega3 * d3_3_2;
-    jac[151] = t41 * S_3_12 + t42 * S_3_22 - omega1 * d3_3_3 + t160;
-    jac[152] = t41 * S_3_13 + t45 * S_3_33 + omega1 * d3_3_2 + t170;
-    jac[153] = -t179;
-    jac[154] = -t180;
+    jac[150] = t42 * S_3_11 + t43 * S_3_12 + t46 * S_3_13 + (omega2 * d3_3_3 - omega3 * d3_3_2);
+    jac[151] = t42 * S_3_12 + t43 * S_3_22 - omega1 * d3_3_3 + t163;
+    jac[152] = t42 * S_3_13 + t46 * S_3_33 + omega1 * d3_3_2 + t173;
+    jac[153] = -t182;
+    jac[154] = -t183;
     jac[155] = cj;
-    const double t182 = 0.10707341325868729 * t45;
-    jac[156] = t182;
+    const double t185 = 0.10707341325868729 * t46;
+    jac[156] = t185;
     jac[157] = -1.0;
-    jac[158] = t41 * S_4_11 + t42 * S_4_12 + t45 * S_4_13 - omega2 * t171 + omega3 * t161 - t146;
-    jac[159] = t41 * S_4_12 + t42 * S_4_22 + t45 * S_4_23 - omega3 * t145 + omega1 * t171 - t162;
-    jac[160] = t41 * S_4_13 + t42 * S_4_23 + t45 * S_4_33 - omega1 * t161 + omega2 * t145 - t172;
+    jac[158] = t42 * S_4_11 + t43 * S_4_12 + t46 * S_4_13 + (omega3 * t164 - omega2 * t174) - t149;
+    jac[159] = t42 * S_4_12 + t43 * S_4_22 + t46 * S_4_23 + (omega1 * t174 - omega3 * t148) - t165;
+    jac[160] = t42 * S_4_13 + t43 * S_4_23 + t46 * S_4_33 + (omega2 * t148 - omega1 * t164) - t175;
     jac[161] = cj;
-    const double t183 = 0.8146287617076164 * t41;
-    jac[162] = t183;
-    const double t184 = (-0.13286677220194004) * t42;
-    jac[163] = t184;
-    const double t185 = 0.16411826642656863 * t45;
-    jac[164] = t185;
+    const double t186 = 0.8146287617076164 * t42;
+    jac[162] = t186;
+    const double t187 = (-0.13286677220194004) * t43;
+    jac[163] = t187;
+    const double t188 = 0.16411826642656863 * t46;
+    jac[164] = t188;
     jac[165] = -1.0;
-    jac[166] = t41 * S_5_11 + t42 * S_5_12 + t45 * S_5_13 - omega2 * t173 + omega3 * t163 + t148;
-    jac[167] = t41 * S_5_12 + t42 * S_5_22 + t45 * S_5_23 + omega3 * d3_5_1 + omega1 * t173 - t164;
-    jac[168] = t41 * S_5_13 + t42 * S_5_23 + t45 * S_5_33 - omega1 * t163 - omega2 * d3_5_1 - t174;
-    jac[169] = -t183;
+    jac[166] = t42 * S_5_11 + t43 * S_5_12 + t46 * S_5_13 + (omega3 * t166 - omega2 * t176) + t150;
+    jac[167] = t42 * S_5_12 + t43 * S_5_22 + t46 * S_5_23 + (omega3 * d3_5_1 + omega1 * t176)
+        - t167;
+    jac[168] = t42 * S_5_13 + t43 * S_5_23 + t46 * S_5_33 - (omega1 * t166 + omega2 * d3_5_1)
+        - t177;
+    jac[169] = -t186;
     jac[170] = cj;
-    const double t186 = (-0.17320212202534865) * t45;
-    jac[171] = t186;
-    const double t187 = (-0.3338704835108587) * t42;
-    jac[172] = t187;
+    const double t189 = (-0.17320212202534865) * t46;
+    jac[171] = t189;
+    const double t190 = (-0.3338704835108587) * t43;
+    jac[172] = t190;
     jac[173] = -1.0;
-    jac[174] = t41 * S_6_11 + t42 * S_6_12 + t45 * S_6_13 + omega2 * d3_6_3 - omega3 * d3_6_2
-        - t150;
-    jac[175] = t41 * S_6_12 + t42 * S_6_22 + t45 * S_6_23 - omega3 * t149 - omega1 * d3_6_3 + t165;
-    jac[176] = t41 * S_6_13 + t42 * S_6_23 + t45 * S_6_33 + omega1 * d3_6_2 + omega2 * t149 + t175;
-    jac[177] = -t184;
-    jac[178] = -t186;
+    jac[174] = t42 * S_6_11 + t43 * S_6_12 + t46 * S_6_13 + (omega2 * d3_6_3 - omega3 * d3_6_2)
+        - t153;
+    jac[175] = t42 * S_6_12 + t43 * S_6_22 + t46 * S_6_23 - (omega3 * t152 + omega1 * d3_6_3)
+        + t168;
+    jac[176] = t42 * S_6_13 + t43 * S_6_23 + t46 * S_6_33 + (omega1 * d3_6_2 + omega2 * t152)
+        + t178;
+    jac[177] = -t187;
+    jac[178] = -t189;
     jac[179] = cj;
-    const double t188 = 0.03812757101123808 * t41;
-    jac[180] = t188;
+    const double t191 = 0.03812757101123808 * t42;
+    jac[180] = t191;
     jac[181] = -1.0;
-    jac[182] = t41 * S_7_11 + t42 * S_7_12 + t45 * S_7_13 + omega2 * d3_7_3 - omega3 * d3_7_2
-        + t151;
-    jac[183] = t41 * S_7_12 + t42 * S_7_22 + t45 * S_7_23 + omega3 * d3_7_1 - omega1 * d3_7_3
-        + t167;
-    jac[184] = t41 * S_7_13 + t42 * S_7_23 + t45 * S_7_33 + omega1 * d3_7_2 - omega2 * d3_7_1
-        + t176;
-    jac[185] = -t185;
-    jac[186] = -t187;
-    jac[187] = -t188;
+    jac[182] = t42 * S_7_11 + t43 * S_7_12 + t46 * S_7_13 + (omega2 * d3_7_3 - omega3 * d3_7_2)
+        + t154;
+    jac[183] = t42 * S_7_12 + t43 * S_7_22 + t46 * S_7_23 + (omega3 * d3_7_1 - omega1 * d3_7_3)
+        + t169;
+    jac[184] = t42 * S_7_13 + t43 * S_7_23 + t46 * S_7_33 + (omega1 * d3_7_2 - omega2 * d3_7_1)
+        + t179;
+    jac[185] = -t188;
+    jac[186] = -t190;
+    jac[187] = -t191;
     jac[188] = cj;
     jac[189] = -1.0;
-    jac[190] = t41 * S_8_11 + t42 * S_8_12 + omega2 * d3_8_3 + t152;
-    jac[191] = t41 * S_8_12 + t42 * S_8_22 + t45 * S_8_23 + omega3 * d3_8_1 - omega1 * d3_8_3;
-    jac[192] = t42 * S_8_23 + t45 * S_8_33 - omega2 * d3_8_1 + t177;
-    jac[193] = -t181;
-    jac[194] = -t182;
+    jac[190] = t42 * S_8_11 + t43 * S_8_12 + omega2 * d3_8_3 + t155;
+    jac[191] = t42 * S_8_12 + t43 * S_8_22 + t46 * S_8_23 + (omega3 * d3_8_1 - omega1 * d3_8_3);
+    jac[192] = t43 * S_8_23 + t46 * S_8_33 - omega2 * d3_8_1 + t180;
+    jac[193] = -t184;
+    jac[194] = -t185;
     jac[195] = cj;
     return 0;
 }
@@ -2972,20 +2997,20 @@ TISSERAND_INLINE void block_mass_states(
         const double d3_8_1 = 0.06014933573656158 * alpha2;
         const double d3_8_3 = 0.10707341325868729 * alpha3;
         const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-            + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8;
+            + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8);
         const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
             + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
         const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
             + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
         const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-            + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8;
+            + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8);
         const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
             + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
         const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-            + S_8_33 * alpha8;
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+            + S_8_33 * alpha8);
         M[b] = 6.48;
         M[all + b] = 6.48;
         M[2 * all + b] = 6.48;
@@ -3172,20 +3197,20 @@ TISSERAND_INLINE void block_force_states(
         const double S_8_23 = (-0.02992582521388207) * alpha2;
         const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
         const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-            + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8;
+            + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8);
         const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
             + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
         const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
             + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
         const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-            + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8;
+            + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8);
         const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
             + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
         const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-            + S_8_33 * alpha8;
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+            + S_8_33 * alpha8);
         const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
             + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
             + alpha8dot * S_8_11;
@@ -3233,15 +3258,15 @@ TISSERAND_INLINE void block_force_states(
         const double t10 = 2.0 * omega1;
         const double t11 = 2.0 * omega2;
         const double t12 = 2.0 * omega3;
-        h[3 * all + b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
-            + t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-            - omega3 * d3dot_2;
-        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t10 * Sdot_12 + t11 * Sdot_22
-            + t12 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-            - omega1 * d3dot_3;
-        h[5 * all + b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
-            + t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-            - omega2 * d3dot_1;
+        h[3 * all + b] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t10 * Sdot_11
+            + t11 * Sdot_12 + (t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
+            - omega3 * d3dot_2);
+        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t10 * Sdot_12
+            + t11 * Sdot_22 + (t12 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13
+            - omega1 * d3dot_3);
+        h[5 * all + b] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13
+            + t11 * Sdot_23 + (t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23
+            - omega2 * d3dot_1);
         h[6 * all + b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
             - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t10 * c7dot_1_1
             - t12 * c7dot_1_3;
@@ -3251,17 +3276,17 @@ TISSERAND_INLINE void block_force_states(
         h[8 * all + b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
             - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
         h[9 * all + b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
-            - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33
-            - t10 * c7dot_4_1 - t11 * c7dot_4_2 - t12 * c7dot_4_3;
+            - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23 + S_4_33 * oo_33
+            + t10 * c7dot_4_1 + t11 * c7dot_4_2 + t12 * c7dot_4_3);
         h[10 * all + b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
-            - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t10 * t1
-            - t11 * c7dot_5_2 - t12 * c7dot_5_3;
+            - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t10 * t1
+            + t11 * c7dot_5_2 + t12 * c7dot_5_3);
         h[11 * all + b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
-            - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-            - t10 * c7dot_6_1 + t11 * t5 + t12 * t7;
+            - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23 + S_6_33 * oo_33
+            + t10 * c7dot_6_1 - t11 * t5 - t12 * t7);
         h[12 * all + b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t10 * t2
-            + t11 * t6 + t12 * t8;
+            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t10 * t2
+            - t11 * t6 - t12 * t8);
         h[13 * all + b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
             - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
     }
@@ -3435,8 +3460,8 @@ TISSERAND_INLINE void block_mass_force_states(
         const double t7 = (-0.3338704835108587) * alpha5dot;
         const double t8 = 0.16411826642656863 * alpha4dot;
         h[12 * all + b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t1 * t5
-            + t6 * t7 + t3 * t8;
+            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t1 * t5
+            - t6 * t7 - t3 * t8);
         M[35 * all + b] = 1.0;
         const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
         const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
@@ -3452,17 +3477,17 @@ TISSERAND_INLINE void block_mass_force_states(
         const double t9 = (-0.13286677220194004) * alpha4dot;
         const double t10 = (-0.17320212202534865) * alpha5dot;
         h[11 * all + b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
-            - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-            - t1 * c7dot_6_1 + t6 * t9 + t3 * t10;
+            - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23 + S_6_33 * oo_33
+            + t1 * c7dot_6_1 - t6 * t9 - t3 * t10);
         M[34 * all + b] = 1.0;
         const double t11 = 0.8146287617076164 * alpha4dot;
         h[10 * all + b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
-            - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t1 * t11
-            - t6 * c7dot_5_2 - t3 * c7dot_5_3;
+            - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23 + S_5_33 * oo_33 - t1 * t11
+            + t6 * c7dot_5_2 + t3 * c7dot_5_3);
         M[33 * all + b] = 1.0;
         h[9 * all + b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
-            - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33
-            - t1 * c7dot_4_1 - t6 * c7dot_4_2 - t3 * c7dot_4_3;
+            - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23 + S_4_33 * oo_33
+            + t1 * c7dot_4_1 + t6 * c7dot_4_2 + t3 * c7dot_4_3);
         M[32 * all + b] = 1.0;
         const double t12 = 0.3434623359074803 * alpha2dot;
         h[8 * all + b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
@@ -3495,20 +3520,20 @@ TISSERAND_INLINE void block_mass_force_states(
         const double d3_8_1 = 0.06014933573656158 * alpha2;
         const double d3_8_3 = 0.10707341325868729 * alpha3;
         const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-            + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8;
+            + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8);
         const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
             + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
         const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
             + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
         const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-            + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8;
+            + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8);
         const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
             + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
         const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-            + S_8_33 * alpha8;
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+            + S_8_33 * alpha8);
         const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
             + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
             + alpha8dot * S_8_11;
@@ -3530,9 +3555,9 @@ TISSERAND_INLINE void block_mass_force_states(
             + alpha5 * c7dot_5_2 - alpha6 * t9 - alpha7 * t7;
         const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
             + alpha5 * c7dot_5_3 - alpha6 * t10 - alpha7 * t8 - alpha8 * t4;
-        h[5 * all + b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23
-            + t3 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-            - omega2 * d3dot_1;
+        h[5 * all + b] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13
+            + t6 * Sdot_23 + (t3 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23
+            - omega2 * d3dot_1);
         M[21 * all + b] = J_33;
         M[22 * all + b] = d3_1_3;
         M[23 * all + b] = d3_3_3;
@@ -3541,9 +3566,9 @@ TISSERAND_INLINE void block_mass_force_states(
         M[26 * all + b] = d3_6_3;
         M[27 * all + b] = d3_7_3;
         M[28 * all + b] = d3_8_3;
-        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * Sdot_12 + t6 * Sdot_22
-            + t3 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-            - omega1 * d3dot_3;
+        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t1 * Sdot_12
+            + t6 * Sdot_22 + (t3 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13
+            - omega1 * d3dot_3);
         M[13 * all + b] = J_22;
         M[14 * all + b] = J_23;
         M[15 * all + b] = d3_2_2;
@@ -3552,9 +3577,9 @@ TISSERAND_INLINE void block_mass_force_states(
         M[18 * all + b] = d3_5_2;
         M[19 * all + b] = d3_6_2;
         M[20 * all + b] = d3_7_2;
-        h[3 * all + b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12
-            + t3 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-            - omega3 * d3dot_2;
+        h[3 * all + b] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t1 * Sdot_11
+            + t6 * Sdot_12 + (t3 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
+            - omega3 * d3dot_2);
         M[3 * all + b] = J_11;
         M[4 * all + b] = J_12;
         M[5 * all + b] = J_13;
@@ -3743,20 +3768,20 @@ TISSERAND_INLINE int block_accel_states(
         const double d3_8_1 = 0.06014933573656158 * alpha2;
         const double d3_8_3 = 0.10707341325868729 * alpha3;
         const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-            + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8;
+            + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8);
         const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
             + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
         const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
             + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
         const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-            + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8;
+            + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8);
         const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
             + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
         const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-            + S_8_33 * alpha8;
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+            + S_8_33 * alpha8);
         const double t1 = (-0.8784787837749884) * alpha2;
         const double pivot_pi1 = J_11 - d3_8_1 * d3_8_1 - t1 * t1 - d3_2_1 * d3_2_1 - d3_7_1 * d3_7_1;
         const double t2 = 0.3434623359074803 * alpha3;
@@ -3863,29 +3888,29 @@ TISSERAND_INLINE int block_accel_states(
             - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t42 * c7dot_2_1
             - t45 * c7dot_2_2;
         const double t48 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
-            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t42 * t34
-            + t45 * t38 + t43 * t40;
-        const double t49 = d3_8_1 * t44 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t42 * Sdot_11
-            + t45 * Sdot_12 + t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
-            - J_23 * oo_33 - omega3 * d3dot_2) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48;
+            - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - (2.0 * S_7_23 * oo_23 + S_7_33 * oo_33 - t42 * t34
+            - t45 * t38 - t43 * t40);
+        const double t49 = d3_8_1 * t44 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23
+            + t42 * Sdot_11 + t45 * Sdot_12 + (t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13
+            - J_22 * oo_23 - omega3 * d3dot_2)) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48;
         const double t50 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
             - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t45 * t36 - t43 * c7dot_3_3;
-        const double t51 = d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t42 * Sdot_12
-            + t45 * Sdot_22 + t43 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12
-            - J_33 * oo_13 - omega1 * d3dot_3 + t2 * t47) + d3_7_2 * t48 - t4 * t49;
+        const double t51 = d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11)
+            + t42 * Sdot_12 + t45 * Sdot_22 + (t43 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12
+            - J_33 * oo_13 - omega1 * d3dot_3) + t2 * t47) + d3_7_2 * t48 - t4 * t49;
         const double t52 = t6 * t49 - (828661201.2040272 * alpha4 - S_4_11 * oo_11
-            - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23
-            - S_4_33 * oo_33 - t42 * c7dot_4_1 - t45 * c7dot_4_2 - t43 * c7dot_4_3) - t8 * t51;
+            - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2.0 * S_4_23 * oo_23
+            + S_4_33 * oo_33 + t42 * c7dot_4_1 + t45 * c7dot_4_2 + t43 * c7dot_4_3)) - t8 * t51;
         const double t53 = t11 * t51 - (1482944676.1858206 * alpha5 - S_5_11 * oo_11
-            - 2.0 * S_5_12 * oo_12 - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23
-            - S_5_33 * oo_33 + t42 * t33 - t45 * c7dot_5_2 - t43 * c7dot_5_3 + t9 * t49) - t13 * t52;
+            - 2.0 * S_5_12 * oo_12 - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2.0 * S_5_23 * oo_23
+            + S_5_33 * oo_33 - t42 * t33 + t45 * c7dot_5_2 + t43 * c7dot_5_3) + t9 * t49) - t13 * t52;
         const double t54 = t15 * t49 - (1586764292.5824752 * alpha6 - S_6_11 * oo_11
-            - 2.0 * S_6_12 * oo_12 - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23
-            - S_6_33 * oo_33 - t42 * c7dot_6_1 + t45 * t37 + t43 * t39) - t17 * t51 + t19 * t52
+            - 2.0 * S_6_12 * oo_12 - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2.0 * S_6_23 * oo_23
+            + S_6_33 * oo_33 + t42 * c7dot_6_1 - t45 * t37 - t43 * t39)) - t17 * t51 + t19 * t52
             - t21 * t53;
-        const double t55 = (d3_8_3 * t44 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t42 * Sdot_13
-            + t45 * Sdot_23 + t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22
-            - J_13 * oo_23 - omega2 * d3dot_1) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49
+        const double t55 = (d3_8_3 * t44 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13
+            + t42 * Sdot_13 + t45 * Sdot_23 + (t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12
+            - J_13 * oo_23 - omega2 * d3dot_1)) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49
             - t26 * t51 - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3;
         const double t56 = t54 * inverse_pivot_alpha6 - t32 * t55;
         const double t57 = t53 * inverse_pivot_alpha5 - t21 * t56 - t30 * t55;
@@ -4099,20 +4124,20 @@ TISSERAND_INLINE void block_energy_states(
         const double S_8_23 = (-0.02992582521388207) * alpha2;
         const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
         const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-            + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8;
+            + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8);
         const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
             + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
         const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
             + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
         const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-            + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8;
+            + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8);
         const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
             + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
         const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-            + S_8_33 * alpha8;
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+            + S_8_33 * alpha8);
         const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
         const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
         const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
@@ -4134,11 +4159,11 @@ TISSERAND_INLINE void block_energy_states(
             + alpha5 * c7dot_5_3 - alpha6 * ((-0.17320212202534865) * alpha5dot)
             - alpha7 * (0.16411826642656863 * alpha4dot) - alpha8 * (0.10707341325868729 * alpha3dot);
         energy[b] = 0.5 * (oo_11 * J_11 + oo_22 * J_22 + oo_33 * J_33 + alpha1dot * alpha1dot
-            + alpha2dot * alpha2dot + alpha3dot * alpha3dot + alpha4dot * alpha4dot
-            + alpha5dot * alpha5dot + alpha6dot * alpha6dot + alpha7dot * alpha7dot
-            + alpha8dot * alpha8dot + 6.48 * (c1dot * c1dot) + 6.48 * (c2dot * c2dot)
-            + 6.48 * (c3dot * c3dot) + 2.0 * omega1 * d3dot_1 + 2.0 * omega2 * d3dot_2
-            + 2.0 * omega3 * d3dot_3 + 2.0 * oo_12 * J_12 + 2.0 * oo_13 * J_13 + 2.0 * oo_23 * J_23);
+            + alpha2dot * alpha2dot + (alpha3dot * alpha3dot + alpha4dot * alpha4dot
+            + alpha5dot * alpha5dot + alpha6dot * alpha6dot + alpha7dot * alpha7dot)
+            + (alpha8dot * alpha8dot + 6.48 * (c1dot * c1dot) + 6.48 * (c2dot * c2dot)
+            + 6.48 * (c3dot * c3dot) + 2.0 * omega1 * d3dot_1 + (2.0 * omega2 * d3dot_2
+            + 2.0 * omega3 * d3dot_3 + 2.0 * oo_12 * J_12 + 2.0 * oo_13 * J_13 + 2.0 * oo_23 * J_23)));
         energy[all + b] = 0.5 * (132785871.23214255 * alpha1 * alpha1
             + 298337711.7011645 * alpha2 * alpha2 + 424127787.13520163 * alpha3 * alpha3
             + 828661201.2040272 * alpha4 * alpha4 + 1482944676.1858206 * alpha5 * alpha5
@@ -4324,20 +4349,20 @@ TISSERAND_INLINE int block_momentum_states(
         const double S_8_23 = (-0.02992582521388207) * alpha2;
         const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
         const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
-            + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8;
+            + S_2_11 * alpha2 + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8);
         const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
             + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
         const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
             + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
         const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
-            + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8;
+            + S_2_22 * alpha2 + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8);
         const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
             + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
         const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
-            + S_8_33 * alpha8;
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+            + S_8_33 * alpha8);
         const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
         const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
         const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;

@@ -340,8 +340,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "d1bc0207e1058afd"
-#define BLOCK_HASH_d1bc0207e1058afd
+#define BLOCK_HASH "a4a527db715e7429"
+#define BLOCK_HASH_a4a527db715e7429
 
 /* ---- sizes and indices ---- */
 
@@ -391,7 +391,7 @@ enum {
 
 /* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
-   accel reports a NaN in its mass matrix as a vanished pivot.
+   accel reports a NaN in its mass matrix as a vanished pivot, if it checks the pivots, else as a value that is not finite.
    The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times a rotation tensor. Integrators
    have to normalise it. Functions that read it return 2 where it is zero or NaN, before they check anything else.
    Arrays that are written must not overlap each other or arrays that are read.
@@ -435,7 +435,7 @@ int block_mass(
  *     h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
  *
  * From (5), appendix, (15).
- * 534 operations.
+ * 531 operations.
  */
 int block_force(
     double t,
@@ -456,7 +456,7 @@ int block_force(
  *     h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
  *
  * From (5), appendix, (15).
- * 558 operations.
+ * 555 operations.
  */
 int block_mass_force(
     double t,
@@ -477,7 +477,7 @@ int block_mass_force(
  *     alpha2ddot, alpha3ddot, alpha4ddot, alpha5ddot, alpha6ddot, alpha7ddot, alpha8ddot
  *
  * From appendix, LDL^T, (5).
- * 813 operations.
+ * 810 operations.
  */
 int block_accel(
     double t,
@@ -671,7 +671,7 @@ int block_load_end(
  *     alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
  *
  * From (5), appendix, (15).
- * 712 operations.
+ * 709 operations.
  */
 int block_residual(
     double t,
@@ -692,7 +692,7 @@ int block_residual(
  * jac: values of the iteration matrix by columns, 29 x 29, 196 values
  *
  * From (5), appendix, (15).
- * 1706 operations.
+ * 1669 operations.
  */
 int block_jacobian(
     double t,

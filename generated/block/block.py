@@ -199,7 +199,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "d1bc0207e1058afd"
+HASH = "a4a527db715e7429"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -446,8 +446,8 @@ def mass(q, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1 + S_2_11 * alpha2
-            + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8
+            + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8)
     )
     J_12 = (
         0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3 + S_4_12 * alpha4
@@ -459,8 +459,8 @@ def mass(q, k):
     )
     J_22 = (
         0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1 + S_2_22 * alpha2
-            + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8
+            + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2 + S_4_23 * alpha4
@@ -468,8 +468,8 @@ def mass(q, k):
     )
     J_33 = (
         0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
-            + S_7_33 * alpha7 + S_8_33 * alpha8
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
+            + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # M (15): factors of the accelerations
@@ -528,7 +528,7 @@ def force(t, q, v, k):
         h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
 
     From (5), appendix, (15).
-    534 operations.
+    531 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -612,8 +612,8 @@ def force(t, q, v, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1 + S_2_11 * alpha2
-            + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8
+            + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8)
     )
     J_12 = (
         0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3 + S_4_12 * alpha4
@@ -625,8 +625,8 @@ def force(t, q, v, k):
     )
     J_22 = (
         0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1 + S_2_22 * alpha2
-            + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8
+            + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2 + S_4_23 * alpha4
@@ -634,8 +634,8 @@ def force(t, q, v, k):
     )
     J_33 = (
         0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
-            + S_7_33 * alpha7 + S_8_33 * alpha8
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
+            + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
@@ -710,16 +710,16 @@ def force(t, q, v, k):
     t11 = 2 * omega2
     t12 = 2 * omega3
     h_3 = (
-        J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12 + t12 * Sdot_13
-            + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33 - omega3 * d3dot_2
+        J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
+            + (t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2)
     )
     h_4 = (
-        J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t10 * Sdot_12 + t11 * Sdot_22 + t12 * Sdot_23
-            + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3
+        J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t10 * Sdot_12 + t11 * Sdot_22
+            + (t12 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3)
     )
     h_5 = (
-        J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23 + t12 * Sdot_33
-            + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1
+        J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
+            + (t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1)
     )
     h_6 = (
         132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2 * S_1_12 * oo_12 - S_1_22 * oo_22
@@ -735,22 +735,23 @@ def force(t, q, v, k):
     )
     h_9 = (
         828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2 * S_4_12 * oo_12 - 2 * S_4_13 * oo_13
-            - S_4_22 * oo_22 - 2 * S_4_23 * oo_23 - S_4_33 * oo_33 - t10 * c7dot_4_1
-            - t11 * c7dot_4_2 - t12 * c7dot_4_3
+            - S_4_22 * oo_22 - (2 * S_4_23 * oo_23 + S_4_33 * oo_33 + t10 * c7dot_4_1
+            + t11 * c7dot_4_2 + t12 * c7dot_4_3)
     )
     h_10 = (
         1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2 * S_5_12 * oo_12 - 2 * S_5_13 * oo_13
-            - S_5_22 * oo_22 - 2 * S_5_23 * oo_23 - S_5_33 * oo_33 + t10 * t1 - t11 * c7dot_5_2
-            - t12 * c7dot_5_3
+            - S_5_22 * oo_22 - (2 * S_5_23 * oo_23 + S_5_33 * oo_33 - t10 * t1 + t11 * c7dot_5_2
+            + t12 * c7dot_5_3)
     )
     h_11 = (
         1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2 * S_6_12 * oo_12 - 2 * S_6_13 * oo_13
-            - S_6_22 * oo_22 - 2 * S_6_23 * oo_23 - S_6_33 * oo_33 - t10 * c7dot_6_1 + t11 * t5
-            + t12 * t7
+            - S_6_22 * oo_22 - (2 * S_6_23 * oo_23 + S_6_33 * oo_33 + t10 * c7dot_6_1 - t11 * t5
+            - t12 * t7)
     )
     h_12 = (
         1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2 * S_7_12 * oo_12 - 2 * S_7_13 * oo_13
-            - S_7_22 * oo_22 - 2 * S_7_23 * oo_23 - S_7_33 * oo_33 + t10 * t2 + t11 * t6 + t12 * t8
+            - S_7_22 * oo_22 - (2 * S_7_23 * oo_23 + S_7_33 * oo_33 - t10 * t2 - t11 * t6
+            - t12 * t8)
     )
     h_13 = (
         2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2 * S_8_12 * oo_12 - S_8_22 * oo_22
@@ -775,7 +776,7 @@ def mass_force(t, q, v, k):
         h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
 
     From (5), appendix, (15).
-    558 operations.
+    555 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -874,7 +875,7 @@ def mass_force(t, q, v, k):
     t8 = 0.16411826642656863 * alpha4dot
     h_12 = (
         1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2 * S_7_12 * oo_12 - 2 * S_7_13 * oo_13
-            - S_7_22 * oo_22 - 2 * S_7_23 * oo_23 - S_7_33 * oo_33 + t1 * t5 + t6 * t7 + t3 * t8
+            - S_7_22 * oo_22 - (2 * S_7_23 * oo_23 + S_7_33 * oo_33 - t1 * t5 - t6 * t7 - t3 * t8)
     )
     M_35 = 1
 
@@ -897,8 +898,8 @@ def mass_force(t, q, v, k):
     t10 = (-0.17320212202534865) * alpha5dot
     h_11 = (
         1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2 * S_6_12 * oo_12 - 2 * S_6_13 * oo_13
-            - S_6_22 * oo_22 - 2 * S_6_23 * oo_23 - S_6_33 * oo_33 - t1 * c7dot_6_1 + t6 * t9
-            + t3 * t10
+            - S_6_22 * oo_22 - (2 * S_6_23 * oo_23 + S_6_33 * oo_33 + t1 * c7dot_6_1 - t6 * t9
+            - t3 * t10)
     )
     M_34 = 1
 
@@ -906,16 +907,16 @@ def mass_force(t, q, v, k):
     t11 = 0.8146287617076164 * alpha4dot
     h_10 = (
         1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2 * S_5_12 * oo_12 - 2 * S_5_13 * oo_13
-            - S_5_22 * oo_22 - 2 * S_5_23 * oo_23 - S_5_33 * oo_33 + t1 * t11 - t6 * c7dot_5_2
-            - t3 * c7dot_5_3
+            - S_5_22 * oo_22 - (2 * S_5_23 * oo_23 + S_5_33 * oo_33 - t1 * t11 + t6 * c7dot_5_2
+            + t3 * c7dot_5_3)
     )
     M_33 = 1
 
     # alpha4 (15): force and column of M of alpha4
     h_9 = (
         828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2 * S_4_12 * oo_12 - 2 * S_4_13 * oo_13
-            - S_4_22 * oo_22 - 2 * S_4_23 * oo_23 - S_4_33 * oo_33 - t1 * c7dot_4_1 - t6 * c7dot_4_2
-            - t3 * c7dot_4_3
+            - S_4_22 * oo_22 - (2 * S_4_23 * oo_23 + S_4_33 * oo_33 + t1 * c7dot_4_1
+            + t6 * c7dot_4_2 + t3 * c7dot_4_3)
     )
     M_32 = 1
 
@@ -966,8 +967,8 @@ def mass_force(t, q, v, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1 + S_2_11 * alpha2
-            + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8
+            + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8)
     )
     J_12 = (
         0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3 + S_4_12 * alpha4
@@ -979,8 +980,8 @@ def mass_force(t, q, v, k):
     )
     J_22 = (
         0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1 + S_2_22 * alpha2
-            + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8
+            + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2 + S_4_23 * alpha4
@@ -988,8 +989,8 @@ def mass_force(t, q, v, k):
     )
     J_33 = (
         0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
-            + S_7_33 * alpha7 + S_8_33 * alpha8
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
+            + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
@@ -1035,8 +1036,8 @@ def mass_force(t, q, v, k):
 
     # pi3 (15): force and column of M of pi3
     h_5 = (
-        J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23 + t3 * Sdot_33
-            + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1
+        J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23
+            + (t3 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1)
     )
     M_21 = J_33
     M_22 = d3_1_3
@@ -1049,8 +1050,8 @@ def mass_force(t, q, v, k):
 
     # pi2 (15): force and column of M of pi2
     h_4 = (
-        J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * Sdot_12 + t6 * Sdot_22 + t3 * Sdot_23
-            + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3
+        J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t1 * Sdot_12 + t6 * Sdot_22
+            + (t3 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3)
     )
     M_13 = J_22
     M_14 = J_23
@@ -1063,8 +1064,8 @@ def mass_force(t, q, v, k):
 
     # pi1 (15): force and column of M of pi1
     h_3 = (
-        J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12 + t3 * Sdot_13
-            + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33 - omega3 * d3dot_2
+        J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12
+            + (t3 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2)
     )
     M_3 = J_11
     M_4 = J_12
@@ -1109,7 +1110,7 @@ def accel(t, q, v, k):
         alpha2ddot, alpha3ddot, alpha4ddot, alpha5ddot, alpha6ddot, alpha7ddot, alpha8ddot
 
     From appendix, LDL^T, (5).
-    813 operations.
+    810 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -1198,8 +1199,8 @@ def accel(t, q, v, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1 + S_2_11 * alpha2
-            + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8
+            + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8)
     )
     J_12 = (
         0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3 + S_4_12 * alpha4
@@ -1211,8 +1212,8 @@ def accel(t, q, v, k):
     )
     J_22 = (
         0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1 + S_2_22 * alpha2
-            + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8
+            + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2 + S_4_23 * alpha4
@@ -1220,8 +1221,8 @@ def accel(t, q, v, k):
     )
     J_33 = (
         0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
-            + S_7_33 * alpha7 + S_8_33 * alpha8
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
+            + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # pivots (LDL^T): eliminate c1, c2, c3, alpha8, alpha1, alpha2, alpha3, alpha7, pi1, pi2,
@@ -1378,42 +1379,42 @@ def accel(t, q, v, k):
     )
     t48 = (
         1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2 * S_7_12 * oo_12 - 2 * S_7_13 * oo_13
-            - S_7_22 * oo_22 - 2 * S_7_23 * oo_23 - S_7_33 * oo_33 + t42 * t34 + t45 * t38
-            + t43 * t40
+            - S_7_22 * oo_22 - (2 * S_7_23 * oo_23 + S_7_33 * oo_33 - t42 * t34 - t45 * t38
+            - t43 * t40)
     )
     t49 = (
-        d3_8_1 * t44 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t42 * Sdot_11 + t45 * Sdot_12
-            + t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-            - omega3 * d3dot_2) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48
+        d3_8_1 * t44 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t42 * Sdot_11
+            + t45 * Sdot_12 + (t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
+            - omega3 * d3dot_2)) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48
     )
     t50 = (
         424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2 * S_3_12 * oo_12 - 2 * S_3_13 * oo_13
             - S_3_22 * oo_22 - S_3_33 * oo_33 + t45 * t36 - t43 * c7dot_3_3
     )
     t51 = (
-        d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t42 * Sdot_12 + t45 * Sdot_22
-            + t43 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-            - omega1 * d3dot_3 + t2 * t47) + d3_7_2 * t48 - t4 * t49
+        d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t42 * Sdot_12
+            + t45 * Sdot_22 + (t43 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13
+            - omega1 * d3dot_3) + t2 * t47) + d3_7_2 * t48 - t4 * t49
     )
     t52 = (
         t6 * t49 - (828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2 * S_4_12 * oo_12
-            - 2 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2 * S_4_23 * oo_23 - S_4_33 * oo_33
-            - t42 * c7dot_4_1 - t45 * c7dot_4_2 - t43 * c7dot_4_3) - t8 * t51
+            - 2 * S_4_13 * oo_13 - S_4_22 * oo_22 - (2 * S_4_23 * oo_23 + S_4_33 * oo_33
+            + t42 * c7dot_4_1 + t45 * c7dot_4_2 + t43 * c7dot_4_3)) - t8 * t51
     )
     t53 = (
         t11 * t51 - (1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2 * S_5_12 * oo_12
-            - 2 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2 * S_5_23 * oo_23 - S_5_33 * oo_33 + t42 * t33
-            - t45 * c7dot_5_2 - t43 * c7dot_5_3 + t9 * t49) - t13 * t52
+            - 2 * S_5_13 * oo_13 - S_5_22 * oo_22 - (2 * S_5_23 * oo_23 + S_5_33 * oo_33 - t42 * t33
+            + t45 * c7dot_5_2 + t43 * c7dot_5_3) + t9 * t49) - t13 * t52
     )
     t54 = (
         t15 * t49 - (1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2 * S_6_12 * oo_12
-            - 2 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2 * S_6_23 * oo_23 - S_6_33 * oo_33
-            - t42 * c7dot_6_1 + t45 * t37 + t43 * t39) - t17 * t51 + t19 * t52 - t21 * t53
+            - 2 * S_6_13 * oo_13 - S_6_22 * oo_22 - (2 * S_6_23 * oo_23 + S_6_33 * oo_33
+            + t42 * c7dot_6_1 - t45 * t37 - t43 * t39)) - t17 * t51 + t19 * t52 - t21 * t53
     )
     t55 = (
-        (d3_8_3 * t44 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t42 * Sdot_13 + t45 * Sdot_23
-            + t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-            - omega2 * d3dot_1) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49 - t26 * t51
+        (d3_8_3 * t44 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t42 * Sdot_13
+            + t45 * Sdot_23 + (t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_13 * oo_23
+            - omega2 * d3dot_1)) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49 - t26 * t51
             - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3
     )
     t56 = t54 * inverse_pivot_alpha6 - t32 * t55
@@ -1543,8 +1544,8 @@ def energy(q, v, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1 + S_2_11 * alpha2
-            + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8
+            + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8)
     )
     J_12 = (
         0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3 + S_4_12 * alpha4
@@ -1556,8 +1557,8 @@ def energy(q, v, k):
     )
     J_22 = (
         0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1 + S_2_22 * alpha2
-            + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8
+            + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2 + S_4_23 * alpha4
@@ -1565,8 +1566,8 @@ def energy(q, v, k):
     )
     J_33 = (
         0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
-            + S_7_33 * alpha7 + S_8_33 * alpha8
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
+            + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_3 = int rho Phi_8 x rdot
@@ -1605,11 +1606,11 @@ def energy(q, v, k):
     # energy (22): 1/2 int rho xdot . xdot and the strain energy
     energy_0 = (
         0.5 * (oo_11 * J_11 + oo_22 * J_22 + oo_33 * J_33 + alpha1dot * alpha1dot
-            + alpha2dot * alpha2dot + alpha3dot * alpha3dot + alpha4dot * alpha4dot
-            + alpha5dot * alpha5dot + alpha6dot * alpha6dot + alpha7dot * alpha7dot
-            + alpha8dot * alpha8dot + 6.48 * (c1dot * c1dot) + 6.48 * (c2dot * c2dot)
-            + 6.48 * (c3dot * c3dot) + 2 * omega1 * d3dot_1 + 2 * omega2 * d3dot_2
-            + 2 * omega3 * d3dot_3 + 2 * oo_12 * J_12 + 2 * oo_13 * J_13 + 2 * oo_23 * J_23)
+            + alpha2dot * alpha2dot + (alpha3dot * alpha3dot + alpha4dot * alpha4dot
+            + alpha5dot * alpha5dot + alpha6dot * alpha6dot + alpha7dot * alpha7dot)
+            + (alpha8dot * alpha8dot + 6.48 * (c1dot * c1dot) + 6.48 * (c2dot * c2dot)
+            + 6.48 * (c3dot * c3dot) + 2 * omega1 * d3dot_1 + (2 * omega2 * d3dot_2
+            + 2 * omega3 * d3dot_3 + 2 * oo_12 * J_12 + 2 * oo_13 * J_13 + 2 * oo_23 * J_23)))
     )
     energy_1 = (
         0.5 * (132785871.23214255 * alpha1 * alpha1 + 298337711.7011645 * alpha2 * alpha2
@@ -1745,8 +1746,8 @@ def momentum(q, v, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1 + S_2_11 * alpha2
-            + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8
+            + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8)
     )
     J_12 = (
         0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3 + S_4_12 * alpha4
@@ -1758,8 +1759,8 @@ def momentum(q, v, k):
     )
     J_22 = (
         0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1 + S_2_22 * alpha2
-            + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8
+            + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2 + S_4_23 * alpha4
@@ -1767,8 +1768,8 @@ def momentum(q, v, k):
     )
     J_33 = (
         0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
-            + S_7_33 * alpha7 + S_8_33 * alpha8
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
+            + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_3 = int rho Phi_8 x rdot
@@ -1940,21 +1941,21 @@ def marker_corner(q, v, k):
     # r (14): X + u and its time derivative at the marker, in the body frame
     r_1 = (
         0.5275946394495463 * alpha5 + 0.5399871638663002 * alpha6 + 0.4769773500056812 * alpha8
-            - 0.2 - 0.2507781328854089 * alpha1 - 0.36792703197185106 * alpha2
-            - 0.02518144397540276 * alpha3 - 0.3818220213312505 * alpha4
-            - 0.09926014335411275 * alpha7
+            - 0.2 - 0.2507781328854089 * alpha1 - (0.36792703197185106 * alpha2
+            + 0.02518144397540276 * alpha3 + 0.3818220213312505 * alpha4
+            + 0.09926014335411275 * alpha7)
     )
     r_2 = (
         0.0018728385876259446 * alpha1 + 0.7007780273831681 * alpha2 + 0.011048122138255248 * alpha4
-            + 6.810993114921505e-05 * alpha6 - 0.05 - 0.49015913705042813 * alpha3
-            - 0.6134412407766932 * alpha5 - 0.47267468962111114 * alpha7
-            - 0.03554137704558601 * alpha8
+            + 6.810993114921505e-05 * alpha6 - 0.05 - (0.49015913705042813 * alpha3
+            + 0.6134412407766932 * alpha5 + 0.47267468962111114 * alpha7
+            + 0.03554137704558601 * alpha8)
     )
     r_3 = (
         0.7449011505569272 * alpha1 + 0.8406521835887735 * alpha3 + 0.6842272816391906 * alpha4
-            + 0.003531455783832332 * alpha5 + 0.8812076801683899 * alpha7 - 0.03
-            - 0.0012626716947180161 * alpha2 - 6.974591890078557e-05 * alpha6
-            - 0.6113913128674688 * alpha8
+            + 0.003531455783832332 * alpha5 + 0.8812076801683899 * alpha7 - (0.03
+            + 0.0012626716947180161 * alpha2 + 6.974591890078557e-05 * alpha6
+            + 0.6113913128674688 * alpha8)
     )
     rdot_1 = (
         0.5275946394495463 * alpha5dot + 0.5399871638663002 * alpha6dot
@@ -2407,21 +2408,21 @@ def load_corner(q, F, k):
     # r (1): the marker in the body frame
     r_1 = (
         0.5275946394495463 * alpha5 + 0.5399871638663002 * alpha6 + 0.4769773500056812 * alpha8
-            - 0.2 - 0.2507781328854089 * alpha1 - 0.36792703197185106 * alpha2
-            - 0.02518144397540276 * alpha3 - 0.3818220213312505 * alpha4
-            - 0.09926014335411275 * alpha7
+            - 0.2 - 0.2507781328854089 * alpha1 - (0.36792703197185106 * alpha2
+            + 0.02518144397540276 * alpha3 + 0.3818220213312505 * alpha4
+            + 0.09926014335411275 * alpha7)
     )
     r_2 = (
         0.0018728385876259446 * alpha1 + 0.7007780273831681 * alpha2 + 0.011048122138255248 * alpha4
-            + 6.810993114921505e-05 * alpha6 - 0.05 - 0.49015913705042813 * alpha3
-            - 0.6134412407766932 * alpha5 - 0.47267468962111114 * alpha7
-            - 0.03554137704558601 * alpha8
+            + 6.810993114921505e-05 * alpha6 - 0.05 - (0.49015913705042813 * alpha3
+            + 0.6134412407766932 * alpha5 + 0.47267468962111114 * alpha7
+            + 0.03554137704558601 * alpha8)
     )
     r_3 = (
         0.7449011505569272 * alpha1 + 0.8406521835887735 * alpha3 + 0.6842272816391906 * alpha4
-            + 0.003531455783832332 * alpha5 + 0.8812076801683899 * alpha7 - 0.03
-            - 0.0012626716947180161 * alpha2 - 6.974591890078557e-05 * alpha6
-            - 0.6113913128674688 * alpha8
+            + 0.003531455783832332 * alpha5 + 0.8812076801683899 * alpha7 - (0.03
+            + 0.0012626716947180161 * alpha2 + 6.974591890078557e-05 * alpha6
+            + 0.6113913128674688 * alpha8)
     )
 
     # f (10): virtual work of the force
@@ -2631,7 +2632,7 @@ def residual(t, y, ydot, k):
         alpha1dot, alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
 
     From (5), appendix, (15).
-    712 operations.
+    709 operations.
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (29,) and k.shape == (0,) and isinstance(t, float)):
@@ -2768,8 +2769,8 @@ def residual(t, y, ydot, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1 + S_2_11 * alpha2
-            + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8
+            + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8)
     )
     J_12 = (
         0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3 + S_4_12 * alpha4
@@ -2781,8 +2782,8 @@ def residual(t, y, ydot, k):
     )
     J_22 = (
         0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1 + S_2_22 * alpha2
-            + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8
+            + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2 + S_4_23 * alpha4
@@ -2790,8 +2791,8 @@ def residual(t, y, ydot, k):
     )
     J_33 = (
         0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
-            + S_7_33 * alpha7 + S_8_33 * alpha8
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
+            + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
@@ -2887,74 +2888,74 @@ def residual(t, y, ydot, k):
     t17 = 0.8146287617076164 * alpha5
     t18 = 0.03812757101123808 * alpha7
     F_18 = (
-        J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12 + J_23 * oo_22
-            + J_33 * oo_23 + t13 * Sdot_11 + t14 * Sdot_12 + t15 * Sdot_13 - alpha1ddot * t16
-            + alpha2ddot * d3_2_1 - alpha4ddot * t17 + alpha5ddot * d3_5_1 - alpha6ddot * t18
-            + alpha7ddot * d3_7_1 + alpha8ddot * d3_8_1 + omega2 * d3dot_3 - J_12 * oo_13
-            - J_22 * oo_23 - J_23 * oo_33 - omega3 * d3dot_2
+        J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12 + J_23 * (oo_22
+            - oo_33) + (J_33 * oo_23 + t13 * Sdot_11 + t14 * Sdot_12 + t15 * Sdot_13
+            - alpha1ddot * t16) + (alpha2ddot * d3_2_1 - alpha4ddot * t17 + alpha5ddot * d3_5_1
+            - alpha6ddot * t18 + alpha7ddot * d3_7_1 + (alpha8ddot * d3_8_1 + omega2 * d3dot_3
+            - J_12 * oo_13 - J_22 * oo_23 - omega3 * d3dot_2))
     )
     t19 = 0.3434623359074803 * alpha3
     t20 = (-0.13286677220194004) * alpha6
     t21 = (-0.3338704835108587) * alpha7
     F_19 = (
-        J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * oo_33 + J_22 * omega2dot
-            + J_23 * omega3dot + t13 * Sdot_12 + t14 * Sdot_22 + t15 * Sdot_23 - alpha2ddot * t19
-            + alpha3ddot * d3_3_2 - alpha4ddot * t20 - alpha5ddot * t21 + alpha6ddot * d3_6_2
-            + alpha7ddot * d3_7_2 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-            - omega1 * d3dot_3
+        J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + J_22 * omega2dot
+            + (J_23 * omega3dot + t13 * Sdot_12 + t14 * Sdot_22 + t15 * Sdot_23 - alpha2ddot * t19)
+            + (alpha3ddot * d3_3_2 - alpha4ddot * t20 - alpha5ddot * t21 + alpha6ddot * d3_6_2
+            + alpha7ddot * d3_7_2 + (omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13
+            - omega1 * d3dot_3))
     )
     t22 = 0.14213269823254854 * alpha3
     t23 = 0.16411826642656863 * alpha7
     t24 = (-0.17320212202534865) * alpha6
     F_20 = (
-        J_12 * oo_11 + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot + J_23 * oo_13
-            + J_33 * omega3dot + t13 * Sdot_13 + t14 * Sdot_23 + t15 * Sdot_33 - alpha1ddot * t22
-            + alpha3ddot * d3_3_3 - alpha4ddot * t23 - alpha5ddot * t24 + alpha6ddot * d3_6_3
-            + alpha7ddot * d3_7_3 + alpha8ddot * d3_8_3 + omega1 * d3dot_2 - J_11 * oo_12
-            - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1
+        J_12 * (oo_11 - oo_22) + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot + J_23 * oo_13
+            + (J_33 * omega3dot + t13 * Sdot_13 + t14 * Sdot_23 + t15 * Sdot_33 - alpha1ddot * t22)
+            + (alpha3ddot * d3_3_3 - alpha4ddot * t23 - alpha5ddot * t24 + alpha6ddot * d3_6_3
+            + alpha7ddot * d3_7_3 + (alpha8ddot * d3_8_3 + omega1 * d3dot_2 - J_11 * oo_12
+            - J_13 * oo_23 - omega2 * d3dot_1))
     )
     F_21 = (
         132785871.23214255 * alpha1 + alpha1ddot - t16 * omega1dot - t22 * omega3dot
-            - S_1_11 * oo_11 - 2 * S_1_12 * oo_12 - S_1_22 * oo_22 - 2 * S_1_23 * oo_23
-            - S_1_33 * oo_33 - t13 * c7dot_1_1 - t15 * c7dot_1_3
+            - S_1_11 * oo_11 - 2 * S_1_12 * oo_12 - (S_1_22 * oo_22 + 2 * S_1_23 * oo_23
+            + S_1_33 * oo_33 + t13 * c7dot_1_1 + t15 * c7dot_1_3)
     )
     F_22 = (
         298337711.7011645 * alpha2 + alpha2ddot + d3_2_1 * omega1dot - t19 * omega2dot
-            - S_2_11 * oo_11 - 2 * S_2_13 * oo_13 - S_2_22 * oo_22 - 2 * S_2_23 * oo_23
-            - S_2_33 * oo_33 - t13 * c7dot_2_1 - t14 * c7dot_2_2
+            - S_2_11 * oo_11 - 2 * S_2_13 * oo_13 - (S_2_22 * oo_22 + 2 * S_2_23 * oo_23
+            + S_2_33 * oo_33 + t13 * c7dot_2_1 + t14 * c7dot_2_2)
     )
     F_23 = (
         424127787.13520163 * alpha3 + alpha3ddot + d3_3_2 * omega2dot + d3_3_3 * omega3dot
-            - S_3_11 * oo_11 - 2 * S_3_12 * oo_12 - 2 * S_3_13 * oo_13 - S_3_22 * oo_22
-            - S_3_33 * oo_33 + t14 * t4 - t15 * c7dot_3_3
+            - S_3_11 * oo_11 - 2 * S_3_12 * oo_12 - (2 * S_3_13 * oo_13 + S_3_22 * oo_22
+            + S_3_33 * oo_33 - t14 * t4 + t15 * c7dot_3_3)
     )
     F_24 = (
         828661201.2040272 * alpha4 + alpha4ddot - t17 * omega1dot - t20 * omega2dot
-            - t23 * omega3dot - S_4_11 * oo_11 - 2 * S_4_12 * oo_12 - 2 * S_4_13 * oo_13
-            - S_4_22 * oo_22 - 2 * S_4_23 * oo_23 - S_4_33 * oo_33 - t13 * c7dot_4_1
-            - t14 * c7dot_4_2 - t15 * c7dot_4_3
+            - t23 * omega3dot - S_4_11 * oo_11 - 2 * S_4_12 * oo_12 - (2 * S_4_13 * oo_13
+            + S_4_22 * oo_22 + 2 * S_4_23 * oo_23 + S_4_33 * oo_33 + t13 * c7dot_4_1
+            + t14 * c7dot_4_2 + t15 * c7dot_4_3)
     )
     F_25 = (
         1482944676.1858206 * alpha5 + alpha5ddot + d3_5_1 * omega1dot - t21 * omega2dot
-            - t24 * omega3dot - S_5_11 * oo_11 - 2 * S_5_12 * oo_12 - 2 * S_5_13 * oo_13
-            - S_5_22 * oo_22 - 2 * S_5_23 * oo_23 - S_5_33 * oo_33 + t13 * t1 - t14 * c7dot_5_2
-            - t15 * c7dot_5_3
+            - t24 * omega3dot - S_5_11 * oo_11 - 2 * S_5_12 * oo_12 - (2 * S_5_13 * oo_13
+            + S_5_22 * oo_22 + 2 * S_5_23 * oo_23 + S_5_33 * oo_33 - t13 * t1 + t14 * c7dot_5_2
+            + t15 * c7dot_5_3)
     )
     F_26 = (
         1586764292.5824752 * alpha6 + alpha6ddot - t18 * omega1dot + d3_6_2 * omega2dot
-            + d3_6_3 * omega3dot - S_6_11 * oo_11 - 2 * S_6_12 * oo_12 - 2 * S_6_13 * oo_13
-            - S_6_22 * oo_22 - 2 * S_6_23 * oo_23 - S_6_33 * oo_33 - t13 * c7dot_6_1 + t14 * t5
-            + t15 * t7
+            + d3_6_3 * omega3dot - S_6_11 * oo_11 - 2 * S_6_12 * oo_12 - (2 * S_6_13 * oo_13
+            + S_6_22 * oo_22 + 2 * S_6_23 * oo_23 + S_6_33 * oo_33 + t13 * c7dot_6_1 - t14 * t5
+            - t15 * t7)
     )
     F_27 = (
         1703959547.9391162 * alpha7 + alpha7ddot + d3_7_1 * omega1dot + d3_7_2 * omega2dot
-            + d3_7_3 * omega3dot - S_7_11 * oo_11 - 2 * S_7_12 * oo_12 - 2 * S_7_13 * oo_13
-            - S_7_22 * oo_22 - 2 * S_7_23 * oo_23 - S_7_33 * oo_33 + t13 * t2 + t14 * t6 + t15 * t8
+            + d3_7_3 * omega3dot - S_7_11 * oo_11 - 2 * S_7_12 * oo_12 - (2 * S_7_13 * oo_13
+            + S_7_22 * oo_22 + 2 * S_7_23 * oo_23 + S_7_33 * oo_33 - t13 * t2 - t14 * t6 - t15 * t8)
     )
     F_28 = (
         2561832557.220976 * alpha8 + alpha8ddot + d3_8_1 * omega1dot + d3_8_3 * omega3dot
-            - S_8_11 * oo_11 - 2 * S_8_12 * oo_12 - S_8_22 * oo_22 - 2 * S_8_23 * oo_23
-            - S_8_33 * oo_33 + t13 * t3 + t15 * t9
+            - S_8_11 * oo_11 - 2 * S_8_12 * oo_12 - (S_8_22 * oo_22 + 2 * S_8_23 * oo_23
+            + S_8_33 * oo_33 - t13 * t3 - t15 * t9)
     )
 
     F = _stack(xp, batch, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13,
@@ -2974,7 +2975,7 @@ def jacobian(t, y, ydot, cj, k):
     jac: values of the iteration matrix by columns, 29 x 29, 196 values
 
     From (5), appendix, (15).
-    1706 operations.
+    1669 operations.
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (29,) and k.shape == (0,) and isinstance(t, float) and
@@ -3112,8 +3113,8 @@ def jacobian(t, y, ydot, cj, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1 + S_2_11 * alpha2
-            + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
-            + S_7_11 * alpha7 + S_8_11 * alpha8
+            + S_3_11 * alpha3 + (S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+            + S_7_11 * alpha7 + S_8_11 * alpha8)
     )
     J_12 = (
         0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3 + S_4_12 * alpha4
@@ -3125,8 +3126,8 @@ def jacobian(t, y, ydot, cj, k):
     )
     J_22 = (
         0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1 + S_2_22 * alpha2
-            + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
-            + S_7_22 * alpha7 + S_8_22 * alpha8
+            + S_3_22 * alpha3 + (S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+            + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2 + S_4_23 * alpha4
@@ -3134,8 +3135,8 @@ def jacobian(t, y, ydot, cj, k):
     )
     J_33 = (
         0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
-            + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
-            + S_7_33 * alpha7 + S_8_33 * alpha8
+            + S_3_33 * alpha3 + (S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6
+            + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
@@ -3231,472 +3232,479 @@ def jacobian(t, y, ydot, cj, k):
     jac_19 = cj
     t37 = t1 + S_1_11 + t2
     t38 = 2 * S_1_12
-    t39 = 2 * S_1_23
-    t40 = t5 + S_1_33 + t6
-    t41 = 2 * omega1
-    t42 = 2 * omega2
-    t43 = (-0.06983677418017273) * alpha3dot
-    t44 = t3 + S_1_22 + t4
+    t39 = oo_22 - oo_33
+    t40 = 2 * S_1_23
+    t41 = t5 + S_1_33 + t6
+    t42 = 2 * omega1
+    t43 = 2 * omega2
+    t44 = (-0.06983677418017273) * alpha3dot
+    t45 = t3 + S_1_22 + t4
     jac_20 = (
-        omega1dot * t37 + omega2dot * t38 + oo_22 * t39 + oo_23 * t40
-            + t41 * (0.9229461451083147 * alpha1dot + 0.0526587076325526 * alpha8dot) + t42 * t43
-            + (-0.8784787837749884) * alpha2ddot + omega2 * c7dot_1_3 - oo_13 * t38 - oo_23 * t44
-            - oo_33 * t39
+        omega1dot * t37 + omega2dot * t38 + t39 * t40 + (oo_23 * t41
+            + t42 * (0.9229461451083147 * alpha1dot + 0.0526587076325526 * alpha8dot) + t43 * t44)
+            + ((-0.8784787837749884) * alpha2ddot + (omega2 * c7dot_1_3 - oo_13 * t38
+            - oo_23 * t45))
     )
-    t45 = 2 * omega3
-    t46 = (-0.4396173773693272) * alpha2dot
+    t46 = 2 * omega3
+    t47 = (-0.4396173773693272) * alpha2dot
     jac_21 = (
-        oo_13 * t37 + omega1dot * t38 + oo_23 * t38 + omega2dot * t44 + omega3dot * t39 + t41 * t43
-            + t42 * (0.9995777759514879 * alpha1dot + 0.00021667253526842326 * alpha8dot)
-            + t45 * t46 + omega3 * c7dot_1_1 - oo_12 * t39 - oo_13 * t40 - omega1 * c7dot_1_3
+        oo_13 * t37 + omega1dot * t38 + oo_23 * t38 + omega2dot * t45 + (omega3dot * t40 + t42 * t44
+            + t43 * (0.9995777759514879 * alpha1dot + 0.00021667253526842326 * alpha8dot)
+            + t46 * t47) + (omega3 * c7dot_1_1 - oo_12 * t40 - oo_13 * t41 - omega1 * c7dot_1_3)
     )
+    t48 = oo_11 - oo_22
     jac_22 = (
-        oo_11 * t38 + oo_12 * t44 + omega2dot * t39 + oo_13 * t39 + omega3dot * t40 + t42 * t46
-            + t45 * (0.07747607894019715 * alpha1dot + (-0.05287538016782101) * alpha8dot)
-            + 0.14213269823254854 * alpha3ddot - oo_12 * t37 - oo_22 * t38 - omega2 * c7dot_1_1
+        t48 * t38 + oo_12 * t45 + omega2dot * t40 + oo_13 * t40 + (omega3dot * t41 + t43 * t47
+            + t46 * (0.07747607894019715 * alpha1dot + (-0.05287538016782101) * alpha8dot))
+            + (0.14213269823254854 * alpha3ddot - (oo_12 * t37 + omega2 * c7dot_1_1))
     )
     jac_23 = (
-        132785871.23214255 - 0.9229461451083147 * oo_11 - 0.9995777759514879 * oo_22
-            - 0.07747607894019715 * oo_33
+        132785871.23214255 - 0.9229461451083147 * oo_11 - (0.9995777759514879 * oo_22
+            + 0.07747607894019715 * oo_33)
     )
-    t47 = (-0.8784787837749884) * omega1dot
-    t48 = (-0.8792347547386544) * oo_23
-    jac_24 = t47 - t48
-    t49 = 0.14213269823254854 * omega3dot
-    t50 = (-0.13967354836034546) * oo_12
-    jac_25 = t49 - t50
-    t51 = (
-        (-0.0526587076325526) * oo_11 - 0.00021667253526842326 * oo_22
-            - (-0.05287538016782101) * oo_33
+    t49 = (-0.8784787837749884) * omega1dot
+    t50 = (-0.8792347547386544) * oo_23
+    jac_24 = t49 - t50
+    t51 = 0.14213269823254854 * omega3dot
+    t52 = (-0.13967354836034546) * oo_12
+    jac_25 = t51 - t52
+    t53 = (
+        (-0.0526587076325526) * oo_11 - (0.00021667253526842326 * oo_22
+            + (-0.05287538016782101) * oo_33)
     )
-    jac_26 = t51
+    jac_26 = t53
     jac_27 = cj
-    t52 = 2 * S_2_11
-    t53 = 2 * S_2_13
-    t54 = t7 + S_2_23 + t8
-    t55 = 2 * S_2_33
-    t56 = 0.17281858343053574 * alpha3dot
-    t57 = 2 * S_2_22
+    t54 = 2 * S_2_11
+    t55 = 2 * S_2_13
+    t56 = t7 + S_2_23 + t8
+    t57 = 2 * S_2_33
+    t58 = 0.17281858343053574 * alpha3dot
+    t59 = 2 * S_2_22
     jac_28 = (
-        omega1dot * t52 + omega3dot * t53 + oo_12 * t53 + oo_22 * t54 + oo_23 * t55
-            + t41 * (0.8385822755284659 * alpha2dot) + t45 * t56
-            - (-0.8784787837749884) * alpha1ddot + 0.06014933573656158 * alpha8ddot - oo_23 * t57
-            - oo_33 * t54 - omega3 * c7dot_2_2
+        omega1dot * t54 + omega3dot * t55 + oo_12 * t55 + t39 * t56 + (oo_23 * t57
+            + t42 * (0.8385822755284659 * alpha2dot) + t46 * t58
+            - (-0.8784787837749884) * alpha1ddot) + (0.06014933573656158 * alpha8ddot - oo_23 * t59
+            - omega3 * c7dot_2_2)
     )
-    t58 = (-0.4396173773693272) * alpha1dot + (-0.02992582521388207) * alpha8dot
+    t60 = oo_33 - oo_11
+    t61 = (-0.4396173773693272) * alpha1dot + (-0.02992582521388207) * alpha8dot
     jac_29 = (
-        oo_13 * t52 + oo_33 * t53 + omega2dot * t57 + omega3dot * t54
-            + t42 * (0.1617571164547129 * alpha2dot) + t45 * t58 + 0.3434623359074803 * alpha3ddot
-            + omega3 * c7dot_2_1 - oo_11 * t53 - oo_12 * t54 - oo_13 * t55
+        oo_13 * t54 + t60 * t55 + omega2dot * t59 + (omega3dot * t56
+            + t43 * (0.1617571164547129 * alpha2dot) + t46 * t61) + (0.3434623359074803 * alpha3ddot
+            + (omega3 * c7dot_2_1 - oo_12 * t56 - oo_13 * t57))
     )
     jac_30 = (
-        omega1dot * t53 + oo_12 * t57 + omega2dot * t54 + oo_13 * t54 + omega3dot * t55 + t41 * t56
-            + t42 * t58 + t45 * (0.9996606080168212 * alpha2dot) + omega1 * c7dot_2_2 - oo_12 * t52
-            - oo_23 * t53 - omega2 * c7dot_2_1
+        omega1dot * t55 + oo_12 * t59 + omega2dot * t56 + oo_13 * t56 + (omega3dot * t57 + t42 * t58
+            + t43 * t61 + t46 * (0.9996606080168212 * alpha2dot)) + (omega1 * c7dot_2_2
+            - oo_12 * t54 - oo_23 * t55 - omega2 * c7dot_2_1)
     )
-    jac_31 = -(t47 + t48)
+    jac_31 = -(t49 + t50)
     jac_32 = (
-        298337711.7011645 - 0.8385822755284659 * oo_11 - 0.1617571164547129 * oo_22
-            - 0.9996606080168212 * oo_33
+        298337711.7011645 - 0.8385822755284659 * oo_11 - (0.1617571164547129 * oo_22
+            + 0.9996606080168212 * oo_33)
     )
-    t59 = 0.3434623359074803 * omega2dot
-    t60 = 0.3456371668610715 * oo_13
-    jac_33 = t59 - t60
-    t61 = 0.06014933573656158 * omega1dot
-    t62 = (-0.05985165042776414) * oo_23
-    jac_34 = t61 - t62
+    t62 = 0.3434623359074803 * omega2dot
+    t63 = 0.3456371668610715 * oo_13
+    jac_33 = t62 - t63
+    t64 = 0.06014933573656158 * omega1dot
+    t65 = (-0.05985165042776414) * oo_23
+    jac_34 = t64 - t65
     jac_35 = cj
-    t63 = 2 * S_3_11
-    t64 = t9 + S_3_12 + t10
-    t65 = 2 * S_3_13
-    t66 = 2 * S_3_33
-    t67 = (-0.06983677418017273) * alpha1dot + 0.05213396507997798 * alpha8dot
-    t68 = 0.17281858343053574 * alpha2dot
-    t69 = 2 * S_3_22
+    t66 = 2 * S_3_11
+    t67 = t9 + S_3_12 + t10
+    t68 = 2 * S_3_13
+    t69 = 2 * S_3_33
+    t70 = (-0.06983677418017273) * alpha1dot + 0.05213396507997798 * alpha8dot
+    t71 = 0.17281858343053574 * alpha2dot
+    t72 = 2 * S_3_22
     jac_36 = (
-        omega1dot * t63 + omega2dot * t64 + omega3dot * t65 + oo_12 * t65 + oo_23 * t66
-            + t41 * (0.9959824929644516 * alpha3dot) + t42 * t67 + t45 * t68 + omega2 * c7dot_3_3
-            - oo_13 * t64 - oo_23 * t69 + omega3 * t25
+        omega1dot * t66 + omega2dot * t67 + omega3dot * t68 + oo_12 * t68 + (oo_23 * t69
+            + t42 * (0.9959824929644516 * alpha3dot) + t43 * t70 + t46 * t71) + (omega2 * c7dot_3_3
+            - oo_13 * t67 - oo_23 * t72 + omega3 * t25)
     )
     jac_37 = (
-        oo_13 * t63 + omega1dot * t64 + oo_23 * t64 + oo_33 * t65 + omega2dot * t69 + t41 * t67
-            + t42 * (0.7416169147200682 * alpha3dot) - 0.3434623359074803 * alpha2ddot - oo_11 * t65
-            - oo_13 * t66 - omega1 * c7dot_3_3
+        oo_13 * t66 + omega1dot * t67 + oo_23 * t67 + t60 * t68 + omega2dot * t72 + (t42 * t70
+            + t43 * (0.7416169147200682 * alpha3dot) - 0.3434623359074803 * alpha2ddot)
+            - (oo_13 * t69 + omega1 * c7dot_3_3)
     )
     jac_38 = (
-        oo_11 * t64 + omega1dot * t65 + oo_12 * t69 + omega3dot * t66 + t41 * t68
-            + t45 * (0.26240059231547974 * alpha3dot) - 0.14213269823254854 * alpha1ddot
-            + 0.10707341325868729 * alpha8ddot - omega1 * t25 - oo_12 * t63 - oo_22 * t64
-            - oo_23 * t65
+        t48 * t67 + omega1dot * t68 + oo_12 * t72 + (omega3dot * t69 + t42 * t71
+            + t46 * (0.26240059231547974 * alpha3dot) - 0.14213269823254854 * alpha1ddot)
+            + (0.10707341325868729 * alpha8ddot - omega1 * t25 - oo_12 * t66 - oo_23 * t68)
     )
-    jac_39 = -(t49 + t50)
-    jac_40 = -(t59 + t60)
+    jac_39 = -(t51 + t52)
+    jac_40 = -(t62 + t63)
     jac_41 = (
-        424127787.13520163 - 0.9959824929644516 * oo_11 - 0.7416169147200682 * oo_22
-            - 0.26240059231547974 * oo_33
+        424127787.13520163 - 0.9959824929644516 * oo_11 - (0.7416169147200682 * oo_22
+            + 0.26240059231547974 * oo_33)
     )
-    t70 = 0.10707341325868729 * omega3dot
-    t71 = 0.10426793015995596 * oo_12
-    jac_42 = t70 - t71
+    t73 = 0.10707341325868729 * omega3dot
+    t74 = 0.10426793015995596 * oo_12
+    jac_42 = t73 - t74
     jac_43 = cj
-    t72 = 2 * S_4_11
-    t73 = 2 * S_4_12
-    t74 = -0.006948727887756916 + S_4_13 + t11
-    t75 = 2 * S_4_23
-    t76 = 2 * S_4_33
-    t77 = (-0.07653897132838097) * alpha7dot
-    t78 = 0.06612677259881924 * alpha6dot
-    t79 = 2 * S_4_22
+    t75 = 2 * S_4_11
+    t76 = 2 * S_4_12
+    t77 = -0.006948727887756916 + S_4_13 + t11
+    t78 = 2 * S_4_23
+    t79 = 2 * S_4_33
+    t80 = (-0.07653897132838097) * alpha7dot
+    t81 = 0.06612677259881924 * alpha6dot
+    t82 = 2 * S_4_22
     jac_44 = (
-        omega1dot * t72 + omega2dot * t73 + omega3dot * t74 + oo_12 * t74 + oo_22 * t75
-            + oo_23 * t76 + t41 * (0.8691692710140388 * alpha4dot) + t42 * t77 + t45 * t78
-            + 0.8146287617076164 * alpha5ddot + omega2 * c7dot_4_3 - oo_13 * t73 - oo_23 * t79
-            - oo_33 * t75 - omega3 * c7dot_4_2
+        omega1dot * t75 + omega2dot * t76 + omega3dot * t77 + oo_12 * t77 + t39 * t78 + (oo_23 * t79
+            + t42 * (0.8691692710140388 * alpha4dot) + t43 * t80 + t46 * t81)
+            + (0.8146287617076164 * alpha5ddot + (omega2 * c7dot_4_3 - oo_13 * t76 - oo_23 * t82
+            - omega3 * c7dot_4_2))
     )
-    t80 = 0.40905294172354 * alpha5dot
+    t83 = 0.40905294172354 * alpha5dot
     jac_45 = (
-        oo_13 * t72 + omega1dot * t73 + oo_23 * t73 + oo_33 * t74 + omega2dot * t79
-            + omega3dot * t75 + t41 * t77 + t42 * (0.9978159483343315 * alpha4dot) + t45 * t80
-            + (-0.13286677220194004) * alpha6ddot + omega3 * c7dot_4_1 - oo_11 * t74 - oo_12 * t75
-            - oo_13 * t76 - omega1 * c7dot_4_3
+        oo_13 * t75 + omega1dot * t76 + oo_23 * t76 + t60 * t77 + omega2dot * t82 + (omega3dot * t78
+            + t42 * t80 + t43 * (0.9978159483343315 * alpha4dot) + t46 * t83)
+            + ((-0.13286677220194004) * alpha6ddot + (omega3 * c7dot_4_1 - oo_12 * t78 - oo_13 * t79
+            - omega1 * c7dot_4_3))
     )
     jac_46 = (
-        oo_11 * t73 + omega1dot * t74 + oo_12 * t79 + omega2dot * t75 + oo_13 * t75
-            + omega3dot * t76 + t41 * t78 + t42 * t80 + t45 * (0.13301478065162953 * alpha4dot)
-            + 0.16411826642656863 * alpha7ddot + omega1 * c7dot_4_2 - oo_12 * t72 - oo_22 * t73
-            - oo_23 * t74 - omega2 * c7dot_4_1
+        t48 * t76 + omega1dot * t77 + oo_12 * t82 + omega2dot * t78 + oo_13 * t78 + (omega3dot * t79
+            + t42 * t81 + t43 * t83 + t46 * (0.13301478065162953 * alpha4dot))
+            + (0.16411826642656863 * alpha7ddot + (omega1 * c7dot_4_2 - oo_12 * t75 - oo_23 * t77
+            - omega2 * c7dot_4_1))
     )
     jac_47 = (
-        828661201.2040272 - 0.8691692710140388 * oo_11 - 0.9978159483343315 * oo_22
-            - 0.13301478065162953 * oo_33
+        828661201.2040272 - 0.8691692710140388 * oo_11 - (0.9978159483343315 * oo_22
+            + 0.13301478065162953 * oo_33)
     )
-    t81 = 0.8146287617076164 * omega1dot
-    t82 = 0.81810588344708 * oo_23
-    jac_48 = t81 - t82
-    t83 = (-0.13286677220194004) * omega2dot
-    t84 = 0.1322535451976385 * oo_13
-    jac_49 = t83 - t84
-    t85 = 0.16411826642656863 * omega3dot
-    t86 = (-0.15307794265676195) * oo_12
-    jac_50 = t85 - t86
+    t84 = 0.8146287617076164 * omega1dot
+    t85 = 0.81810588344708 * oo_23
+    jac_48 = t84 - t85
+    t86 = (-0.13286677220194004) * omega2dot
+    t87 = 0.1322535451976385 * oo_13
+    jac_49 = t86 - t87
+    t88 = 0.16411826642656863 * omega3dot
+    t89 = (-0.15307794265676195) * oo_12
+    jac_50 = t88 - t89
     jac_51 = cj
-    t87 = 2 * S_5_11
-    t88 = 0.019222459468399348 + S_5_12 + t12
-    t89 = 2 * S_5_13
-    t90 = 2 * S_5_23
-    t91 = 2 * S_5_33
-    t92 = (-0.08100155107836308) * alpha6dot
-    t93 = (-0.17116304786243786) * alpha7dot
-    t94 = 2 * S_5_22
+    t90 = 2 * S_5_11
+    t91 = 0.019222459468399348 + S_5_12 + t12
+    t92 = 2 * S_5_13
+    t93 = 2 * S_5_23
+    t94 = 2 * S_5_33
+    t95 = (-0.08100155107836308) * alpha6dot
+    t96 = (-0.17116304786243786) * alpha7dot
+    t97 = 2 * S_5_22
     jac_52 = (
-        omega1dot * t87 + omega2dot * t88 + omega3dot * t89 + oo_12 * t89 + oo_22 * t90
-            + oo_23 * t91 + t41 * (0.7757986416100022 * alpha5dot) + t42 * t92 + t45 * t93
-            - 0.8146287617076164 * alpha4ddot + omega2 * c7dot_5_3 - oo_13 * t88 - oo_23 * t94
-            - oo_33 * t90 - omega3 * c7dot_5_2
+        omega1dot * t90 + omega2dot * t91 + omega3dot * t92 + oo_12 * t92 + t39 * t93 + (oo_23 * t94
+            + t42 * (0.7757986416100022 * alpha5dot) + t43 * t95 + t46 * t96) + (omega2 * c7dot_5_3
+            - oo_13 * t91 - oo_23 * t97 - omega3 * c7dot_5_2 - 0.8146287617076164 * alpha4ddot)
     )
-    t95 = 0.40905294172354 * alpha4dot
+    t98 = 0.40905294172354 * alpha4dot
     jac_53 = (
-        oo_13 * t87 + omega1dot * t88 + oo_23 * t88 + oo_33 * t89 + omega2dot * t94
-            + omega3dot * t90 + t41 * t92 + t42 * (0.22560185358382823 * alpha5dot) + t45 * t95
-            + (-0.3338704835108587) * alpha7ddot - omega3 * t22 - oo_11 * t89 - oo_12 * t90
-            - oo_13 * t91 - omega1 * c7dot_5_3
+        oo_13 * t90 + omega1dot * t91 + oo_23 * t91 + t60 * t92 + omega2dot * t97 + (omega3dot * t93
+            + t42 * t95 + t43 * (0.22560185358382823 * alpha5dot) + t46 * t98)
+            + ((-0.3338704835108587) * alpha7ddot - (omega3 * t22 + oo_12 * t93 + oo_13 * t94
+            + omega1 * c7dot_5_3))
     )
     jac_54 = (
-        oo_11 * t88 + omega1dot * t89 + oo_12 * t94 + omega2dot * t90 + oo_13 * t90
-            + omega3dot * t91 + t41 * t93 + t42 * t95 + t45 * (0.9985995048061699 * alpha5dot)
-            + (-0.17320212202534865) * alpha6ddot + omega1 * c7dot_5_2 - oo_12 * t87 - oo_22 * t88
-            - oo_23 * t89 + omega2 * t22
+        t48 * t91 + omega1dot * t92 + oo_12 * t97 + omega2dot * t93 + oo_13 * t93 + (omega3dot * t94
+            + t42 * t96 + t43 * t98 + t46 * (0.9985995048061699 * alpha5dot))
+            + ((-0.17320212202534865) * alpha6ddot + (omega1 * c7dot_5_2 - oo_12 * t90 - oo_23 * t92
+            + omega2 * t22))
     )
-    jac_55 = -(t81 + t82)
+    jac_55 = -(t84 + t85)
     jac_56 = (
-        1482944676.1858206 - 0.7757986416100022 * oo_11 - 0.22560185358382823 * oo_22
-            - 0.9985995048061699 * oo_33
+        1482944676.1858206 - 0.7757986416100022 * oo_11 - (0.22560185358382823 * oo_22
+            + 0.9985995048061699 * oo_33)
     )
-    t96 = (-0.17320212202534865) * omega3dot
-    t97 = (-0.16200310215672617) * oo_12
-    jac_57 = t96 - t97
-    t98 = (-0.3338704835108587) * omega2dot
-    t99 = (-0.3423260957248757) * oo_13
-    jac_58 = t98 - t99
+    t99 = (-0.17320212202534865) * omega3dot
+    t100 = (-0.16200310215672617) * oo_12
+    jac_57 = t99 - t100
+    t101 = (-0.3338704835108587) * omega2dot
+    t102 = (-0.3423260957248757) * oo_13
+    jac_58 = t101 - t102
     jac_59 = cj
-    t100 = 0.006949696462346222 + (t13 + S_6_11)
-    t101 = 2 * S_6_12
-    t102 = 2 * S_6_13
-    t103 = 2 * S_6_23
-    t104 = -0.28541913668350255 + (t15 + S_6_33)
-    t105 = (-0.08100155107836308) * alpha5dot
-    t106 = 0.06612677259881924 * alpha4dot
-    t107 = -0.2888453299117188 + (t14 + S_6_22)
+    t103 = 0.006949696462346222 + (t13 + S_6_11)
+    t104 = 2 * S_6_12
+    t105 = 2 * S_6_13
+    t106 = 2 * S_6_23
+    t107 = -0.28541913668350255 + (t15 + S_6_33)
+    t108 = (-0.08100155107836308) * alpha5dot
+    t109 = 0.06612677259881924 * alpha4dot
+    t110 = -0.2888453299117188 + (t14 + S_6_22)
     jac_60 = (
-        omega1dot * t100 + omega2dot * t101 + omega3dot * t102 + oo_12 * t102 + oo_22 * t103
-            + oo_23 * t104 + t41 * (0.008120450003726742 * alpha6dot) + t42 * t105 + t45 * t106
-            + 0.03812757101123808 * alpha7ddot - omega2 * t28 - oo_13 * t101 - oo_23 * t107
-            - oo_33 * t103 + omega3 * t26
+        omega1dot * t103 + omega2dot * t104 + omega3dot * t105 + oo_12 * t105 + t39 * t106
+            + (oo_23 * t107 + t42 * (0.008120450003726742 * alpha6dot) + t43 * t108 + t46 * t109)
+            + (0.03812757101123808 * alpha7ddot + (omega3 * t26 - (omega2 * t28 + oo_13 * t104
+            + oo_23 * t110)))
     )
-    t108 = (-0.009791878445593954) * alpha7dot
+    t111 = (-0.009791878445593954) * alpha7dot
     jac_61 = (
-        oo_13 * t100 + omega1dot * t101 + oo_23 * t101 + oo_33 * t102 + omega2dot * t107
-            + omega3dot * t103 + t41 * t105 + t42 * (0.9938488193551677 * alpha6dot) + t45 * t108
-            - (-0.13286677220194004) * alpha4ddot + omega3 * c7dot_6_1 - oo_11 * t102 - oo_12 * t103
-            - oo_13 * t104 + omega1 * t28
+        oo_13 * t103 + omega1dot * t104 + oo_23 * t104 + t60 * t105 + omega2dot * t110
+            + (omega3dot * t106 + t42 * t108 + t43 * (0.9938488193551677 * alpha6dot) + t46 * t111)
+            + (omega3 * c7dot_6_1 - oo_12 * t106 - oo_13 * t107 + omega1 * t28
+            - (-0.13286677220194004) * alpha4ddot)
     )
     jac_62 = (
-        oo_11 * t101 + omega1dot * t102 + oo_12 * t107 + omega2dot * t103 + oo_13 * t103
-            + omega3dot * t104 + t41 * t106 + t42 * t108 + t45 * (0.998030730641106 * alpha6dot)
-            - (-0.17320212202534865) * alpha5ddot - omega1 * t26 - oo_12 * t100 - oo_22 * t101
-            - oo_23 * t102 - omega2 * c7dot_6_1
+        t48 * t104 + omega1dot * t105 + oo_12 * t110 + omega2dot * t106 + oo_13 * t106
+            + (omega3dot * t107 + t42 * t109 + t43 * t111 + t46 * (0.998030730641106 * alpha6dot))
+            - ((-0.17320212202534865) * alpha5ddot + (omega1 * t26 + oo_12 * t103 + oo_23 * t105
+            + omega2 * c7dot_6_1))
     )
-    jac_63 = -(t83 + t84)
-    jac_64 = -(t96 + t97)
+    jac_63 = -(t86 + t87)
+    jac_64 = -(t99 + t100)
     jac_65 = (
-        1586764292.5824752 - 0.008120450003726742 * oo_11 - 0.9938488193551677 * oo_22
-            - 0.998030730641106 * oo_33
+        1586764292.5824752 - 0.008120450003726742 * oo_11 - (0.9938488193551677 * oo_22
+            + 0.998030730641106 * oo_33)
     )
-    t109 = 0.03812757101123808 * omega1dot
-    t110 = (-0.01958375689118791) * oo_23
-    jac_66 = t109 - t110
+    t112 = 0.03812757101123808 * omega1dot
+    t113 = (-0.01958375689118791) * oo_23
+    jac_66 = t112 - t113
     jac_67 = cj
-    t111 = 2 * S_7_11
-    t112 = 2 * S_7_12
-    t113 = 2 * S_7_13
-    t114 = S_7_23 + S_7_23
-    t115 = 2 * S_7_33
-    t116 = (-0.07653897132838097) * alpha4dot
-    t117 = (-0.17116304786243786) * alpha5dot
-    t118 = 2 * S_7_22
+    t114 = 2 * S_7_11
+    t115 = 2 * S_7_12
+    t116 = 2 * S_7_13
+    t117 = S_7_23 + S_7_23
+    t118 = 2 * S_7_33
+    t119 = (-0.07653897132838097) * alpha4dot
+    t120 = (-0.17116304786243786) * alpha5dot
+    t121 = 2 * S_7_22
     jac_68 = (
-        omega1dot * t111 + omega2dot * t112 + omega3dot * t113 + oo_12 * t113 + oo_22 * t114
-            + oo_23 * t115 + t41 * (0.9836361321701889 * alpha7dot) + t42 * t116 + t45 * t117
-            - 0.03812757101123808 * alpha6ddot - omega2 * t29 - oo_13 * t112 - oo_23 * t118
-            - oo_33 * t114 + omega3 * t27
+        omega1dot * t114 + omega2dot * t115 + omega3dot * t116 + oo_12 * t116 + t39 * t117
+            + (oo_23 * t118 + t42 * (0.9836361321701889 * alpha7dot) + t43 * t119 + t46 * t120)
+            + (omega3 * t27 - (omega2 * t29 + oo_13 * t115 + oo_23 * t121)
+            - 0.03812757101123808 * alpha6ddot)
     )
-    t119 = (-0.009791878445593954) * alpha6dot
+    t122 = (-0.009791878445593954) * alpha6dot
     jac_69 = (
-        oo_13 * t111 + omega1dot * t112 + oo_23 * t112 + oo_33 * t113 + omega2dot * t118
-            + omega3dot * t114 + t41 * t116 + t42 * (0.7598894642705915 * alpha7dot) + t45 * t119
-            - (-0.3338704835108587) * alpha5ddot - omega3 * t23 - oo_11 * t113 - oo_12 * t114
-            - oo_13 * t115 + omega1 * t29
+        oo_13 * t114 + omega1dot * t115 + oo_23 * t115 + t60 * t116 + omega2dot * t121
+            + (omega3dot * t117 + t42 * t119 + t43 * (0.7598894642705915 * alpha7dot) + t46 * t122)
+            + (omega1 * t29 - (omega3 * t23 + oo_12 * t117 + oo_13 * t118)
+            - (-0.3338704835108587) * alpha5ddot)
     )
     jac_70 = (
-        oo_11 * t112 + omega1dot * t113 + oo_12 * t118 + omega2dot * t114 + oo_13 * t114
-            + omega3dot * t115 + t41 * t117 + t42 * t119 + t45 * (0.2564744035592197 * alpha7dot)
-            - 0.16411826642656863 * alpha4ddot - omega1 * t27 - oo_12 * t111 - oo_22 * t112
-            - oo_23 * t113 + omega2 * t23
+        t48 * t115 + omega1dot * t116 + oo_12 * t121 + omega2dot * t117 + oo_13 * t117
+            + (omega3dot * t118 + t42 * t120 + t43 * t122 + t46 * (0.2564744035592197 * alpha7dot))
+            + (omega2 * t23 - (omega1 * t27 + oo_12 * t114 + oo_23 * t116)
+            - 0.16411826642656863 * alpha4ddot)
     )
-    jac_71 = -(t85 + t86)
-    jac_72 = -(t98 + t99)
-    jac_73 = -(t109 + t110)
+    jac_71 = -(t88 + t89)
+    jac_72 = -(t101 + t102)
+    jac_73 = -(t112 + t113)
     jac_74 = (
-        1703959547.9391162 - 0.9836361321701889 * oo_11 - 0.7598894642705915 * oo_22
-            - 0.2564744035592197 * oo_33
+        1703959547.9391162 - 0.9836361321701889 * oo_11 - (0.7598894642705915 * oo_22
+            + 0.2564744035592197 * oo_33)
     )
     jac_75 = cj
-    t120 = t16 + (t17 + S_8_11)
-    t121 = 2 * S_8_12
-    t122 = 2 * S_8_23
-    t123 = t20 + (t21 + S_8_33)
-    t124 = 0.05213396507997798 * alpha3dot
-    t125 = t18 + (t19 + S_8_22)
+    t123 = t16 + (t17 + S_8_11)
+    t124 = 2 * S_8_12
+    t125 = 2 * S_8_23
+    t126 = t20 + (t21 + S_8_33)
+    t127 = 0.05213396507997798 * alpha3dot
+    t128 = t18 + (t19 + S_8_22)
     jac_76 = (
-        omega1dot * t120 + omega2dot * t121 + oo_22 * t122 + oo_23 * t123
-            + t41 * (0.0526587076325526 * alpha1dot + 0.8351337820732403 * alpha8dot) + t42 * t124
-            - 0.06014933573656158 * alpha2ddot - omega2 * t30 - oo_13 * t121 - oo_23 * t125
-            - oo_33 * t122
+        omega1dot * t123 + omega2dot * t124 + t39 * t125 + (oo_23 * t126
+            + t42 * (0.0526587076325526 * alpha1dot + 0.8351337820732403 * alpha8dot) + t43 * t127)
+            - (0.06014933573656158 * alpha2ddot + (omega2 * t30 + oo_13 * t124 + oo_23 * t128))
     )
-    t126 = (-0.02992582521388207) * alpha2dot
+    t129 = (-0.02992582521388207) * alpha2dot
     jac_77 = (
-        oo_13 * t120 + omega1dot * t121 + oo_23 * t121 + omega2dot * t125 + omega3dot * t122
-            + t41 * t124 + t42 * (0.00021667253526842326 * alpha1dot
-            + 0.994122776779808 * alpha8dot) + t45 * t126 - omega3 * t24 - oo_12 * t122
-            - oo_13 * t123 + omega1 * t30
+        oo_13 * t123 + omega1dot * t124 + oo_23 * t124 + omega2dot * t128 + (omega3dot * t125
+            + t42 * t127 + t43 * (0.00021667253526842326 * alpha1dot
+            + 0.994122776779808 * alpha8dot) + t46 * t129) + (omega1 * t30 - (omega3 * t24
+            + oo_12 * t125 + oo_13 * t126))
     )
     jac_78 = (
-        oo_11 * t121 + oo_12 * t125 + omega2dot * t122 + oo_13 * t122 + omega3dot * t123
-            + t42 * t126 + t45 * ((-0.05287538016782101) * alpha1dot
-            + 0.17074344114695217 * alpha8dot) - 0.10707341325868729 * alpha3ddot - oo_12 * t120
-            - oo_22 * t121 + omega2 * t24
+        t48 * t124 + oo_12 * t128 + omega2dot * t125 + oo_13 * t125 + (omega3dot * t126 + t43 * t129
+            + t46 * ((-0.05287538016782101) * alpha1dot + 0.17074344114695217 * alpha8dot))
+            + (omega2 * t24 - oo_12 * t123 - 0.10707341325868729 * alpha3ddot)
     )
-    jac_79 = t51
-    jac_80 = -(t61 + t62)
-    jac_81 = -(t70 + t71)
+    jac_79 = t53
+    jac_80 = -(t64 + t65)
+    jac_81 = -(t73 + t74)
     jac_82 = (
-        2561832557.220976 - 0.8351337820732403 * oo_11 - 0.994122776779808 * oo_22
-            - 0.17074344114695217 * oo_33
+        2561832557.220976 - 0.8351337820732403 * oo_11 - (0.994122776779808 * oo_22
+            + 0.17074344114695217 * oo_33)
     )
     jac_83 = -1
-    t127 = 6.48 * cj
-    jac_84 = t127
+    t130 = 6.48 * cj
+    jac_84 = t130
     jac_85 = -1
-    jac_86 = t127
+    jac_86 = t130
     jac_87 = -1
-    jac_88 = t127
-    t128 = 0.5 * e1
-    jac_89 = t128
-    t129 = (-0.5) * e0
-    jac_90 = t129
-    t130 = 0.5 * e3
-    jac_91 = -t130
-    t131 = 0.5 * e2
-    jac_92 = t131
-    t132 = J_13 * omega2
-    t133 = J_12 * omega3
-    jac_93 = t132 + 2 * Sdot_11 - t133 + cj * J_11
-    t134 = 2 * Sdot_12
-    t135 = J_33 * omega3
-    t136 = cj * J_12
-    jac_94 = J_11 * omega3 + t134 - J_13 * t41 - J_23 * omega2 - t135 - d3dot_3 + t136
-    t137 = J_22 * omega2
-    t138 = 2 * Sdot_13
-    t139 = cj * J_13
-    jac_95 = J_12 * t41 + t137 + J_23 * omega3 + t138 + d3dot_2 - J_11 * omega2 + t139
-    t140 = (-0.8784787837749884) * alpha2
-    t141 = cj * t140
-    jac_96 = -(S_1_11 * t41) - t38 * omega2 - 2 * c7dot_1_1 - t141
-    t142 = cj * d3_2_1
-    jac_97 = t142 - (S_2_11 * t41 + t53 * omega3 + 2 * c7dot_2_1)
-    t143 = 2 * S_3_12
-    jac_98 = -(S_3_11 * t41) - t143 * omega2 - t65 * omega3
-    t144 = 2 * S_4_13
-    t145 = 0.8146287617076164 * alpha5
-    t146 = cj * t145
-    jac_99 = -(S_4_11 * t41) - t73 * omega2 - t144 * omega3 - 2 * c7dot_4_1 - t146
-    t147 = 2 * S_5_12
-    t148 = cj * d3_5_1
-    jac_100 = 2 * t22 - (S_5_11 * t41 + t147 * omega2 + t89 * omega3) + t148
-    t149 = 0.03812757101123808 * alpha7
-    t150 = cj * t149
-    jac_101 = -(S_6_11 * t41) - t101 * omega2 - t102 * omega3 - 2 * c7dot_6_1 - t150
-    t151 = cj * d3_7_1
-    jac_102 = 2 * t23 - (S_7_11 * t41 + t112 * omega2 + t113 * omega3) + t151
-    t152 = cj * d3_8_1
-    jac_103 = 2 * t24 - (S_8_11 * t41 + t121 * omega2) + t152
-    jac_104 = t131
-    jac_105 = t130
-    jac_106 = t129
-    jac_107 = -t128
-    jac_108 = J_13 * omega1 + J_23 * t42 + t135 + t134 + d3dot_3 - J_22 * omega3 + t136
-    t153 = J_23 * omega1
-    jac_109 = t133 + 2 * Sdot_22 - t153 + cj * J_22
-    t154 = 2 * Sdot_23
-    t155 = J_11 * omega1
-    t156 = cj * J_23
-    jac_110 = J_22 * omega1 + t154 - t155 - J_12 * t42 - J_13 * omega3 - d3dot_1 + t156
-    jac_111 = -(t38 * omega1) - S_1_22 * t42 - t39 * omega3
-    t157 = 2 * S_2_23
-    t158 = 0.3434623359074803 * alpha3
-    t159 = cj * t158
-    jac_112 = -(S_2_22 * t42) - t157 * omega3 - 2 * c7dot_2_2 - t159
-    t160 = cj * d3_3_2
-    jac_113 = 2 * t25 - (t143 * omega1 + S_3_22 * t42) + t160
-    t161 = (-0.13286677220194004) * alpha6
+    jac_88 = t130
+    t131 = 0.5 * e1
+    jac_89 = t131
+    t132 = (-0.5) * e0
+    jac_90 = t132
+    t133 = 0.5 * e3
+    jac_91 = -t133
+    t134 = 0.5 * e2
+    jac_92 = t134
+    t135 = J_13 * omega2
+    t136 = J_12 * omega3
+    jac_93 = t135 + 2 * Sdot_11 - t136 + cj * J_11
+    t137 = 2 * Sdot_12
+    t138 = J_33 * omega3
+    t139 = cj * J_12
+    jac_94 = J_11 * omega3 - J_13 * t42 + t137 - (J_23 * omega2 + t138 + d3dot_3) + t139
+    t140 = J_22 * omega2
+    t141 = 2 * Sdot_13
+    t142 = cj * J_13
+    jac_95 = J_12 * t42 + t140 + J_23 * omega3 + t141 + (d3dot_2 - J_11 * omega2) + t142
+    t143 = (-0.8784787837749884) * alpha2
+    t144 = cj * t143
+    jac_96 = -(S_1_11 * t42) - t38 * omega2 - 2 * c7dot_1_1 - t144
+    t145 = cj * d3_2_1
+    jac_97 = t145 - (S_2_11 * t42 + t55 * omega3 + 2 * c7dot_2_1)
+    t146 = 2 * S_3_12
+    jac_98 = -(S_3_11 * t42) - t146 * omega2 - t68 * omega3
+    t147 = 2 * S_4_13
+    t148 = 0.8146287617076164 * alpha5
+    t149 = cj * t148
+    jac_99 = -(S_4_11 * t42) - t76 * omega2 - (t147 * omega3 + 2 * c7dot_4_1) - t149
+    t150 = cj * d3_5_1
+    t151 = 2 * S_5_12
+    jac_100 = t150 - (S_5_11 * t42 + t151 * omega2 + (t92 * omega3 - 2 * t22))
+    t152 = 0.03812757101123808 * alpha7
+    t153 = cj * t152
+    jac_101 = -(S_6_11 * t42) - t104 * omega2 - (t105 * omega3 + 2 * c7dot_6_1) - t153
+    t154 = cj * d3_7_1
+    jac_102 = t154 - (S_7_11 * t42 + t115 * omega2 + (t116 * omega3 - 2 * t23))
+    t155 = cj * d3_8_1
+    jac_103 = 2 * t24 - (S_8_11 * t42 + t124 * omega2) + t155
+    jac_104 = t134
+    jac_105 = t133
+    jac_106 = t132
+    jac_107 = -t131
+    jac_108 = J_13 * omega1 + J_23 * t43 + (t138 + t137) + (d3dot_3 - J_22 * omega3) + t139
+    t156 = J_23 * omega1
+    jac_109 = t136 + 2 * Sdot_22 - t156 + cj * J_22
+    t157 = 2 * Sdot_23
+    t158 = J_11 * omega1
+    t159 = cj * J_23
+    jac_110 = J_22 * omega1 - J_12 * t43 + t157 - (t158 + J_13 * omega3 + d3dot_1) + t159
+    jac_111 = -(t38 * omega1) - (S_1_22 * t43 + t40 * omega3)
+    t160 = 2 * S_2_23
+    t161 = 0.3434623359074803 * alpha3
     t162 = cj * t161
-    jac_114 = -(t73 * omega1) - S_4_22 * t42 - t75 * omega3 - 2 * c7dot_4_2 - t162
-    t163 = (-0.3338704835108587) * alpha7
-    t164 = cj * t163
-    jac_115 = -(t147 * omega1) - S_5_22 * t42 - t90 * omega3 - 2 * c7dot_5_2 - t164
-    t165 = cj * d3_6_2
-    jac_116 = 2 * t26 - (t101 * omega1 + S_6_22 * t42 + t103 * omega3) + t165
-    t166 = 2 * S_7_23
-    t167 = cj * d3_7_2
-    jac_117 = 2 * t27 - (t112 * omega1 + S_7_22 * t42 + t166 * omega3) + t167
-    jac_118 = -(t121 * omega1) - S_8_22 * t42 - t122 * omega3
-    jac_119 = t130
-    jac_120 = -t131
-    jac_121 = t128
-    jac_122 = t129
-    jac_123 = J_33 * omega2 + t138 - J_12 * omega1 - t137 - J_23 * t45 - d3dot_2 + t139
-    jac_124 = t155 + J_12 * omega2 + J_13 * t45 + t154 + d3dot_1 - J_33 * omega1 + t156
-    jac_125 = t153 + 2 * Sdot_33 - t132 + cj * J_33
-    t168 = 0.14213269823254854 * alpha3
-    t169 = cj * t168
-    jac_126 = -(t39 * omega2) - S_1_33 * t45 - 2 * c7dot_1_3 - t169
-    jac_127 = -(t53 * omega1) - t157 * omega2 - S_2_33 * t45
-    t170 = cj * d3_3_3
-    jac_128 = t170 - (t65 * omega1 + S_3_33 * t45 + 2 * c7dot_3_3)
-    t171 = 0.16411826642656863 * alpha7
+    jac_112 = -(S_2_22 * t43) - t160 * omega3 - 2 * c7dot_2_2 - t162
+    t163 = cj * d3_3_2
+    jac_113 = t163 - (t146 * omega1 + (S_3_22 * t43 - 2 * t25))
+    t164 = (-0.13286677220194004) * alpha6
+    t165 = cj * t164
+    jac_114 = -(t76 * omega1) - (S_4_22 * t43 + t78 * omega3 + 2 * c7dot_4_2) - t165
+    t166 = (-0.3338704835108587) * alpha7
+    t167 = cj * t166
+    jac_115 = -(t151 * omega1) - (S_5_22 * t43 + t93 * omega3 + 2 * c7dot_5_2) - t167
+    t168 = cj * d3_6_2
+    jac_116 = t168 - (t104 * omega1 + (S_6_22 * t43 + t106 * omega3 - 2 * t26))
+    t169 = cj * d3_7_2
+    t170 = 2 * S_7_23
+    jac_117 = t169 - (t115 * omega1 + (S_7_22 * t43 + t170 * omega3 - 2 * t27))
+    jac_118 = -(t124 * omega1) - (S_8_22 * t43 + t125 * omega3)
+    jac_119 = t133
+    jac_120 = -t134
+    jac_121 = t131
+    jac_122 = t132
+    jac_123 = J_33 * omega2 + t141 - J_23 * t46 - (J_12 * omega1 + t140 + d3dot_2) + t142
+    jac_124 = t158 + J_12 * omega2 + J_13 * t46 + t157 + (d3dot_1 - J_33 * omega1) + t159
+    jac_125 = t156 + 2 * Sdot_33 - t135 + cj * J_33
+    t171 = 0.14213269823254854 * alpha3
     t172 = cj * t171
-    jac_129 = -(t144 * omega1) - t75 * omega2 - S_4_33 * t45 - 2 * c7dot_4_3 - t172
-    t173 = (-0.17320212202534865) * alpha6
-    t174 = cj * t173
-    jac_130 = -(t89 * omega1) - t90 * omega2 - S_5_33 * t45 - 2 * c7dot_5_3 - t174
-    t175 = cj * d3_6_3
-    jac_131 = 2 * t28 - (t102 * omega1 + t103 * omega2 + S_6_33 * t45) + t175
-    t176 = cj * d3_7_3
-    jac_132 = 2 * t29 - (t113 * omega1 + t166 * omega2 + S_7_33 * t45) + t176
-    t177 = cj * d3_8_3
-    jac_133 = 2 * t30 - (t122 * omega2 + S_8_33 * t45) + t177
+    jac_126 = -(t40 * omega2) - S_1_33 * t46 - 2 * c7dot_1_3 - t172
+    jac_127 = -(t55 * omega1) - (t160 * omega2 + S_2_33 * t46)
+    t173 = cj * d3_3_3
+    jac_128 = t173 - (t68 * omega1 + S_3_33 * t46 + 2 * c7dot_3_3)
+    t174 = 0.16411826642656863 * alpha7
+    t175 = cj * t174
+    jac_129 = -(t147 * omega1) - t78 * omega2 - S_4_33 * t46 - 2 * c7dot_4_3 - t175
+    t176 = (-0.17320212202534865) * alpha6
+    t177 = cj * t176
+    jac_130 = -(t92 * omega1) - t93 * omega2 - S_5_33 * t46 - 2 * c7dot_5_3 - t177
+    t178 = cj * d3_6_3
+    jac_131 = t178 - (t105 * omega1 + t106 * omega2 + S_6_33 * t46 - 2 * t28)
+    t179 = cj * d3_7_3
+    jac_132 = t179 - (t116 * omega1 + t170 * omega2 + S_7_33 * t46 - 2 * t29)
+    t180 = cj * d3_8_3
+    jac_133 = t180 - (t125 * omega2 + S_8_33 * t46 - 2 * t30)
     jac_134 = -1
-    jac_135 = t41 * S_1_11 + t42 * S_1_12 - omega2 * t168 - t141
-    jac_136 = t41 * S_1_12 + t42 * S_1_22 + t45 * S_1_23 - omega3 * t140 + omega1 * t168
-    jac_137 = t42 * S_1_23 + t45 * S_1_33 + omega2 * t140 - t169
+    jac_135 = t42 * S_1_11 + t43 * S_1_12 - omega2 * t171 - t144
+    jac_136 = t42 * S_1_12 + t43 * S_1_22 + t46 * S_1_23 + (omega1 * t171 - omega3 * t143)
+    jac_137 = t43 * S_1_23 + t46 * S_1_33 + omega2 * t143 - t172
     jac_138 = cj
-    t178 = (-0.8784787837749884) * t41
-    jac_139 = t178
-    t179 = 0.14213269823254854 * t45
-    jac_140 = t179
+    t181 = (-0.8784787837749884) * t42
+    jac_139 = t181
+    t182 = 0.14213269823254854 * t46
+    jac_140 = t182
     jac_141 = -1
-    jac_142 = t41 * S_2_11 + t45 * S_2_13 + omega3 * t158 + t142
-    jac_143 = t42 * S_2_22 + t45 * S_2_23 + omega3 * d3_2_1 - t159
-    jac_144 = t41 * S_2_13 + t42 * S_2_23 + t45 * S_2_33 - omega1 * t158 - omega2 * d3_2_1
-    jac_145 = -t178
+    jac_142 = t42 * S_2_11 + t46 * S_2_13 + omega3 * t161 + t145
+    jac_143 = t43 * S_2_22 + t46 * S_2_23 + omega3 * d3_2_1 - t162
+    jac_144 = t42 * S_2_13 + t43 * S_2_23 + t46 * S_2_33 - (omega1 * t161 + omega2 * d3_2_1)
+    jac_145 = -t181
     jac_146 = cj
-    t180 = 0.3434623359074803 * t42
-    jac_147 = t180
-    t181 = 0.06014933573656158 * t41
-    jac_148 = t181
+    t183 = 0.3434623359074803 * t43
+    jac_147 = t183
+    t184 = 0.06014933573656158 * t42
+    jac_148 = t184
     jac_149 = -1
-    jac_150 = t41 * S_3_11 + t42 * S_3_12 + t45 * S_3_13 + omega2 * d3_3_3 - omega3 * d3_3_2
-    jac_151 = t41 * S_3_12 + t42 * S_3_22 - omega1 * d3_3_3 + t160
-    jac_152 = t41 * S_3_13 + t45 * S_3_33 + omega1 * d3_3_2 + t170
-    jac_153 = -t179
-    jac_154 = -t180
+    jac_150 = t42 * S_3_11 + t43 * S_3_12 + t46 * S_3_13 + (omega2 * d3_3_3 - omega3 * d3_3_2)
+    jac_151 = t42 * S_3_12 + t43 * S_3_22 - omega1 * d3_3_3 + t163
+    jac_152 = t42 * S_3_13 + t46 * S_3_33 + omega1 * d3_3_2 + t173
+    jac_153 = -t182
+    jac_154 = -t183
     jac_155 = cj
-    t182 = 0.10707341325868729 * t45
-    jac_156 = t182
+    t185 = 0.10707341325868729 * t46
+    jac_156 = t185
     jac_157 = -1
-    jac_158 = t41 * S_4_11 + t42 * S_4_12 + t45 * S_4_13 - omega2 * t171 + omega3 * t161 - t146
-    jac_159 = t41 * S_4_12 + t42 * S_4_22 + t45 * S_4_23 - omega3 * t145 + omega1 * t171 - t162
-    jac_160 = t41 * S_4_13 + t42 * S_4_23 + t45 * S_4_33 - omega1 * t161 + omega2 * t145 - t172
+    jac_158 = t42 * S_4_11 + t43 * S_4_12 + t46 * S_4_13 + (omega3 * t164 - omega2 * t174) - t149
+    jac_159 = t42 * S_4_12 + t43 * S_4_22 + t46 * S_4_23 + (omega1 * t174 - omega3 * t148) - t165
+    jac_160 = t42 * S_4_13 + t43 * S_4_23 + t46 * S_4_33 + (omega2 * t148 - omega1 * t164) - t175
     jac_161 = cj
-    t183 = 0.8146287617076164 * t41
-    jac_162 = t183
-    t184 = (-0.13286677220194004) * t42
-    jac_163 = t184
-    t185 = 0.16411826642656863 * t45
-    jac_164 = t185
+    t186 = 0.8146287617076164 * t42
+    jac_162 = t186
+    t187 = (-0.13286677220194004) * t43
+    jac_163 = t187
+    t188 = 0.16411826642656863 * t46
+    jac_164 = t188
     jac_165 = -1
-    jac_166 = t41 * S_5_11 + t42 * S_5_12 + t45 * S_5_13 - omega2 * t173 + omega3 * t163 + t148
-    jac_167 = t41 * S_5_12 + t42 * S_5_22 + t45 * S_5_23 + omega3 * d3_5_1 + omega1 * t173 - t164
-    jac_168 = t41 * S_5_13 + t42 * S_5_23 + t45 * S_5_33 - omega1 * t163 - omega2 * d3_5_1 - t174
-    jac_169 = -t183
+    jac_166 = t42 * S_5_11 + t43 * S_5_12 + t46 * S_5_13 + (omega3 * t166 - omega2 * t176) + t150
+    jac_167 = t42 * S_5_12 + t43 * S_5_22 + t46 * S_5_23 + (omega3 * d3_5_1 + omega1 * t176) - t167
+    jac_168 = t42 * S_5_13 + t43 * S_5_23 + t46 * S_5_33 - (omega1 * t166 + omega2 * d3_5_1) - t177
+    jac_169 = -t186
     jac_170 = cj
-    t186 = (-0.17320212202534865) * t45
-    jac_171 = t186
-    t187 = (-0.3338704835108587) * t42
-    jac_172 = t187
+    t189 = (-0.17320212202534865) * t46
+    jac_171 = t189
+    t190 = (-0.3338704835108587) * t43
+    jac_172 = t190
     jac_173 = -1
-    jac_174 = t41 * S_6_11 + t42 * S_6_12 + t45 * S_6_13 + omega2 * d3_6_3 - omega3 * d3_6_2 - t150
-    jac_175 = t41 * S_6_12 + t42 * S_6_22 + t45 * S_6_23 - omega3 * t149 - omega1 * d3_6_3 + t165
-    jac_176 = t41 * S_6_13 + t42 * S_6_23 + t45 * S_6_33 + omega1 * d3_6_2 + omega2 * t149 + t175
-    jac_177 = -t184
-    jac_178 = -t186
+    jac_174 = (
+        t42 * S_6_11 + t43 * S_6_12 + t46 * S_6_13 + (omega2 * d3_6_3 - omega3 * d3_6_2) - t153
+    )
+    jac_175 = t42 * S_6_12 + t43 * S_6_22 + t46 * S_6_23 - (omega3 * t152 + omega1 * d3_6_3) + t168
+    jac_176 = t42 * S_6_13 + t43 * S_6_23 + t46 * S_6_33 + (omega1 * d3_6_2 + omega2 * t152) + t178
+    jac_177 = -t187
+    jac_178 = -t189
     jac_179 = cj
-    t188 = 0.03812757101123808 * t41
-    jac_180 = t188
+    t191 = 0.03812757101123808 * t42
+    jac_180 = t191
     jac_181 = -1
-    jac_182 = t41 * S_7_11 + t42 * S_7_12 + t45 * S_7_13 + omega2 * d3_7_3 - omega3 * d3_7_2 + t151
-    jac_183 = t41 * S_7_12 + t42 * S_7_22 + t45 * S_7_23 + omega3 * d3_7_1 - omega1 * d3_7_3 + t167
-    jac_184 = t41 * S_7_13 + t42 * S_7_23 + t45 * S_7_33 + omega1 * d3_7_2 - omega2 * d3_7_1 + t176
-    jac_185 = -t185
-    jac_186 = -t187
-    jac_187 = -t188
+    jac_182 = (
+        t42 * S_7_11 + t43 * S_7_12 + t46 * S_7_13 + (omega2 * d3_7_3 - omega3 * d3_7_2) + t154
+    )
+    jac_183 = (
+        t42 * S_7_12 + t43 * S_7_22 + t46 * S_7_23 + (omega3 * d3_7_1 - omega1 * d3_7_3) + t169
+    )
+    jac_184 = (
+        t42 * S_7_13 + t43 * S_7_23 + t46 * S_7_33 + (omega1 * d3_7_2 - omega2 * d3_7_1) + t179
+    )
+    jac_185 = -t188
+    jac_186 = -t190
+    jac_187 = -t191
     jac_188 = cj
     jac_189 = -1
-    jac_190 = t41 * S_8_11 + t42 * S_8_12 + omega2 * d3_8_3 + t152
-    jac_191 = t41 * S_8_12 + t42 * S_8_22 + t45 * S_8_23 + omega3 * d3_8_1 - omega1 * d3_8_3
-    jac_192 = t42 * S_8_23 + t45 * S_8_33 - omega2 * d3_8_1 + t177
-    jac_193 = -t181
-    jac_194 = -t182
+    jac_190 = t42 * S_8_11 + t43 * S_8_12 + omega2 * d3_8_3 + t155
+    jac_191 = t42 * S_8_12 + t43 * S_8_22 + t46 * S_8_23 + (omega3 * d3_8_1 - omega1 * d3_8_3)
+    jac_192 = t43 * S_8_23 + t46 * S_8_33 - omega2 * d3_8_1 + t180
+    jac_193 = -t184
+    jac_194 = -t185
     jac_195 = cj
 
     jac = _stack(xp, batch, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,

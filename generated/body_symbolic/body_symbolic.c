@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_c1a7d164c313faf0
+#ifndef BODY_SYMBOLIC_HASH_9089651699f4ff05
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,6 +21,13 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+
+/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
+#else
+#  define TISSERAND_SCALAR
+#endif
 
 /* Lanes are computed TISSERAND_WIDTH at a time: in the vectors of gcc and clang, else, and with -DTISSERAND_NO_VECTORS,
    one by one. All widths give the same bits. gcc does not align the stack for vectors of 32 bytes on Windows. */
@@ -91,13 +98,6 @@ int body_symbolic_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
 {
-    const double p_m = p[0];
-    const double p_C3_11 = p[1];
-    const double p_C3_12 = p[2];
-    const double p_C3_13 = p[3];
-    const double p_C3_22 = p[4];
-    const double p_C3_23 = p[5];
-    const double p_C3_33 = p[6];
     const double *p_C4 = p + 7;
     const double *p_C5 = p + 55;
     const double *p_c7 = p + 271;
@@ -106,6 +106,7 @@ int body_symbolic_setup(
     /* checks: checks of the parameters */
     for (int i = 0; i < 363; i++)
         if (!isfinite(p[i])) return 2; /* a parameter is not finite */
+    const double p_m = p[0];
     if (!(p_m > 0.0)) return 2; /* m must be positive */
 
     /* constants (appendix): shape integrals and stiffness in the layout of the loops */
@@ -139,11 +140,17 @@ int body_symbolic_setup(
         k[624 + i] = p_K[i];
     }
     k[632] = p_m;
+    const double p_C3_11 = p[1];
     k[633] = p_C3_11;
+    const double p_C3_12 = p[2];
     k[634] = p_C3_12;
+    const double p_C3_13 = p[3];
     k[635] = p_C3_13;
+    const double p_C3_22 = p[4];
     k[636] = p_C3_22;
+    const double p_C3_23 = p[5];
     k[637] = p_C3_23;
+    const double p_C3_33 = p[6];
     k[638] = p_C3_33;
     return 0;
 }
@@ -154,13 +161,6 @@ int body_symbolic_mass(
     double *M)
 {
     const double *alpha = q + 7;
-    const double mass = k[632];
-    const double C3_11 = k[633];
-    const double C3_12 = k[634];
-    const double C3_13 = k[635];
-    const double C3_22 = k[636];
-    const double C3_23 = k[637];
-    const double C3_33 = k[638];
     const double *tables = k;
     const double *C4_11 = k + 576;
     const double *C4_12 = k + 584;
@@ -223,6 +223,12 @@ int body_symbolic_mass(
     }
 
     /* sums (appendix): J = int rho ((r . r) I - r r) */
+    const double C3_11 = k[633];
+    const double C3_12 = k[634];
+    const double C3_13 = k[635];
+    const double C3_22 = k[636];
+    const double C3_23 = k[637];
+    const double C3_33 = k[638];
     double sums1[6][4];
     for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
         tisserand_lanes J_11_l = {0.0};
@@ -260,6 +266,7 @@ int body_symbolic_mass(
     const double J_33 = C3_33 + ((sums1[5][0] + sums1[5][1]) + (sums1[5][2] + sums1[5][3]));
 
     /* M (15): factors of the accelerations */
+    const double mass = k[632];
     M[0] = mass;
     M[1] = mass;
     M[2] = mass;
@@ -291,16 +298,7 @@ int body_symbolic_force(
 {
     (void) t;
     const double *alpha = q + 7;
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
     const double *alphadot = v + 6;
-    const double C3_11 = k[633];
-    const double C3_12 = k[634];
-    const double C3_13 = k[635];
-    const double C3_22 = k[636];
-    const double C3_23 = k[637];
-    const double C3_33 = k[638];
     const double *tables = k;
     const double *C4_11 = k + 576;
     const double *C4_12 = k + 584;
@@ -367,6 +365,12 @@ int body_symbolic_force(
      * sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
      *     rates; d3dot = int rho r x rdot
      */
+    const double C3_11 = k[633];
+    const double C3_12 = k[634];
+    const double C3_13 = k[635];
+    const double C3_22 = k[636];
+    const double C3_23 = k[637];
+    const double C3_33 = k[638];
     double sums1[15][4];
     for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
         tisserand_lanes J_11_l = {0.0};
@@ -444,8 +448,11 @@ int body_symbolic_force(
     const double d3dot_3 = ((sums1[14][0] + sums1[14][1]) + (sums1[14][2] + sums1[14][3]));
 
     /* oo (5): products of omega */
+    const double omega1 = v[3];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = v[4];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = v[5];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
@@ -464,15 +471,15 @@ int body_symbolic_force(
     const double t1 = 2.0 * Sdot_12;
     const double t2 = 2.0 * Sdot_13;
     h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + 2.0 * Sdot_11 * omega1 + t1 * omega2
-        + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-        - d3dot_2 * omega3;
+        + t2 * omega3 + (d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
+        - d3dot_2 * omega3);
     const double t3 = 2.0 * Sdot_23;
     h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * omega1 + 2.0 * Sdot_22 * omega2
-        + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-        - d3dot_3 * omega1;
+        + t3 * omega3 + (d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+        - d3dot_3 * omega1);
     h[5] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-        + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-        - d3dot_1 * omega2;
+        + 2.0 * Sdot_33 * omega3 + (d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+        - d3dot_1 * omega2);
 
     /* h_i (15): centrifugal, Coriolis, elastic and other forces, for each mode */
     for (int i = 0; i < 8; i += 4) {
@@ -480,9 +487,9 @@ int body_symbolic_force(
             TISSERAND_STORE(h + 6 + i + l, TISSERAND_LOAD(K + i + l) * TISSERAND_LOAD(alpha + i + l)
                 - oo_11 * TISSERAND_LOAD(S_11 + i + l) - f4 * TISSERAND_LOAD(S_12 + i + l)
                 - f5 * TISSERAND_LOAD(S_13 + i + l) - oo_22 * TISSERAND_LOAD(S_22 + i + l)
-                - f6 * TISSERAND_LOAD(S_23 + i + l) - oo_33 * TISSERAND_LOAD(S_33 + i + l)
-                - f7 * TISSERAND_LOAD(c7dot_1 + i + l) - f8 * TISSERAND_LOAD(c7dot_2 + i + l)
-                - f9 * TISSERAND_LOAD(c7dot_3 + i + l));
+                - (f6 * TISSERAND_LOAD(S_23 + i + l) + oo_33 * TISSERAND_LOAD(S_33 + i + l)
+                + f7 * TISSERAND_LOAD(c7dot_1 + i + l) + f8 * TISSERAND_LOAD(c7dot_2 + i + l)
+                + f9 * TISSERAND_LOAD(c7dot_3 + i + l)));
         }
     }
     return 0;
@@ -498,17 +505,7 @@ int body_symbolic_mass_force(
 {
     (void) t;
     const double *alpha = q + 7;
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
     const double *alphadot = v + 6;
-    const double mass = k[632];
-    const double C3_11 = k[633];
-    const double C3_12 = k[634];
-    const double C3_13 = k[635];
-    const double C3_22 = k[636];
-    const double C3_23 = k[637];
-    const double C3_33 = k[638];
     const double *tables = k;
     const double *C4_11 = k + 576;
     const double *C4_12 = k + 584;
@@ -590,6 +587,12 @@ int body_symbolic_mass_force(
      * sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
      *     rates; d3dot = int rho r x rdot
      */
+    const double C3_11 = k[633];
+    const double C3_12 = k[634];
+    const double C3_13 = k[635];
+    const double C3_22 = k[636];
+    const double C3_23 = k[637];
+    const double C3_33 = k[638];
     double sums1[15][4];
     for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
         tisserand_lanes J_11_l = {0.0};
@@ -667,8 +670,11 @@ int body_symbolic_mass_force(
     const double d3dot_3 = ((sums1[14][0] + sums1[14][1]) + (sums1[14][2] + sums1[14][3]));
 
     /* oo (5): products of omega */
+    const double omega1 = v[3];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = v[4];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = v[5];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
@@ -681,6 +687,7 @@ int body_symbolic_mass_force(
     const double f7 = 2.0 * omega1;
     const double f8 = 2.0 * omega2;
     const double f9 = 2.0 * omega3;
+    const double mass = k[632];
     M[0] = mass;
     M[1] = mass;
     M[2] = mass;
@@ -696,15 +703,15 @@ int body_symbolic_mass_force(
     const double t1 = 2.0 * Sdot_12;
     const double t2 = 2.0 * Sdot_13;
     h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + 2.0 * Sdot_11 * omega1 + t1 * omega2
-        + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-        - d3dot_2 * omega3;
+        + t2 * omega3 + (d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
+        - d3dot_2 * omega3);
     const double t3 = 2.0 * Sdot_23;
     h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * omega1 + 2.0 * Sdot_22 * omega2
-        + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-        - d3dot_3 * omega1;
+        + t3 * omega3 + (d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+        - d3dot_3 * omega1);
     h[5] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-        + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-        - d3dot_1 * omega2;
+        + 2.0 * Sdot_33 * omega3 + (d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+        - d3dot_1 * omega2);
 
     /* M and h_i (15): factors of the accelerations, and forces, for each mode */
     for (int i = 0; i < 8; i += 4) {
@@ -716,9 +723,9 @@ int body_symbolic_mass_force(
             TISSERAND_STORE(h + 6 + i + l, TISSERAND_LOAD(K + i + l) * TISSERAND_LOAD(alpha + i + l)
                 - oo_11 * TISSERAND_LOAD(S_11 + i + l) - f4 * TISSERAND_LOAD(S_12 + i + l)
                 - f5 * TISSERAND_LOAD(S_13 + i + l) - oo_22 * TISSERAND_LOAD(S_22 + i + l)
-                - f6 * TISSERAND_LOAD(S_23 + i + l) - oo_33 * TISSERAND_LOAD(S_33 + i + l)
-                - f7 * TISSERAND_LOAD(c7dot_1 + i + l) - f8 * TISSERAND_LOAD(c7dot_2 + i + l)
-                - f9 * TISSERAND_LOAD(c7dot_3 + i + l));
+                - (f6 * TISSERAND_LOAD(S_23 + i + l) + oo_33 * TISSERAND_LOAD(S_33 + i + l)
+                + f7 * TISSERAND_LOAD(c7dot_1 + i + l) + f8 * TISSERAND_LOAD(c7dot_2 + i + l)
+                + f9 * TISSERAND_LOAD(c7dot_3 + i + l)));
         }
     }
     return 0;
@@ -733,16 +740,7 @@ int body_symbolic_accel(
 {
     (void) t;
     const double *alpha = q + 7;
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
     const double *alphadot = v + 6;
-    const double C3_11 = k[633];
-    const double C3_12 = k[634];
-    const double C3_13 = k[635];
-    const double C3_22 = k[636];
-    const double C3_23 = k[637];
-    const double C3_33 = k[638];
     const double *tables = k;
     const double *C4_11 = k + 576;
     const double *C4_12 = k + 584;
@@ -824,6 +822,12 @@ int body_symbolic_accel(
      * sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
      *     rates; d3dot = int rho r x rdot
      */
+    const double C3_11 = k[633];
+    const double C3_12 = k[634];
+    const double C3_13 = k[635];
+    const double C3_22 = k[636];
+    const double C3_23 = k[637];
+    const double C3_33 = k[638];
     double sums1[15][4];
     for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
         tisserand_lanes J_11_l = {0.0};
@@ -901,8 +905,11 @@ int body_symbolic_accel(
     const double d3dot_3 = ((sums1[14][0] + sums1[14][1]) + (sums1[14][2] + sums1[14][3]));
 
     /* oo (5): products of omega */
+    const double omega1 = v[3];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = v[4];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = v[5];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
@@ -918,15 +925,15 @@ int body_symbolic_accel(
     const double t1 = 2.0 * Sdot_12;
     const double t2 = 2.0 * Sdot_13;
     const double h_pi1 = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + 2.0 * Sdot_11 * omega1
-        + t1 * omega2 + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-        - d3dot_2 * omega3;
+        + t1 * omega2 + t2 * omega3 + (d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
+        - d3dot_2 * omega3);
     const double t3 = 2.0 * Sdot_23;
     const double h_pi2 = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * omega1
-        + 2.0 * Sdot_22 * omega2 + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12
-        - J_33 * oo_13 - d3dot_3 * omega1;
+        + 2.0 * Sdot_22 * omega2 + t3 * omega3 + (d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12
+        - J_33 * oo_13 - d3dot_3 * omega1);
     const double h_pi3 = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-        + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-        - d3dot_1 * omega2;
+        + 2.0 * Sdot_33 * omega3 + (d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+        - d3dot_1 * omega2);
     const double M_44 = J_11;
     const double M_54 = J_12;
     const double M_64 = J_13;
@@ -941,9 +948,9 @@ int body_symbolic_accel(
             TISSERAND_STORE(h + i + l, TISSERAND_LOAD(K + i + l) * TISSERAND_LOAD(alpha + i + l)
                 - oo_11 * TISSERAND_LOAD(S_11 + i + l) - f4 * TISSERAND_LOAD(S_12 + i + l)
                 - f5 * TISSERAND_LOAD(S_13 + i + l) - oo_22 * TISSERAND_LOAD(S_22 + i + l)
-                - f6 * TISSERAND_LOAD(S_23 + i + l) - oo_33 * TISSERAND_LOAD(S_33 + i + l)
-                - f7 * TISSERAND_LOAD(c7dot_1 + i + l) - f8 * TISSERAND_LOAD(c7dot_2 + i + l)
-                - f9 * TISSERAND_LOAD(c7dot_3 + i + l));
+                - (f6 * TISSERAND_LOAD(S_23 + i + l) + oo_33 * TISSERAND_LOAD(S_33 + i + l)
+                + f7 * TISSERAND_LOAD(c7dot_1 + i + l) + f8 * TISSERAND_LOAD(c7dot_2 + i + l)
+                + f9 * TISSERAND_LOAD(c7dot_3 + i + l)));
         }
     }
 
@@ -1052,20 +1059,7 @@ int body_symbolic_energy(
     double *energy)
 {
     const double *alpha = q + 7;
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
     const double *alphadot = v + 6;
-    const double mass = k[632];
-    const double C3_11 = k[633];
-    const double C3_12 = k[634];
-    const double C3_13 = k[635];
-    const double C3_22 = k[636];
-    const double C3_23 = k[637];
-    const double C3_33 = k[638];
     const double *tables = k;
     const double *C4_11 = k + 576;
     const double *C4_12 = k + 584;
@@ -1132,6 +1126,12 @@ int body_symbolic_energy(
      * sums (appendix): J = int rho ((r . r) I - r r); d3dot = int rho r x rdot; c8dotdot = int rho
      *     rdot . rdot; strain = twice the strain energy
      */
+    const double C3_11 = k[633];
+    const double C3_12 = k[634];
+    const double C3_13 = k[635];
+    const double C3_22 = k[636];
+    const double C3_23 = k[637];
+    const double C3_33 = k[638];
     double sums1[11][4];
     for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
         tisserand_lanes J_11_l = {0.0};
@@ -1190,10 +1190,17 @@ int body_symbolic_energy(
     const double strain = ((sums1[10][0] + sums1[10][1]) + (sums1[10][2] + sums1[10][3]));
 
     /* energy (22): 1/2 int rho xdot . xdot, the strain energy, and gravity */
+    const double omega1 = v[3];
+    const double omega2 = v[4];
+    const double omega3 = v[5];
+    const double c1dot = v[0];
+    const double mass = k[632];
+    const double c2dot = v[1];
+    const double c3dot = v[2];
     energy[0] = 0.5 * c8dotdot + 0.5 * J_11 * omega1 * omega1 + 0.5 * J_22 * omega2 * omega2
         + 0.5 * J_33 * omega3 * omega3 + 0.5 * c1dot * c1dot * mass + 0.5 * c2dot * c2dot * mass
-        + 0.5 * c3dot * c3dot * mass + d3dot_1 * omega1 + d3dot_2 * omega2 + d3dot_3 * omega3
-        + J_12 * omega1 * omega2 + J_13 * omega1 * omega3 + J_23 * omega2 * omega3;
+        + 0.5 * c3dot * c3dot * mass + (d3dot_1 * omega1 + d3dot_2 * omega2 + d3dot_3 * omega3
+        + J_12 * omega1 * omega2 + J_13 * omega1 * omega3 + J_23 * omega2 * omega3);
     energy[1] = 0.5 * strain;
     return 0;
 }
@@ -1204,28 +1211,8 @@ int body_symbolic_momentum(
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double c3 = q[2];
-    const double e0 = q[3];
-    const double e1 = q[4];
-    const double e2 = q[5];
-    const double e3 = q[6];
     const double *alpha = q + 7;
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
     const double *alphadot = v + 6;
-    const double mass = k[632];
-    const double C3_11 = k[633];
-    const double C3_12 = k[634];
-    const double C3_13 = k[635];
-    const double C3_22 = k[636];
-    const double C3_23 = k[637];
-    const double C3_33 = k[638];
     const double *tables = k;
     const double *C4_11 = k + 576;
     const double *C4_12 = k + 584;
@@ -1235,6 +1222,10 @@ int body_symbolic_momentum(
     const double *C4_33 = k + 616;
 
     /* attitude: check that the quaternion is neither zero nor NaN */
+    const double e0 = q[3];
+    const double e1 = q[4];
+    const double e2 = q[5];
+    const double e3 = q[6];
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
@@ -1292,6 +1283,12 @@ int body_symbolic_momentum(
     }
 
     /* sums (appendix): J = int rho ((r . r) I - r r); d3dot = int rho r x rdot */
+    const double C3_11 = k[633];
+    const double C3_12 = k[634];
+    const double C3_13 = k[635];
+    const double C3_22 = k[636];
+    const double C3_23 = k[637];
+    const double C3_33 = k[638];
     double sums1[9][4];
     for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
         tisserand_lanes J_11_l = {0.0};
@@ -1364,13 +1361,23 @@ int body_symbolic_momentum(
     const double Q_33 = t1 + t4 - t2 - t3;
 
     /* momentum (1): int rho xdot and int rho x x xdot */
+    const double c1dot = v[0];
+    const double mass = k[632];
     momentum[0] = c1dot * mass;
+    const double c2dot = v[1];
     momentum[1] = c2dot * mass;
+    const double c3dot = v[2];
     momentum[2] = c3dot * mass;
+    const double omega1 = v[3];
+    const double omega2 = v[4];
+    const double omega3 = v[5];
     const double t13 = d3dot_1 + J_11 * omega1 + J_12 * omega2 + J_13 * omega3;
     const double t14 = d3dot_2 + J_12 * omega1 + J_22 * omega2 + J_23 * omega3;
     const double t15 = d3dot_3 + J_13 * omega1 + J_23 * omega2 + J_33 * omega3;
+    const double c2 = q[1];
+    const double c3 = q[2];
     momentum[3] = t13 * Q_11 + t14 * Q_12 + t15 * Q_13 + c2 * c3dot * mass - c2dot * c3 * mass;
+    const double c1 = q[0];
     momentum[4] = t13 * Q_21 + t14 * Q_22 + t15 * Q_23 + c1dot * c3 * mass - c1 * c3dot * mass;
     momentum[5] = t13 * Q_31 + t14 * Q_32 + t15 * Q_33 + c1 * c2dot * mass - c1dot * c2 * mass;
     return 0;
@@ -1382,30 +1389,30 @@ int body_symbolic_rates(
     const double *TISSERAND_RESTRICT k,
     double *qdot)
 {
-    const double e0 = q[3];
-    const double e1 = q[4];
-    const double e2 = q[5];
-    const double e3 = q[6];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
     const double *alphadot = v + 6;
     (void) k;
 
     /* attitude: check that the quaternion is neither zero nor NaN */
+    const double e0 = q[3];
+    const double e1 = q[4];
+    const double e2 = q[5];
+    const double e3 = q[6];
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* rates (1): from Qdot = Q (omega x) */
+    const double c1dot = v[0];
     qdot[0] = c1dot;
+    const double c2dot = v[1];
     qdot[1] = c2dot;
+    const double c3dot = v[2];
     qdot[2] = c3dot;
     const double t1 = 0.5 * e1;
     const double t2 = 0.5 * e2;
     const double t3 = 0.5 * e3;
+    const double omega1 = v[3];
+    const double omega2 = v[4];
+    const double omega3 = v[5];
     qdot[3] = -(t1 * omega1) - t2 * omega2 - t3 * omega3;
     const double t4 = 0.5 * e0;
     qdot[4] = t4 * omega1 + t2 * omega3 - t3 * omega2;
@@ -1429,40 +1436,10 @@ int body_symbolic_residual(
     double *F)
 {
     (void) t;
-    const double e0 = y[3];
-    const double e1 = y[4];
-    const double e2 = y[5];
-    const double e3 = y[6];
-    const double c1dot = y[15];
-    const double c2dot = y[16];
-    const double c3dot = y[17];
-    const double omega1 = y[18];
-    const double omega2 = y[19];
-    const double omega3 = y[20];
     const double *alpha = y + 7;
     const double *alphadot = y + 21;
-    const double c1_t = ydot[0];
-    const double c2_t = ydot[1];
-    const double c3_t = ydot[2];
-    const double e0_t = ydot[3];
-    const double e1_t = ydot[4];
-    const double e2_t = ydot[5];
-    const double e3_t = ydot[6];
-    const double c1ddot = ydot[15];
-    const double c2ddot = ydot[16];
-    const double c3ddot = ydot[17];
-    const double omega1dot = ydot[18];
-    const double omega2dot = ydot[19];
-    const double omega3dot = ydot[20];
     const double *alpha_t = ydot + 7;
     const double *alphaddot = ydot + 21;
-    const double mass = k[632];
-    const double C3_11 = k[633];
-    const double C3_12 = k[634];
-    const double C3_13 = k[635];
-    const double C3_22 = k[636];
-    const double C3_23 = k[637];
-    const double C3_33 = k[638];
     const double *tables = k;
     const double *C4_11 = k + 576;
     const double *C4_12 = k + 584;
@@ -1473,6 +1450,10 @@ int body_symbolic_residual(
     const double *K = k + 624;
 
     /* attitude: check that the quaternion is neither zero nor NaN */
+    const double e0 = y[3];
+    const double e1 = y[4];
+    const double e2 = y[5];
+    const double e3 = y[6];
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
@@ -1548,6 +1529,12 @@ int body_symbolic_residual(
      * sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
      *     rates; d3dot = int rho r x rdot; d3ddot = int rho r x rddot
      */
+    const double C3_11 = k[633];
+    const double C3_12 = k[634];
+    const double C3_13 = k[635];
+    const double C3_22 = k[636];
+    const double C3_23 = k[637];
+    const double C3_33 = k[638];
     double sums1[18][4];
     for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
         tisserand_lanes J_11_l = {0.0};
@@ -1637,8 +1624,11 @@ int body_symbolic_residual(
     const double d3ddot_3 = ((sums1[17][0] + sums1[17][1]) + (sums1[17][2] + sums1[17][3]));
 
     /* oo (5): products of omega */
+    const double omega1 = y[18];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = y[19];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = y[20];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
@@ -1651,32 +1641,49 @@ int body_symbolic_residual(
     const double f7 = 2.0 * omega1;
     const double f8 = 2.0 * omega2;
     const double f9 = 2.0 * omega3;
+    const double c1_t = ydot[0];
+    const double c1dot = y[15];
     F[0] = c1_t - c1dot;
+    const double c2_t = ydot[1];
+    const double c2dot = y[16];
     F[1] = c2_t - c2dot;
+    const double c3_t = ydot[2];
+    const double c3dot = y[17];
     F[2] = c3_t - c3dot;
     const double t1 = 0.5 * e1;
     const double t2 = 0.5 * e2;
     const double t3 = 0.5 * e3;
+    const double e0_t = ydot[3];
     F[3] = e0_t + t1 * omega1 + t2 * omega2 + t3 * omega3;
     const double t4 = 0.5 * e0;
+    const double e1_t = ydot[4];
     F[4] = e1_t + t3 * omega2 - t4 * omega1 - t2 * omega3;
+    const double e2_t = ydot[5];
     F[5] = e2_t + t1 * omega3 - t4 * omega2 - t3 * omega1;
+    const double e3_t = ydot[6];
     F[6] = e3_t + t2 * omega1 - t4 * omega3 - t1 * omega2;
+    const double c1ddot = ydot[15];
+    const double mass = k[632];
     F[15] = c1ddot * mass;
+    const double c2ddot = ydot[16];
     F[16] = c2ddot * mass;
+    const double c3ddot = ydot[17];
     F[17] = c3ddot * mass;
     const double t5 = 2.0 * Sdot_12;
     const double t6 = 2.0 * Sdot_13;
+    const double omega1dot = ydot[18];
+    const double omega2dot = ydot[19];
+    const double omega3dot = ydot[20];
     F[18] = d3ddot_1 + J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12
-        + J_23 * oo_22 + J_33 * oo_23 + 2.0 * Sdot_11 * omega1 + t5 * omega2 + t6 * omega3
-        + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33 - d3dot_2 * omega3;
+        + J_23 * oo_22 + J_33 * oo_23 + 2.0 * Sdot_11 * omega1 + (t5 * omega2 + t6 * omega3
+        + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33 - d3dot_2 * omega3);
     const double t7 = 2.0 * Sdot_23;
     F[19] = d3ddot_2 + J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * oo_33
-        + J_22 * omega2dot + J_23 * omega3dot + t5 * omega1 + 2.0 * Sdot_22 * omega2 + t7 * omega3
-        + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13 - d3dot_3 * omega1;
+        + J_22 * omega2dot + J_23 * omega3dot + t5 * omega1 + (2.0 * Sdot_22 * omega2 + t7 * omega3
+        + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13 - d3dot_3 * omega1);
     F[20] = d3ddot_3 + J_12 * oo_11 + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot
-        + J_23 * oo_13 + J_33 * omega3dot + t6 * omega1 + t7 * omega2 + 2.0 * Sdot_33 * omega3
-        + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - d3dot_1 * omega2;
+        + J_23 * oo_13 + J_33 * omega3dot + t6 * omega1 + (t7 * omega2 + 2.0 * Sdot_33 * omega3
+        + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - d3dot_1 * omega2);
 
     /* F_i (15): qdot less its value from v, then M vdot + h, for each mode */
     for (int i = 0; i < 8; i += 4) {
@@ -1686,10 +1693,10 @@ int body_symbolic_residual(
                 + l) * TISSERAND_LOAD(alpha + i + l) + omega1dot * TISSERAND_LOAD(d3_1 + i + l)
                 + omega2dot * TISSERAND_LOAD(d3_2 + i + l) + omega3dot * TISSERAND_LOAD(d3_3 + i + l)
                 - oo_11 * TISSERAND_LOAD(S_11 + i + l) - f4 * TISSERAND_LOAD(S_12 + i + l)
-                - f5 * TISSERAND_LOAD(S_13 + i + l) - oo_22 * TISSERAND_LOAD(S_22 + i + l)
-                - f6 * TISSERAND_LOAD(S_23 + i + l) - oo_33 * TISSERAND_LOAD(S_33 + i + l)
-                - f7 * TISSERAND_LOAD(c7dot_1 + i + l) - f8 * TISSERAND_LOAD(c7dot_2 + i + l)
-                - f9 * TISSERAND_LOAD(c7dot_3 + i + l));
+                - (f5 * TISSERAND_LOAD(S_13 + i + l) + oo_22 * TISSERAND_LOAD(S_22 + i + l)
+                + f6 * TISSERAND_LOAD(S_23 + i + l) + oo_33 * TISSERAND_LOAD(S_33 + i + l)
+                + f7 * TISSERAND_LOAD(c7dot_1 + i + l) + f8 * TISSERAND_LOAD(c7dot_2 + i + l)
+                + f9 * TISSERAND_LOAD(c7dot_3 + i + l)));
         }
     }
     return 0;
@@ -1704,26 +1711,9 @@ int body_symbolic_jacobian(
     double *jac)
 {
     (void) t;
-    const double e0 = y[3];
-    const double e1 = y[4];
-    const double e2 = y[5];
-    const double e3 = y[6];
-    const double omega1 = y[18];
-    const double omega2 = y[19];
-    const double omega3 = y[20];
     const double *alpha = y + 7;
     const double *alphadot = y + 21;
-    const double omega1dot = ydot[18];
-    const double omega2dot = ydot[19];
-    const double omega3dot = ydot[20];
     const double *alphaddot = ydot + 21;
-    const double mass = k[632];
-    const double C3_11 = k[633];
-    const double C3_12 = k[634];
-    const double C3_13 = k[635];
-    const double C3_22 = k[636];
-    const double C3_23 = k[637];
-    const double C3_33 = k[638];
     const double *tables = k;
     const double *C4_11 = k + 576;
     const double *C4_12 = k + 584;
@@ -1734,12 +1724,19 @@ int body_symbolic_jacobian(
     const double *K = k + 624;
 
     /* attitude: check that the quaternion is neither zero nor NaN */
+    const double e0 = y[3];
+    const double e1 = y[4];
+    const double e2 = y[5];
+    const double e3 = y[6];
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* oo (5): products of omega */
+    const double omega1 = y[18];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = y[19];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = y[20];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
@@ -1758,6 +1755,9 @@ int body_symbolic_jacobian(
      *     Phi_i x rdot; C5dot_i = sum over the modes of alphadot_j C5_i_j_11; c7ddot_i = sum over
      *     the modes of alphaddot_j c7_i_j_1; derivatives of the residual, for each pair of modes
      */
+    const double omega1dot = ydot[18];
+    const double omega2dot = ydot[19];
+    const double omega3dot = ydot[20];
     double S_11[8];
     double S_12[8];
     double S_13[8];
@@ -1875,8 +1875,8 @@ int body_symbolic_jacobian(
                 TISSERAND_STORE(column + l, -(oo_11 * TISSERAND_LOAD(C5_11_j + l))
                     - f4 * TISSERAND_LOAD(C5_12_j + l) - f5 * TISSERAND_LOAD(C5_13_j + l)
                     - oo_22 * TISSERAND_LOAD(C5_22_j + l) - f6 * TISSERAND_LOAD(C5_23_j + l)
-                    - oo_33 * TISSERAND_LOAD(C5_33_j + l) - omega1dot * TISSERAND_LOAD(c7_1_j + l)
-                    - omega2dot * TISSERAND_LOAD(c7_2_j + l) - omega3dot * TISSERAND_LOAD(c7_3_j + l));
+                    - (oo_33 * TISSERAND_LOAD(C5_33_j + l) + omega1dot * TISSERAND_LOAD(c7_1_j + l)
+                    + omega2dot * TISSERAND_LOAD(c7_2_j + l) + omega3dot * TISSERAND_LOAD(c7_3_j + l)));
             }
         }
         for (int j = 0; j < 8; j++) {
@@ -1901,6 +1901,12 @@ int body_symbolic_jacobian(
      * sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
      *     rates; d3dot = int rho r x rdot
      */
+    const double C3_11 = k[633];
+    const double C3_12 = k[634];
+    const double C3_13 = k[635];
+    const double C3_22 = k[636];
+    const double C3_23 = k[637];
+    const double C3_33 = k[638];
     double sums1[15][4];
     for (int l = 0; l < 4; l += TISSERAND_WIDTH) {
         tisserand_lanes J_11_l = {0.0};
@@ -2022,6 +2028,7 @@ int body_symbolic_jacobian(
     jac[17] = t8;
     jac[18] = cj;
     jac[115] = -1.0;
+    const double mass = k[632];
     const double t13 = cj * mass;
     jac[116] = t13;
     jac[117] = -1.0;
@@ -2076,24 +2083,24 @@ int body_symbolic_jacobian(
             TISSERAND_SCATTER(jac + 20 + 12 * (i + l), 12, TISSERAND_LOAD(c7ddot_1 + i + l)
                 + f7 * TISSERAND_LOAD(C5dot_11 + i + l) + f8 * TISSERAND_LOAD(C5dot_12 + i + l)
                 + f9 * TISSERAND_LOAD(C5dot_13 + i + l) + f12 * TISSERAND_LOAD(S_11 + i + l)
-                + f10 * TISSERAND_LOAD(S_12 + i + l) + f13 * TISSERAND_LOAD(S_13 + i + l)
+                + f10 * TISSERAND_LOAD(S_12 + i + l) + (f13 * TISSERAND_LOAD(S_13 + i + l)
                 + f11 * TISSERAND_LOAD(S_23 + i + l) + f6 * TISSERAND_LOAD(S_33 + i + l)
                 + omega2 * TISSERAND_LOAD(c7dot_3 + i + l) - f6 * TISSERAND_LOAD(S_22 + i + l)
-                - omega3 * TISSERAND_LOAD(c7dot_2 + i + l));
+                - omega3 * TISSERAND_LOAD(c7dot_2 + i + l)));
             TISSERAND_SCATTER(jac + 21 + 12 * (i + l), 12, TISSERAND_LOAD(c7ddot_2 + i + l)
                 + f7 * TISSERAND_LOAD(C5dot_12 + i + l) + f8 * TISSERAND_LOAD(C5dot_22 + i + l)
                 + f9 * TISSERAND_LOAD(C5dot_23 + i + l) + f5 * TISSERAND_LOAD(S_11 + i + l)
-                + f16 * TISSERAND_LOAD(S_12 + i + l) + f17 * TISSERAND_LOAD(S_22 + i + l)
+                + f16 * TISSERAND_LOAD(S_12 + i + l) + (f17 * TISSERAND_LOAD(S_22 + i + l)
                 + f15 * TISSERAND_LOAD(S_23 + i + l) + omega3 * TISSERAND_LOAD(c7dot_1 + i + l)
                 - f14 * TISSERAND_LOAD(S_13 + i + l) - f5 * TISSERAND_LOAD(S_33 + i + l)
-                - omega1 * TISSERAND_LOAD(c7dot_3 + i + l));
+                - omega1 * TISSERAND_LOAD(c7dot_3 + i + l)));
             TISSERAND_SCATTER(jac + 22 + 12 * (i + l), 12, TISSERAND_LOAD(c7ddot_3 + i + l)
                 + f7 * TISSERAND_LOAD(C5dot_13 + i + l) + f8 * TISSERAND_LOAD(C5dot_23 + i + l)
                 + f9 * TISSERAND_LOAD(C5dot_33 + i + l) + f18 * TISSERAND_LOAD(S_12 + i + l)
-                + f19 * TISSERAND_LOAD(S_13 + i + l) + f4 * TISSERAND_LOAD(S_22 + i + l)
+                + f19 * TISSERAND_LOAD(S_13 + i + l) + (f4 * TISSERAND_LOAD(S_22 + i + l)
                 + f20 * TISSERAND_LOAD(S_23 + i + l) + f21 * TISSERAND_LOAD(S_33 + i + l)
                 + omega1 * TISSERAND_LOAD(c7dot_2 + i + l) - f4 * TISSERAND_LOAD(S_11 + i + l)
-                - omega2 * TISSERAND_LOAD(c7dot_1 + i + l));
+                - omega2 * TISSERAND_LOAD(c7dot_1 + i + l)));
             const tisserand_lanes t33 = cj * TISSERAND_LOAD(d3_1 + i + l);
             const tisserand_lanes t34 = f7 * TISSERAND_LOAD(S_11 + i + l);
             const tisserand_lanes t35 = f8 * TISSERAND_LOAD(S_12 + i + l);
@@ -2436,21 +2443,21 @@ TISSERAND_INLINE void body_symbolic_force_states(
         const double t1 = 2.0 * Sdot_12;
         const double t2 = 2.0 * Sdot_13;
         h[3 * all + b] = J_13 * oo_12 + J_23 * oo_22[b] + J_33 * oo_23 + 2.0 * Sdot_11 * omega1
-            + t1 * omega2 + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23
-            - J_23 * oo_33[b] - d3dot_2 * omega3;
+            + t1 * omega2 + t2 * omega3 + (d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23
+            - J_23 * oo_33[b] - d3dot_2 * omega3);
         const double t3 = 2.0 * Sdot_23;
         h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33[b] + t1 * omega1
-            + 2.0 * Sdot_22 * omega2 + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11[b] - J_23 * oo_12
-            - J_33 * oo_13 - d3dot_3 * omega1;
+            + 2.0 * Sdot_22 * omega2 + t3 * omega3 + (d3dot_1 * omega3 - J_13 * oo_11[b] - J_23 * oo_12
+            - J_33 * oo_13 - d3dot_3 * omega1);
         h[5 * all + b] = J_12 * oo_11[b] + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-            + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22[b] - J_13 * oo_23
-            - d3dot_1 * omega2;
+            + 2.0 * Sdot_33 * omega3 + (d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22[b] - J_13 * oo_23
+            - d3dot_1 * omega2);
     }
     for (int i = 0; i < 8; i++) {
         TISSERAND_STATES for (int b = 0; b < count; b++) {
             h[(i + 6) * all + b] = K[i] * alpha[i][b] - oo_11[b] * S_11[i][b] - f4[b] * S_12[i][b]
-                - f5[b] * S_13[i][b] - oo_22[b] * S_22[i][b] - f6[b] * S_23[i][b] - oo_33[b] * S_33[i][b]
-                - f7[b] * c7dot_1[i][b] - f8[b] * c7dot_2[i][b] - f9[b] * c7dot_3[i][b];
+                - f5[b] * S_13[i][b] - oo_22[b] * S_22[i][b] - (f6[b] * S_23[i][b] + oo_33[b] * S_33[i][b]
+                + f7[b] * c7dot_1[i][b] + f8[b] * c7dot_2[i][b] + f9[b] * c7dot_3[i][b]);
         }
     }
 }
@@ -2642,15 +2649,15 @@ TISSERAND_INLINE void body_symbolic_mass_force_states(
         const double t1 = 2.0 * Sdot_12;
         const double t2 = 2.0 * Sdot_13;
         h[3 * all + b] = J_13 * oo_12 + J_23 * oo_22[b] + J_33 * oo_23 + 2.0 * Sdot_11 * omega1
-            + t1 * omega2 + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23
-            - J_23 * oo_33[b] - d3dot_2 * omega3;
+            + t1 * omega2 + t2 * omega3 + (d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23
+            - J_23 * oo_33[b] - d3dot_2 * omega3);
         const double t3 = 2.0 * Sdot_23;
         h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33[b] + t1 * omega1
-            + 2.0 * Sdot_22 * omega2 + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11[b] - J_23 * oo_12
-            - J_33 * oo_13 - d3dot_3 * omega1;
+            + 2.0 * Sdot_22 * omega2 + t3 * omega3 + (d3dot_1 * omega3 - J_13 * oo_11[b] - J_23 * oo_12
+            - J_33 * oo_13 - d3dot_3 * omega1);
         h[5 * all + b] = J_12 * oo_11[b] + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-            + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22[b] - J_13 * oo_23
-            - d3dot_1 * omega2;
+            + 2.0 * Sdot_33 * omega3 + (d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22[b] - J_13 * oo_23
+            - d3dot_1 * omega2);
     }
     for (int i = 0; i < 8; i++) {
         TISSERAND_STATES for (int b = 0; b < count; b++) {
@@ -2659,8 +2666,8 @@ TISSERAND_INLINE void body_symbolic_mass_force_states(
             M[(i + 25) * all + b] = d3_3[i][b];
             M[(i + 33) * all + b] = 1.0;
             h[(i + 6) * all + b] = K[i] * alpha[i][b] - oo_11[b] * S_11[i][b] - f4[b] * S_12[i][b]
-                - f5[b] * S_13[i][b] - oo_22[b] * S_22[i][b] - f6[b] * S_23[i][b] - oo_33[b] * S_33[i][b]
-                - f7[b] * c7dot_1[i][b] - f8[b] * c7dot_2[i][b] - f9[b] * c7dot_3[i][b];
+                - f5[b] * S_13[i][b] - oo_22[b] * S_22[i][b] - (f6[b] * S_23[i][b] + oo_33[b] * S_33[i][b]
+                + f7[b] * c7dot_1[i][b] + f8[b] * c7dot_2[i][b] + f9[b] * c7dot_3[i][b]);
         }
     }
 }
@@ -2847,15 +2854,15 @@ TISSERAND_INLINE int body_symbolic_accel_states(
         const double t1 = 2.0 * Sdot_12;
         const double t2 = 2.0 * Sdot_13;
         h_pi1[b] = J_13 * oo_12 + J_23 * oo_22[b] + J_33 * oo_23 + 2.0 * Sdot_11 * omega1 + t1 * omega2
-            + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33[b]
-            - d3dot_2 * omega3;
+            + t2 * omega3 + (d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33[b]
+            - d3dot_2 * omega3);
         const double t3 = 2.0 * Sdot_23;
         h_pi2[b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33[b] + t1 * omega1 + 2.0 * Sdot_22 * omega2
-            + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11[b] - J_23 * oo_12 - J_33 * oo_13
-            - d3dot_3 * omega1;
+            + t3 * omega3 + (d3dot_1 * omega3 - J_13 * oo_11[b] - J_23 * oo_12 - J_33 * oo_13
+            - d3dot_3 * omega1);
         h_pi3[b] = J_12 * oo_11[b] + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-            + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22[b] - J_13 * oo_23
-            - d3dot_1 * omega2;
+            + 2.0 * Sdot_33 * omega3 + (d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22[b] - J_13 * oo_23
+            - d3dot_1 * omega2);
         M_44[b] = J_11;
         M_54[b] = J_12;
         M_64[b] = J_13;
@@ -2866,8 +2873,8 @@ TISSERAND_INLINE int body_symbolic_accel_states(
     for (int i = 0; i < 8; i++) {
         TISSERAND_STATES for (int b = 0; b < count; b++) {
             h[i][b] = K[i] * alpha[i][b] - oo_11[b] * S_11[i][b] - f4[b] * S_12[i][b] - f5[b] * S_13[i][b]
-                - oo_22[b] * S_22[i][b] - f6[b] * S_23[i][b] - oo_33[b] * S_33[i][b] - f7[b] * c7dot_1[i][b]
-                - f8[b] * c7dot_2[i][b] - f9[b] * c7dot_3[i][b];
+                - oo_22[b] * S_22[i][b] - (f6[b] * S_23[i][b] + oo_33[b] * S_33[i][b]
+                + f7[b] * c7dot_1[i][b] + f8[b] * c7dot_2[i][b] + f9[b] * c7dot_3[i][b]);
         }
     }
     for (int i = 0; i < 36; i++) {
@@ -3114,8 +3121,8 @@ TISSERAND_INLINE void body_symbolic_energy_states(
         const double strain = sums2[40][b] + sums2[41][b] + (sums2[42][b] + sums2[43][b]);
         energy[b] = 0.5 * c8dotdot + 0.5 * J_11 * omega1 * omega1 + 0.5 * J_22 * omega2 * omega2
             + 0.5 * J_33 * omega3 * omega3 + 0.5 * c1dot * c1dot * mass + 0.5 * c2dot * c2dot * mass
-            + 0.5 * c3dot * c3dot * mass + d3dot_1 * omega1 + d3dot_2 * omega2 + d3dot_3 * omega3
-            + J_12 * omega1 * omega2 + J_13 * omega1 * omega3 + J_23 * omega2 * omega3;
+            + 0.5 * c3dot * c3dot * mass + (d3dot_1 * omega1 + d3dot_2 * omega2 + d3dot_3 * omega3
+            + J_12 * omega1 * omega2 + J_13 * omega1 * omega3 + J_23 * omega2 * omega3);
         energy[all + b] = 0.5 * strain;
     }
 }

@@ -262,8 +262,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "c1a7d164c313faf0"
-#define BODY_SYMBOLIC_HASH_c1a7d164c313faf0
+#define BODY_SYMBOLIC_HASH "9089651699f4ff05"
+#define BODY_SYMBOLIC_HASH_9089651699f4ff05
 
 /* ---- sizes and indices ---- */
 
@@ -317,7 +317,7 @@ enum {
 
 /* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
-   accel reports a NaN in its mass matrix as a vanished pivot.
+   accel reports a NaN in its mass matrix as a vanished pivot, if it checks the pivots, else as a value that is not finite.
    The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times a rotation tensor. Integrators
    have to normalise it. Functions that read it return 2 where it is zero or NaN, before they check anything else.
    Arrays that are written must not overlap each other or arrays that are read.

@@ -131,7 +131,7 @@ def _columns(rows, groups, symmetric):
 
 
 NAME = "body_symbolic"
-HASH = "c1a7d164c313faf0"
+HASH = "9089651699f4ff05"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -413,26 +413,26 @@ def force(t, q, v, k):
     t2 = 2 * Sdot_13
     h[..., 3] = (
         J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + 2 * Sdot_11 * omega1 + t1 * omega2
-            + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-            - d3dot_2 * omega3
+            + t2 * omega3 + (d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
+            - d3dot_2 * omega3)
     )
     t3 = 2 * Sdot_23
     h[..., 4] = (
         J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * omega1 + 2 * Sdot_22 * omega2
-            + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-            - d3dot_3 * omega1
+            + t3 * omega3 + (d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+            - d3dot_3 * omega1)
     )
     h[..., 5] = (
         J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-            + 2 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-            - d3dot_1 * omega2
+            + 2 * Sdot_33 * omega3 + (d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+            - d3dot_1 * omega2)
     )
 
     # h_i (15): centrifugal, Coriolis, elastic and other forces, for each mode
     h[..., 6:14] = (
         K * alpha - _last(oo_11) * S_11 - _last(f4) * S_12 - _last(f5) * S_13 - _last(oo_22) * S_22
-            - _last(f6) * S_23 - _last(oo_33) * S_33 - _last(f7) * c7dot_1 - _last(f8) * c7dot_2
-            - _last(f9) * c7dot_3
+            - (_last(f6) * S_23 + _last(oo_33) * S_33 + _last(f7) * c7dot_1 + _last(f8) * c7dot_2
+            + _last(f9) * c7dot_3)
     )
 
     return h
@@ -541,19 +541,19 @@ def mass_force(t, q, v, k):
     t2 = 2 * Sdot_13
     h[..., 3] = (
         J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + 2 * Sdot_11 * omega1 + t1 * omega2
-            + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-            - d3dot_2 * omega3
+            + t2 * omega3 + (d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
+            - d3dot_2 * omega3)
     )
     t3 = 2 * Sdot_23
     h[..., 4] = (
         J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * omega1 + 2 * Sdot_22 * omega2
-            + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-            - d3dot_3 * omega1
+            + t3 * omega3 + (d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+            - d3dot_3 * omega1)
     )
     h[..., 5] = (
         J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-            + 2 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-            - d3dot_1 * omega2
+            + 2 * Sdot_33 * omega3 + (d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+            - d3dot_1 * omega2)
     )
 
     # M and h_i (15): factors of the accelerations, and forces, for each mode
@@ -563,8 +563,8 @@ def mass_force(t, q, v, k):
     M[..., 33:41] = 1
     h[..., 6:14] = (
         K * alpha - _last(oo_11) * S_11 - _last(f4) * S_12 - _last(f5) * S_13 - _last(oo_22) * S_22
-            - _last(f6) * S_23 - _last(oo_33) * S_33 - _last(f7) * c7dot_1 - _last(f8) * c7dot_2
-            - _last(f9) * c7dot_3
+            - (_last(f6) * S_23 + _last(oo_33) * S_33 + _last(f7) * c7dot_1 + _last(f8) * c7dot_2
+            + _last(f9) * c7dot_3)
     )
 
     return M, h
@@ -658,19 +658,19 @@ def accel(t, q, v, k):
     t2 = 2 * Sdot_13
     h_pi1 = (
         J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + 2 * Sdot_11 * omega1 + t1 * omega2
-            + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-            - d3dot_2 * omega3
+            + t2 * omega3 + (d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
+            - d3dot_2 * omega3)
     )
     t3 = 2 * Sdot_23
     h_pi2 = (
         J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * omega1 + 2 * Sdot_22 * omega2
-            + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-            - d3dot_3 * omega1
+            + t3 * omega3 + (d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+            - d3dot_3 * omega1)
     )
     h_pi3 = (
         J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-            + 2 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-            - d3dot_1 * omega2
+            + 2 * Sdot_33 * omega3 + (d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+            - d3dot_1 * omega2)
     )
     M_44 = J_11
     M_54 = J_12
@@ -682,8 +682,8 @@ def accel(t, q, v, k):
     # h and B_i (15): forces, and coupling of rigid-body motion and modes, for each mode
     h = (
         K * alpha - _last(oo_11) * S_11 - _last(f4) * S_12 - _last(f5) * S_13 - _last(oo_22) * S_22
-            - _last(f6) * S_23 - _last(oo_33) * S_33 - _last(f7) * c7dot_1 - _last(f8) * c7dot_2
-            - _last(f9) * c7dot_3
+            - (_last(f6) * S_23 + _last(oo_33) * S_33 + _last(f7) * c7dot_1 + _last(f8) * c7dot_2
+            + _last(f9) * c7dot_3)
     )
 
     # sums (appendix): BB = B^T c8^-1 B; Bh = B^T c8^-1 h
@@ -807,8 +807,8 @@ def energy(q, v, k):
     energy_0 = (
         0.5 * c8dotdot + 0.5 * J_11 * omega1 * omega1 + 0.5 * J_22 * omega2 * omega2
             + 0.5 * J_33 * omega3 * omega3 + 0.5 * c1dot * c1dot * mass + 0.5 * c2dot * c2dot * mass
-            + 0.5 * c3dot * c3dot * mass + d3dot_1 * omega1 + d3dot_2 * omega2 + d3dot_3 * omega3
-            + J_12 * omega1 * omega2 + J_13 * omega1 * omega3 + J_23 * omega2 * omega3
+            + 0.5 * c3dot * c3dot * mass + (d3dot_1 * omega1 + d3dot_2 * omega2 + d3dot_3 * omega3
+            + J_12 * omega1 * omega2 + J_13 * omega1 * omega3 + J_23 * omega2 * omega3)
     )
     energy_1 = 0.5 * strain
 
@@ -1104,28 +1104,28 @@ def residual(t, y, ydot, k):
     t6 = 2 * Sdot_13
     F[..., 18] = (
         d3ddot_1 + J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12
-            + J_23 * oo_22 + J_33 * oo_23 + 2 * Sdot_11 * omega1 + t5 * omega2 + t6 * omega3
-            + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33 - d3dot_2 * omega3
+            + J_23 * oo_22 + J_33 * oo_23 + 2 * Sdot_11 * omega1 + (t5 * omega2 + t6 * omega3
+            + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33 - d3dot_2 * omega3)
     )
     t7 = 2 * Sdot_23
     F[..., 19] = (
         d3ddot_2 + J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * oo_33 + J_22 * omega2dot
-            + J_23 * omega3dot + t5 * omega1 + 2 * Sdot_22 * omega2 + t7 * omega3 + d3dot_1 * omega3
-            - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13 - d3dot_3 * omega1
+            + J_23 * omega3dot + t5 * omega1 + (2 * Sdot_22 * omega2 + t7 * omega3
+            + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13 - d3dot_3 * omega1)
     )
     F[..., 20] = (
         d3ddot_3 + J_12 * oo_11 + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot + J_23 * oo_13
-            + J_33 * omega3dot + t6 * omega1 + t7 * omega2 + 2 * Sdot_33 * omega3 + d3dot_2 * omega1
-            - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - d3dot_1 * omega2
+            + J_33 * omega3dot + t6 * omega1 + (t7 * omega2 + 2 * Sdot_33 * omega3
+            + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - d3dot_1 * omega2)
     )
 
     # F_i (15): qdot less its value from v, then M vdot + h, for each mode
     F[..., 7:15] = alpha_t - alphadot
     F[..., 21:29] = (
         alphaddot + K * alpha + _last(omega1dot) * d3_1 + _last(omega2dot) * d3_2
-            + _last(omega3dot) * d3_3 - _last(oo_11) * S_11 - _last(f4) * S_12 - _last(f5) * S_13
-            - _last(oo_22) * S_22 - _last(f6) * S_23 - _last(oo_33) * S_33 - _last(f7) * c7dot_1
-            - _last(f8) * c7dot_2 - _last(f9) * c7dot_3
+            + _last(omega3dot) * d3_3 - _last(oo_11) * S_11 - _last(f4) * S_12 - (_last(f5) * S_13
+            + _last(oo_22) * S_22 + _last(f6) * S_23 + _last(oo_33) * S_33 + _last(f7) * c7dot_1
+            + _last(f8) * c7dot_2 + _last(f9) * c7dot_3)
     )
 
     return _where(xp, valid_1, F)
@@ -1231,9 +1231,9 @@ def jacobian(t, y, ydot, cj, k):
     c7_3 = _table(xp, tables, 32, 36, 8)
     block = (
         -(_last(_last(oo_11)) * C5_11) - _last(_last(f4)) * C5_12 - _last(_last(f5)) * C5_13
-            - _last(_last(oo_22)) * C5_22 - _last(_last(f6)) * C5_23 - _last(_last(oo_33)) * C5_33
-            - _last(_last(omega1dot)) * c7_1 - _last(_last(omega2dot)) * c7_2
-            - _last(_last(omega3dot)) * c7_3
+            - _last(_last(oo_22)) * C5_22 - _last(_last(f6)) * C5_23 - (_last(_last(oo_33)) * C5_33
+            + _last(_last(omega1dot)) * c7_1 + _last(_last(omega2dot)) * c7_2
+            + _last(_last(omega3dot)) * c7_3)
     )
     for j in range(8):
         first = 23 + 12 * j
@@ -1362,21 +1362,21 @@ def jacobian(t, y, ydot, cj, k):
     jac[..., 19:104:12] = _last(cj)
     jac[..., 20:105:12] = (
         c7ddot_1 + _last(f7) * C5dot_11 + _last(f8) * C5dot_12 + _last(f9) * C5dot_13
-            + _last(f12) * S_11 + _last(f10) * S_12 + _last(f13) * S_13 + _last(f11) * S_23
+            + _last(f12) * S_11 + _last(f10) * S_12 + (_last(f13) * S_13 + _last(f11) * S_23
             + _last(f6) * S_33 + _last(omega2) * c7dot_3 - _last(f6) * S_22
-            - _last(omega3) * c7dot_2
+            - _last(omega3) * c7dot_2)
     )
     jac[..., 21:106:12] = (
         c7ddot_2 + _last(f7) * C5dot_12 + _last(f8) * C5dot_22 + _last(f9) * C5dot_23
-            + _last(f5) * S_11 + _last(f16) * S_12 + _last(f17) * S_22 + _last(f15) * S_23
+            + _last(f5) * S_11 + _last(f16) * S_12 + (_last(f17) * S_22 + _last(f15) * S_23
             + _last(omega3) * c7dot_1 - _last(f14) * S_13 - _last(f5) * S_33
-            - _last(omega1) * c7dot_3
+            - _last(omega1) * c7dot_3)
     )
     jac[..., 22:107:12] = (
         c7ddot_3 + _last(f7) * C5dot_13 + _last(f8) * C5dot_23 + _last(f9) * C5dot_33
-            + _last(f18) * S_12 + _last(f19) * S_13 + _last(f4) * S_22 + _last(f20) * S_23
+            + _last(f18) * S_12 + _last(f19) * S_13 + (_last(f4) * S_22 + _last(f20) * S_23
             + _last(f21) * S_33 + _last(omega1) * c7dot_2 - _last(f4) * S_11
-            - _last(omega2) * c7dot_1
+            - _last(omega2) * c7dot_1)
     )
     t33 = _last(cj) * d3_1
     t34 = _last(f7) * S_11

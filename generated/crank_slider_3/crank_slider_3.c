@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef CRANK_SLIDER_3_HASH_18ae37436bd6d721
+#ifndef CRANK_SLIDER_3_HASH_6bf7f9af4f2ca25c
 #  error "crank_slider_3.h and crank_slider_3.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,6 +21,13 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+
+/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
+#else
+#  define TISSERAND_SCALAR
+#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -114,6 +121,7 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
+TISSERAND_SCALAR
 int crank_slider_3_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -123,21 +131,18 @@ int crank_slider_3_setup(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_alpha2 = q[9];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
     (void) k;
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = q[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = q[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 J (appendix): rod_1_J = int rho r . r */
@@ -145,7 +150,9 @@ int crank_slider_3_mass(
         + rod_1_D2_2 * rod_1_alpha2;
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = q[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = q[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 J (appendix): rod_2_J = int rho r . r */
@@ -153,7 +160,9 @@ int crank_slider_3_mass(
         + rod_2_D2_2 * rod_2_alpha2;
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = q[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = q[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 J (appendix): rod_3_J = int rho r . r */
@@ -180,6 +189,7 @@ int crank_slider_3_mass(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -188,59 +198,59 @@ int crank_slider_3_force(
     double *h)
 {
     (void) t;
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_alpha2 = q[9];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
-    const double rod_1_phidot = v[2];
-    const double rod_1_alpha1dot = v[3];
-    const double rod_1_alpha2dot = v[4];
-    const double rod_2_phidot = v[7];
-    const double rod_2_alpha1dot = v[8];
-    const double rod_2_alpha2dot = v[9];
-    const double rod_3_phidot = v[12];
-    const double rod_3_alpha1dot = v[13];
-    const double rod_3_alpha2dot = v[14];
     (void) k;
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = q[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = q[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 D2dot (appendix): rod_1_D2dot = int rho r . rdot */
+    const double rod_1_alpha1dot = v[3];
+    const double rod_1_alpha2dot = v[4];
     const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = q[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = q[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 D2dot (appendix): rod_2_D2dot = int rho r . rdot */
+    const double rod_2_alpha1dot = v[8];
+    const double rod_2_alpha2dot = v[9];
     const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = q[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = q[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 D2dot (appendix): rod_3_D2dot = int rho r . rdot */
+    const double rod_3_alpha1dot = v[13];
+    const double rod_3_alpha2dot = v[14];
     const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
 
     /* h (15): centrifugal, Coriolis and elastic terms */
     h[0] = 0.0;
     h[1] = 0.0;
+    const double rod_1_phidot = v[2];
     h[2] = 2.0 * rod_1_phidot * rod_1_D2dot;
     const double t1 = rod_1_phidot * rod_1_phidot;
     h[3] = (1145110518.0 / 625.0) * rod_1_alpha1 - t1 * rod_1_D2_1;
     h[4] = (381703506.0 / 25.0) * rod_1_alpha2 - t1 * rod_1_D2_2;
     h[5] = 0.0;
     h[6] = 0.0;
+    const double rod_2_phidot = v[7];
     h[7] = 2.0 * rod_2_phidot * rod_2_D2dot;
     const double t2 = rod_2_phidot * rod_2_phidot;
     h[8] = (1145110518.0 / 625.0) * rod_2_alpha1 - t2 * rod_2_D2_1;
     h[9] = (381703506.0 / 25.0) * rod_2_alpha2 - t2 * rod_2_D2_2;
     h[10] = 0.0;
     h[11] = 0.0;
+    const double rod_3_phidot = v[12];
     h[12] = 2.0 * rod_3_phidot * rod_3_D2dot;
     const double t3 = rod_3_phidot * rod_3_phidot;
     h[13] = (1145110518.0 / 625.0) * rod_3_alpha1 - t3 * rod_3_D2_1;
@@ -249,6 +259,7 @@ int crank_slider_3_force(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -258,21 +269,6 @@ int crank_slider_3_mass_force(
     double *h)
 {
     (void) t;
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_alpha2 = q[9];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
-    const double rod_1_phidot = v[2];
-    const double rod_1_alpha1dot = v[3];
-    const double rod_1_alpha2dot = v[4];
-    const double rod_2_phidot = v[7];
-    const double rod_2_alpha1dot = v[8];
-    const double rod_2_alpha2dot = v[9];
-    const double rod_3_phidot = v[12];
-    const double rod_3_alpha1dot = v[13];
-    const double rod_3_alpha2dot = v[14];
     (void) k;
 
     /* slider_s (15): force and column of M of slider_s */
@@ -280,10 +276,13 @@ int crank_slider_3_mass_force(
     M[15] = (33377851.0 / 1000000000.0);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = q[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = q[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3_alpha2 (15): force and column of M of rod_3_alpha2 */
+    const double rod_3_phidot = v[12];
     const double t1 = rod_3_phidot * rod_3_phidot;
     h[14] = (381703506.0 / 25.0) * rod_3_alpha2 - t1 * rod_3_D2_2;
     M[14] = (33377851.0 / 10500000000.0);
@@ -297,6 +296,8 @@ int crank_slider_3_mass_force(
         + rod_3_D2_2 * rod_3_alpha2;
 
     /* rod_3 D2dot (appendix): rod_3_D2dot = int rho r . rdot */
+    const double rod_3_alpha1dot = v[13];
+    const double rod_3_alpha2dot = v[14];
     const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
 
     /* rod_3_phi (15): force and column of M of rod_3_phi */
@@ -312,10 +313,13 @@ int crank_slider_3_mass_force(
     M[10] = (33377851.0 / 1500000000.0);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = q[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = q[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2_alpha2 (15): force and column of M of rod_2_alpha2 */
+    const double rod_2_phidot = v[7];
     const double t2 = rod_2_phidot * rod_2_phidot;
     h[9] = (381703506.0 / 25.0) * rod_2_alpha2 - t2 * rod_2_D2_2;
     M[9] = (33377851.0 / 10500000000.0);
@@ -329,6 +333,8 @@ int crank_slider_3_mass_force(
         + rod_2_D2_2 * rod_2_alpha2;
 
     /* rod_2 D2dot (appendix): rod_2_D2dot = int rho r . rdot */
+    const double rod_2_alpha1dot = v[8];
+    const double rod_2_alpha2dot = v[9];
     const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
 
     /* rod_2_phi (15): force and column of M of rod_2_phi */
@@ -344,10 +350,13 @@ int crank_slider_3_mass_force(
     M[5] = (33377851.0 / 1500000000.0);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = q[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = q[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1_alpha2 (15): force and column of M of rod_1_alpha2 */
+    const double rod_1_phidot = v[2];
     const double t3 = rod_1_phidot * rod_1_phidot;
     h[4] = (381703506.0 / 25.0) * rod_1_alpha2 - t3 * rod_1_D2_2;
     M[4] = (33377851.0 / 10500000000.0);
@@ -361,6 +370,8 @@ int crank_slider_3_mass_force(
         + rod_1_D2_2 * rod_1_alpha2;
 
     /* rod_1 D2dot (appendix): rod_1_D2dot = int rho r . rdot */
+    const double rod_1_alpha1dot = v[3];
+    const double rod_1_alpha2dot = v[4];
     const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
 
     /* rod_1_phi (15): force and column of M of rod_1_phi */
@@ -377,6 +388,7 @@ int crank_slider_3_mass_force(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -384,35 +396,20 @@ int crank_slider_3_accel(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-    const double rod_1_phi = q[2];
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_2_phi = q[7];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_alpha2 = q[9];
-    const double rod_3_phi = q[12];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
-    const double rod_1_phidot = v[2];
-    const double rod_1_alpha1dot = v[3];
-    const double rod_1_alpha2dot = v[4];
-    const double rod_2_phidot = v[7];
-    const double rod_2_alpha1dot = v[8];
-    const double rod_2_alpha2dot = v[9];
-    const double rod_3_phidot = v[12];
-    const double rod_3_alpha1dot = v[13];
-    const double rod_3_alpha2dot = v[14];
     (void) k;
 
     /*
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = q[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = q[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = q[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 J (appendix): rod_1_J = int rho r . r */
@@ -424,6 +421,8 @@ int crank_slider_3_accel(
      *     at left, along e2
      */
     const double rod_1_left_r_2 = rod_1_alpha1 - rod_1_alpha2;
+    const double rod_1_alpha1dot = v[3];
+    const double rod_1_alpha2dot = v[4];
     const double rod_1_left_rdot_2 = rod_1_alpha1dot - rod_1_alpha2dot;
     const double rod_1_left_s_1 = (-1.0 / 20.0) * rod_1_cos_phi - rod_1_left_r_2 * rod_1_sin_phi;
     const double rod_1_left_s_2 = rod_1_left_r_2 * rod_1_cos_phi + (-1.0 / 20.0) * rod_1_sin_phi;
@@ -445,11 +444,14 @@ int crank_slider_3_accel(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = q[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = q[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = q[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 J (appendix): rod_2_J = int rho r . r */
@@ -461,6 +463,8 @@ int crank_slider_3_accel(
      *     rod_2_cut_left_sdot_2 = Q rdot at cut_left, along e2
      */
     const double rod_2_cut_left_r_2 = rod_2_alpha1 - rod_2_alpha2;
+    const double rod_2_alpha1dot = v[8];
+    const double rod_2_alpha2dot = v[9];
     const double rod_2_cut_left_rdot_2 = rod_2_alpha1dot - rod_2_alpha2dot;
     const double rod_2_cut_left_s_1 = (-1.0 / 20.0) * rod_2_cos_phi
         - rod_2_cut_left_r_2 * rod_2_sin_phi;
@@ -484,11 +488,14 @@ int crank_slider_3_accel(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = q[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = q[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = q[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 J (appendix): rod_3_J = int rho r . r */
@@ -500,6 +507,8 @@ int crank_slider_3_accel(
      *     rdot at right, along e2
      */
     const double rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2;
+    const double rod_3_alpha1dot = v[13];
+    const double rod_3_alpha2dot = v[14];
     const double rod_3_right_rdot_2 = rod_3_alpha1dot + rod_3_alpha2dot;
     const double rod_3_right_s_1 = (1.0 / 20.0) * rod_3_cos_phi - rod_3_right_r_2 * rod_3_sin_phi;
     const double rod_3_right_s_2 = rod_3_right_r_2 * rod_3_cos_phi + (1.0 / 20.0) * rod_3_sin_phi;
@@ -735,6 +744,7 @@ int crank_slider_3_accel(
     const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
+    const double rod_1_phidot = v[2];
     const double t124 = 2.0 * rod_1_phidot;
     const double t125 = rod_1_phidot * rod_1_phidot;
     const double t126 = (1145110518.0 / 625.0) * rod_1_alpha1 - t125 * rod_1_D2_1;
@@ -748,6 +758,7 @@ int crank_slider_3_accel(
         + t131 - t132 + t13 * t130;
     const double t134 = 22500.0 * crank_pin_s_2 - t124 * (rod_1_left_rdot_2 * rod_1_sin_phi)
         - t125 * rod_1_left_s_2 - t127 + t129 - t6 * t130 + t15 * t133;
+    const double rod_2_phidot = v[7];
     const double t135 = rod_2_phidot * rod_2_phidot;
     const double t136 = 2.0 * rod_2_phidot;
     const double t137 = (1145110518.0 / 625.0) * rod_2_alpha1 - t135 * rod_2_D2_1;
@@ -755,6 +766,7 @@ int crank_slider_3_accel(
     const double t139 = (381703506.0 / 25.0) * rod_2_alpha2 - t135 * rod_2_D2_2;
     const double t140 = t48 * t139;
     const double t141 = t136 * rod_2_D2dot;
+    const double rod_3_phidot = v[12];
     const double t142 = rod_3_phidot * rod_3_phidot;
     const double t143 = (1145110518.0 / 625.0) * rod_3_alpha1 - t142 * rod_3_D2_1;
     const double t144 = (381703506.0 / 25.0) * rod_3_alpha2 - t142 * rod_3_D2_2;
@@ -860,38 +872,19 @@ int crank_slider_3_accel(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_alpha2 = q[9];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
-    const double rod_1_c1dot = v[0];
-    const double rod_1_c2dot = v[1];
-    const double rod_1_phidot = v[2];
-    const double rod_1_alpha1dot = v[3];
-    const double rod_1_alpha2dot = v[4];
-    const double rod_2_c1dot = v[5];
-    const double rod_2_c2dot = v[6];
-    const double rod_2_phidot = v[7];
-    const double rod_2_alpha1dot = v[8];
-    const double rod_2_alpha2dot = v[9];
-    const double rod_3_c1dot = v[10];
-    const double rod_3_c2dot = v[11];
-    const double rod_3_phidot = v[12];
-    const double rod_3_alpha1dot = v[13];
-    const double rod_3_alpha2dot = v[14];
-    const double slider_sdot = v[15];
     (void) k;
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = q[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = q[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 J (appendix): rod_1_J = int rho r . r */
@@ -899,7 +892,9 @@ int crank_slider_3_energy(
         + rod_1_D2_2 * rod_1_alpha2;
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = q[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = q[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 J (appendix): rod_2_J = int rho r . r */
@@ -907,7 +902,9 @@ int crank_slider_3_energy(
         + rod_2_D2_2 * rod_2_alpha2;
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = q[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = q[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 J (appendix): rod_3_J = int rho r . r */
@@ -915,6 +912,22 @@ int crank_slider_3_energy(
         + rod_3_D2_2 * rod_3_alpha2;
 
     /* energy (22): 1/2 int rho xdot . xdot and the strain energy */
+    const double rod_1_phidot = v[2];
+    const double rod_1_alpha1dot = v[3];
+    const double rod_1_alpha2dot = v[4];
+    const double rod_1_c1dot = v[0];
+    const double rod_1_c2dot = v[1];
+    const double rod_2_phidot = v[7];
+    const double rod_2_alpha1dot = v[8];
+    const double rod_2_alpha2dot = v[9];
+    const double rod_2_c1dot = v[5];
+    const double rod_2_c2dot = v[6];
+    const double rod_3_phidot = v[12];
+    const double rod_3_alpha1dot = v[13];
+    const double rod_3_alpha2dot = v[14];
+    const double rod_3_c1dot = v[10];
+    const double rod_3_c2dot = v[11];
+    const double slider_sdot = v[15];
     energy[0] = 0.5 * (rod_1_phidot * rod_1_phidot * rod_1_J
         + (33377851.0 / 7500000000.0) * (rod_1_alpha1dot * rod_1_alpha1dot)
         + (33377851.0 / 10500000000.0) * (rod_1_alpha2dot * rod_1_alpha2dot)
@@ -923,14 +936,14 @@ int crank_slider_3_energy(
         + rod_2_phidot * rod_2_phidot * rod_2_J
         + (33377851.0 / 7500000000.0) * (rod_2_alpha1dot * rod_2_alpha1dot)
         + (33377851.0 / 10500000000.0) * (rod_2_alpha2dot * rod_2_alpha2dot)
-        + (33377851.0 / 1500000000.0) * (rod_2_c1dot * rod_2_c1dot)
+        + ((33377851.0 / 1500000000.0) * (rod_2_c1dot * rod_2_c1dot)
         + (33377851.0 / 1500000000.0) * (rod_2_c2dot * rod_2_c2dot)
         + rod_3_phidot * rod_3_phidot * rod_3_J
         + (33377851.0 / 7500000000.0) * (rod_3_alpha1dot * rod_3_alpha1dot)
         + (33377851.0 / 10500000000.0) * (rod_3_alpha2dot * rod_3_alpha2dot)
         + (33377851.0 / 1500000000.0) * (rod_3_c1dot * rod_3_c1dot)
         + (33377851.0 / 1500000000.0) * (rod_3_c2dot * rod_3_c2dot)
-        + (33377851.0 / 1000000000.0) * (slider_sdot * slider_sdot));
+        + (33377851.0 / 1000000000.0) * (slider_sdot * slider_sdot)));
     energy[1] = 0.5 * ((1145110518.0 / 625.0) * (rod_1_alpha1 * rod_1_alpha1)
         + (381703506.0 / 25.0) * (rod_1_alpha2 * rod_1_alpha2)
         + (1145110518.0 / 625.0) * (rod_2_alpha1 * rod_2_alpha1)
@@ -940,38 +953,19 @@ int crank_slider_3_energy(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-    const double rod_1_c1 = q[0];
-    const double rod_1_c2 = q[1];
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_2_c1 = q[5];
-    const double rod_2_c2 = q[6];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_alpha2 = q[9];
-    const double rod_3_c1 = q[10];
-    const double rod_3_c2 = q[11];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
-    const double rod_1_c1dot = v[0];
-    const double rod_1_c2dot = v[1];
-    const double rod_1_phidot = v[2];
-    const double rod_2_c1dot = v[5];
-    const double rod_2_c2dot = v[6];
-    const double rod_2_phidot = v[7];
-    const double rod_3_c1dot = v[10];
-    const double rod_3_c2dot = v[11];
-    const double rod_3_phidot = v[12];
-    const double slider_sdot = v[15];
     (void) k;
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = q[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = q[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 J (appendix): rod_1_J = int rho r . r */
@@ -979,7 +973,9 @@ int crank_slider_3_momentum(
         + rod_1_D2_2 * rod_1_alpha2;
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = q[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = q[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 J (appendix): rod_2_J = int rho r . r */
@@ -987,7 +983,9 @@ int crank_slider_3_momentum(
         + rod_2_D2_2 * rod_2_alpha2;
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = q[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = q[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 J (appendix): rod_3_J = int rho r . r */
@@ -995,21 +993,38 @@ int crank_slider_3_momentum(
         + rod_3_D2_2 * rod_3_alpha2;
 
     /* momentum (1): int rho xdot and int rho x x xdot */
+    const double rod_1_c1dot = v[0];
+    const double rod_2_c1dot = v[5];
+    const double rod_3_c1dot = v[10];
+    const double slider_sdot = v[15];
     momentum[0] = (33377851.0 / 1500000000.0) * rod_1_c1dot
         + (33377851.0 / 1500000000.0) * rod_2_c1dot + (33377851.0 / 1500000000.0) * rod_3_c1dot
         + (33377851.0 / 1000000000.0) * slider_sdot;
+    const double rod_1_c2dot = v[1];
+    const double rod_2_c2dot = v[6];
+    const double rod_3_c2dot = v[11];
     momentum[1] = (33377851.0 / 1500000000.0) * rod_1_c2dot
         + (33377851.0 / 1500000000.0) * rod_2_c2dot + (33377851.0 / 1500000000.0) * rod_3_c2dot;
+    const double rod_1_phidot = v[2];
+    const double rod_2_phidot = v[7];
+    const double rod_3_phidot = v[12];
+    const double rod_1_c1 = q[0];
+    const double rod_2_c1 = q[5];
+    const double rod_3_c1 = q[10];
+    const double rod_1_c2 = q[1];
+    const double rod_2_c2 = q[6];
+    const double rod_3_c2 = q[11];
     momentum[2] = rod_1_phidot * rod_1_J + rod_2_phidot * rod_2_J + rod_3_phidot * rod_3_J
         + (33377851.0 / 1500000000.0) * (rod_1_c2dot * rod_1_c1)
         + (33377851.0 / 1500000000.0) * (rod_2_c2dot * rod_2_c1)
-        + (33377851.0 / 1500000000.0) * (rod_3_c2dot * rod_3_c1)
+        + ((33377851.0 / 1500000000.0) * (rod_3_c2dot * rod_3_c1)
         - (33377851.0 / 1500000000.0) * (rod_1_c1dot * rod_1_c2)
         - (33377851.0 / 1500000000.0) * (rod_2_c1dot * rod_2_c2)
-        - (33377851.0 / 1500000000.0) * (rod_3_c1dot * rod_3_c2);
+        - (33377851.0 / 1500000000.0) * (rod_3_c1dot * rod_3_c2));
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1017,44 +1032,45 @@ int crank_slider_3_rates(
     double *qdot)
 {
     (void) q;
-    const double rod_1_c1dot = v[0];
-    const double rod_1_c2dot = v[1];
-    const double rod_1_phidot = v[2];
-    const double rod_1_alpha1dot = v[3];
-    const double rod_1_alpha2dot = v[4];
-    const double rod_2_c1dot = v[5];
-    const double rod_2_c2dot = v[6];
-    const double rod_2_phidot = v[7];
-    const double rod_2_alpha1dot = v[8];
-    const double rod_2_alpha2dot = v[9];
-    const double rod_3_c1dot = v[10];
-    const double rod_3_c2dot = v[11];
-    const double rod_3_phidot = v[12];
-    const double rod_3_alpha1dot = v[13];
-    const double rod_3_alpha2dot = v[14];
-    const double slider_sdot = v[15];
     (void) k;
 
     /* rates (1): from Qdot = Q (omega x) */
+    const double rod_1_c1dot = v[0];
     qdot[0] = rod_1_c1dot;
+    const double rod_1_c2dot = v[1];
     qdot[1] = rod_1_c2dot;
+    const double rod_1_phidot = v[2];
     qdot[2] = rod_1_phidot;
+    const double rod_1_alpha1dot = v[3];
     qdot[3] = rod_1_alpha1dot;
+    const double rod_1_alpha2dot = v[4];
     qdot[4] = rod_1_alpha2dot;
+    const double rod_2_c1dot = v[5];
     qdot[5] = rod_2_c1dot;
+    const double rod_2_c2dot = v[6];
     qdot[6] = rod_2_c2dot;
+    const double rod_2_phidot = v[7];
     qdot[7] = rod_2_phidot;
+    const double rod_2_alpha1dot = v[8];
     qdot[8] = rod_2_alpha1dot;
+    const double rod_2_alpha2dot = v[9];
     qdot[9] = rod_2_alpha2dot;
+    const double rod_3_c1dot = v[10];
     qdot[10] = rod_3_c1dot;
+    const double rod_3_c2dot = v[11];
     qdot[11] = rod_3_c2dot;
+    const double rod_3_phidot = v[12];
     qdot[12] = rod_3_phidot;
+    const double rod_3_alpha1dot = v[13];
     qdot[13] = rod_3_alpha1dot;
+    const double rod_3_alpha2dot = v[14];
     qdot[14] = rod_3_alpha2dot;
+    const double slider_sdot = v[15];
     qdot[15] = slider_sdot;
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_marker_rod_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1063,24 +1079,19 @@ int crank_slider_3_marker_rod_left(
     double *xdot,
     double *jacobian)
 {
-    const double rod_1_c1 = q[0];
-    const double rod_1_c2 = q[1];
-    const double rod_1_phi = q[2];
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_1_c1dot = v[0];
-    const double rod_1_c2dot = v[1];
-    const double rod_1_phidot = v[2];
-    const double rod_1_alpha1dot = v[3];
-    const double rod_1_alpha2dot = v[4];
     (void) k;
 
     /*
      * rod_1 left (1): rod_1_left_r_2 = r = X + u at left, along e2; ...; rod_1_left_sdot_2 = Q rdot
      *     at left, along e2
      */
+    const double rod_1_alpha1 = q[3];
+    const double rod_1_alpha2 = q[4];
     const double rod_1_left_r_2 = rod_1_alpha1 - rod_1_alpha2;
+    const double rod_1_alpha1dot = v[3];
+    const double rod_1_alpha2dot = v[4];
     const double rod_1_left_rdot_2 = rod_1_alpha1dot - rod_1_alpha2dot;
+    const double rod_1_phi = q[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double t1 = (-1.0 / 20.0) * rod_1_cos_phi;
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
@@ -1091,11 +1102,16 @@ int crank_slider_3_marker_rod_left(
     const double rod_1_left_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double rod_1_c1 = q[0];
     x[0] = rod_1_c1 + t1 - t2;
+    const double rod_1_c2 = q[1];
     x[1] = rod_1_c2 + t3 + t4;
+    const double rod_1_phidot = v[2];
     const double t5 = rod_1_left_rdot_2 + (-1.0 / 20.0) * rod_1_phidot;
     const double t6 = rod_1_phidot * rod_1_left_r_2;
+    const double rod_1_c1dot = v[0];
     xdot[0] = rod_1_c1dot - t5 * rod_1_sin_phi - t6 * rod_1_cos_phi;
+    const double rod_1_c2dot = v[1];
     xdot[1] = rod_1_c2dot + t5 * rod_1_cos_phi - t6 * rod_1_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1108,6 +1124,7 @@ int crank_slider_3_marker_rod_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_marker_rod_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1116,23 +1133,18 @@ int crank_slider_3_marker_rod_middle(
     double *xdot,
     double *jacobian)
 {
-    const double rod_2_c1 = q[5];
-    const double rod_2_c2 = q[6];
-    const double rod_2_phi = q[7];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_c1dot = v[5];
-    const double rod_2_c2dot = v[6];
-    const double rod_2_phidot = v[7];
-    const double rod_2_alpha1dot = v[8];
     (void) k;
 
     /*
      * rod_2 middle (1): rod_2_middle_r_2 = r = X + u at middle, along e2; ...; rod_2_middle_sdot_2
      *     = Q rdot at middle, along e2
      */
+    const double rod_2_alpha1 = q[8];
     const double t1 = 0.5 * rod_2_alpha1;
+    const double rod_2_phi = q[7];
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
     const double rod_2_middle_s_1 = t1 * rod_2_sin_phi;
+    const double rod_2_alpha1dot = v[8];
     const double t2 = 0.5 * rod_2_alpha1dot;
     const double rod_2_middle_sdot_1 = t2 * rod_2_sin_phi;
 
@@ -1143,11 +1155,16 @@ int crank_slider_3_marker_rod_middle(
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double rod_2_c1 = q[5];
     x[0] = rod_2_c1 + rod_2_middle_s_1;
     const double t3 = t1 * rod_2_cos_phi;
+    const double rod_2_c2 = q[6];
     x[1] = rod_2_c2 - t3;
+    const double rod_2_phidot = v[7];
     const double t4 = rod_2_phidot * t1;
+    const double rod_2_c1dot = v[5];
     xdot[0] = rod_2_c1dot + rod_2_middle_sdot_1 + t4 * rod_2_cos_phi;
+    const double rod_2_c2dot = v[6];
     xdot[1] = rod_2_c2dot - t2 * rod_2_cos_phi + t4 * rod_2_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1158,6 +1175,7 @@ int crank_slider_3_marker_rod_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_marker_rod_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1166,24 +1184,19 @@ int crank_slider_3_marker_rod_right(
     double *xdot,
     double *jacobian)
 {
-    const double rod_3_c1 = q[10];
-    const double rod_3_c2 = q[11];
-    const double rod_3_phi = q[12];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
-    const double rod_3_c1dot = v[10];
-    const double rod_3_c2dot = v[11];
-    const double rod_3_phidot = v[12];
-    const double rod_3_alpha1dot = v[13];
-    const double rod_3_alpha2dot = v[14];
     (void) k;
 
     /*
      * rod_3 right (1): rod_3_right_r_2 = r = X + u at right, along e2; ...; rod_3_right_sdot_2 = Q
      *     rdot at right, along e2
      */
+    const double rod_3_alpha1 = q[13];
+    const double rod_3_alpha2 = q[14];
     const double rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2;
+    const double rod_3_alpha1dot = v[13];
+    const double rod_3_alpha2dot = v[14];
     const double rod_3_right_rdot_2 = rod_3_alpha1dot + rod_3_alpha2dot;
+    const double rod_3_phi = q[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double t1 = (1.0 / 20.0) * rod_3_cos_phi;
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
@@ -1194,11 +1207,16 @@ int crank_slider_3_marker_rod_right(
     const double rod_3_right_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double rod_3_c1 = q[10];
     x[0] = rod_3_c1 + t1 - t2;
+    const double rod_3_c2 = q[11];
     x[1] = rod_3_c2 + t3 + t4;
+    const double rod_3_phidot = v[12];
     const double t5 = rod_3_right_rdot_2 + (1.0 / 20.0) * rod_3_phidot;
     const double t6 = rod_3_phidot * rod_3_right_r_2;
+    const double rod_3_c1dot = v[10];
     xdot[0] = rod_3_c1dot - t5 * rod_3_sin_phi - t6 * rod_3_cos_phi;
+    const double rod_3_c2dot = v[11];
     xdot[1] = rod_3_c2dot + t5 * rod_3_cos_phi - t6 * rod_3_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1212,6 +1230,7 @@ int crank_slider_3_marker_rod_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_marker_slider_pin(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1220,40 +1239,39 @@ int crank_slider_3_marker_slider_pin(
     double *xdot,
     double *jacobian)
 {
-    const double slider_s = q[15];
-    const double slider_sdot = v[15];
     (void) k;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double slider_s = q[15];
     x[0] = slider_s;
     x[1] = 0.0;
+    const double slider_sdot = v[15];
     xdot[0] = slider_sdot;
     xdot[1] = 0.0;
     jacobian[0] = 1.0;
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_load_rod_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double rod_1_phi = q[2];
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = q[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double rod_1_left_Fb_1 = F_1 * rod_1_cos_phi + F_2 * rod_1_sin_phi;
     const double rod_1_left_Fb_2 = F_2 * rod_1_cos_phi - F_1 * rod_1_sin_phi;
 
@@ -1261,6 +1279,8 @@ int crank_slider_3_load_rod_left(
      * rod_1 left (1): rod_1_left_r_2 = r = X + u at left, along e2; ...; rod_1_left_s_2 = Q r at
      *     left, along e2
      */
+    const double rod_1_alpha1 = q[3];
+    const double rod_1_alpha2 = q[4];
     const double rod_1_left_r_2 = rod_1_alpha1 - rod_1_alpha2;
 
     /* f (10): virtual work of the force */
@@ -1283,26 +1303,26 @@ int crank_slider_3_load_rod_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_load_rod_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double rod_2_phi = q[7];
-    const double rod_2_alpha1 = q[8];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = q[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double rod_2_middle_Fb_1 = F_1 * rod_2_cos_phi + F_2 * rod_2_sin_phi;
     const double rod_2_middle_Fb_2 = F_2 * rod_2_cos_phi - F_1 * rod_2_sin_phi;
 
@@ -1314,6 +1334,7 @@ int crank_slider_3_load_rod_middle(
     f[4] = 0.0;
     f[5] = F_1;
     f[6] = F_2;
+    const double rod_2_alpha1 = q[8];
     f[7] = rod_2_middle_Fb_1 * (0.5 * rod_2_alpha1);
     f[8] = (-0.5) * rod_2_middle_Fb_2;
     f[9] = 0.0;
@@ -1326,27 +1347,26 @@ int crank_slider_3_load_rod_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_load_rod_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double rod_3_phi = q[12];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = q[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double rod_3_right_Fb_1 = F_1 * rod_3_cos_phi + F_2 * rod_3_sin_phi;
     const double rod_3_right_Fb_2 = F_2 * rod_3_cos_phi - F_1 * rod_3_sin_phi;
 
@@ -1354,6 +1374,8 @@ int crank_slider_3_load_rod_right(
      * rod_3 right (1): rod_3_right_r_2 = r = X + u at right, along e2; ...; rod_3_right_s_2 = Q r
      *     at right, along e2
      */
+    const double rod_3_alpha1 = q[13];
+    const double rod_3_alpha2 = q[14];
     const double rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2;
 
     /* f (10): virtual work of the force */
@@ -1376,6 +1398,7 @@ int crank_slider_3_load_rod_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_load_slider_pin(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1383,7 +1406,6 @@ int crank_slider_3_load_slider_pin(
     double *f)
 {
     (void) q;
-    const double F_1 = F[0];
     (void) k;
 
     /* f (10): virtual work of the force */
@@ -1402,32 +1424,18 @@ int crank_slider_3_load_slider_pin(
     f[12] = 0.0;
     f[13] = 0.0;
     f[14] = 0.0;
+    const double F_1 = F[0];
     f[15] = F_1;
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_constraints(
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *g)
 {
-    const double rod_1_c1 = q[0];
-    const double rod_1_c2 = q[1];
-    const double rod_1_phi = q[2];
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_2_c1 = q[5];
-    const double rod_2_c2 = q[6];
-    const double rod_2_phi = q[7];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_alpha2 = q[9];
-    const double rod_3_c1 = q[10];
-    const double rod_3_c2 = q[11];
-    const double rod_3_phi = q[12];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
-    const double slider_s = q[15];
     (void) k;
 
     /* crank (1): crank_phi = prescribed rotation of crank */
@@ -1448,6 +1456,7 @@ int crank_slider_3_constraints(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = q[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
@@ -1455,6 +1464,8 @@ int crank_slider_3_constraints(
      * rod_1 left (1): rod_1_left_r_2 = r = X + u at left, along e2; ...; rod_1_left_s_2 = Q r at
      *     left, along e2
      */
+    const double rod_1_alpha1 = q[3];
+    const double rod_1_alpha2 = q[4];
     const double rod_1_left_r_2 = rod_1_alpha1 - rod_1_alpha2;
     const double rod_1_left_s_1 = (-1.0 / 20.0) * rod_1_cos_phi - rod_1_left_r_2 * rod_1_sin_phi;
     const double rod_1_left_s_2 = rod_1_left_r_2 * rod_1_cos_phi + (-1.0 / 20.0) * rod_1_sin_phi;
@@ -1473,6 +1484,7 @@ int crank_slider_3_constraints(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = q[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
@@ -1480,6 +1492,8 @@ int crank_slider_3_constraints(
      * rod_2 cut_left (1): rod_2_cut_left_r_2 = r = X + u at cut_left, along e2; ...;
      *     rod_2_cut_left_s_2 = Q r at cut_left, along e2
      */
+    const double rod_2_alpha1 = q[8];
+    const double rod_2_alpha2 = q[9];
     const double rod_2_cut_left_r_2 = rod_2_alpha1 - rod_2_alpha2;
     const double rod_2_cut_left_s_1 = (-1.0 / 20.0) * rod_2_cos_phi
         - rod_2_cut_left_r_2 * rod_2_sin_phi;
@@ -1500,6 +1514,7 @@ int crank_slider_3_constraints(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = q[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
@@ -1507,6 +1522,8 @@ int crank_slider_3_constraints(
      * rod_3 right (1): rod_3_right_r_2 = r = X + u at right, along e2; ...; rod_3_right_s_2 = Q r
      *     at right, along e2
      */
+    const double rod_3_alpha1 = q[13];
+    const double rod_3_alpha2 = q[14];
     const double rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2;
     const double rod_3_right_s_1 = (1.0 / 20.0) * rod_3_cos_phi - rod_3_right_r_2 * rod_3_sin_phi;
     const double rod_3_right_s_2 = rod_3_right_r_2 * rod_3_cos_phi + (1.0 / 20.0) * rod_3_sin_phi;
@@ -1522,11 +1539,18 @@ int crank_slider_3_constraints(
         + (-1.0 / 20.0) * rod_3_sin_phi;
 
     /* g (1): point of body 2 minus point of body 1, from x = c + Q r */
+    const double rod_1_c1 = q[0];
     g[0] = rod_1_c1 + rod_1_left_s_1 - crank_pin_s_1;
+    const double rod_1_c2 = q[1];
     g[1] = rod_1_c2 + rod_1_left_s_2 - crank_pin_s_2;
+    const double slider_s = q[15];
+    const double rod_3_c1 = q[10];
     g[2] = slider_s - rod_3_c1 - rod_3_right_s_1;
+    const double rod_3_c2 = q[11];
     g[3] = -(rod_3_c2 + rod_3_right_s_2);
+    const double rod_2_c1 = q[5];
     g[4] = rod_2_c1 + rod_2_cut_left_s_1 - rod_1_c1 - rod_1_cut_right_s_1;
+    const double rod_2_c2 = q[6];
     g[5] = rod_2_c2 + rod_2_cut_left_s_2 - rod_1_c2 - rod_1_cut_right_s_2;
     const double t1 = 120.0 * rod_2_alpha2;
     g[6] = rod_2_phi + (-60.0) * rod_2_alpha1 + t1 - rod_1_phi - 60.0 * rod_1_alpha1
@@ -1538,6 +1562,7 @@ int crank_slider_3_constraints(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_constraint_rates(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1545,31 +1570,6 @@ int crank_slider_3_constraint_rates(
     const double *TISSERAND_RESTRICT k,
     double *gdot)
 {
-    const double rod_1_phi = q[2];
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_2_phi = q[7];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_alpha2 = q[9];
-    const double rod_3_phi = q[12];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
-    const double rod_1_c1dot = v[0];
-    const double rod_1_c2dot = v[1];
-    const double rod_1_phidot = v[2];
-    const double rod_1_alpha1dot = v[3];
-    const double rod_1_alpha2dot = v[4];
-    const double rod_2_c1dot = v[5];
-    const double rod_2_c2dot = v[6];
-    const double rod_2_phidot = v[7];
-    const double rod_2_alpha1dot = v[8];
-    const double rod_2_alpha2dot = v[9];
-    const double rod_3_c1dot = v[10];
-    const double rod_3_c2dot = v[11];
-    const double rod_3_phidot = v[12];
-    const double rod_3_alpha1dot = v[13];
-    const double rod_3_alpha2dot = v[14];
-    const double slider_sdot = v[15];
     (void) k;
 
     /* crank (1): crank_phi = prescribed rotation of crank */
@@ -1590,6 +1590,7 @@ int crank_slider_3_constraint_rates(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = q[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
@@ -1597,7 +1598,11 @@ int crank_slider_3_constraint_rates(
      * rod_1 left (1): rod_1_left_r_2 = r = X + u at left, along e2; ...; rod_1_left_sdot_2 = Q rdot
      *     at left, along e2
      */
+    const double rod_1_alpha1 = q[3];
+    const double rod_1_alpha2 = q[4];
     const double rod_1_left_r_2 = rod_1_alpha1 - rod_1_alpha2;
+    const double rod_1_alpha1dot = v[3];
+    const double rod_1_alpha2dot = v[4];
     const double rod_1_left_rdot_2 = rod_1_alpha1dot - rod_1_alpha2dot;
     const double rod_1_left_s_1 = (-1.0 / 20.0) * rod_1_cos_phi - rod_1_left_r_2 * rod_1_sin_phi;
     const double rod_1_left_s_2 = rod_1_left_r_2 * rod_1_cos_phi + (-1.0 / 20.0) * rod_1_sin_phi;
@@ -1619,6 +1624,7 @@ int crank_slider_3_constraint_rates(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = q[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
@@ -1626,7 +1632,11 @@ int crank_slider_3_constraint_rates(
      * rod_2 cut_left (1): rod_2_cut_left_r_2 = r = X + u at cut_left, along e2; ...;
      *     rod_2_cut_left_sdot_2 = Q rdot at cut_left, along e2
      */
+    const double rod_2_alpha1 = q[8];
+    const double rod_2_alpha2 = q[9];
     const double rod_2_cut_left_r_2 = rod_2_alpha1 - rod_2_alpha2;
+    const double rod_2_alpha1dot = v[8];
+    const double rod_2_alpha2dot = v[9];
     const double rod_2_cut_left_rdot_2 = rod_2_alpha1dot - rod_2_alpha2dot;
     const double rod_2_cut_left_s_1 = (-1.0 / 20.0) * rod_2_cos_phi
         - rod_2_cut_left_r_2 * rod_2_sin_phi;
@@ -1650,6 +1660,7 @@ int crank_slider_3_constraint_rates(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = q[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
@@ -1657,7 +1668,11 @@ int crank_slider_3_constraint_rates(
      * rod_3 right (1): rod_3_right_r_2 = r = X + u at right, along e2; ...; rod_3_right_sdot_2 = Q
      *     rdot at right, along e2
      */
+    const double rod_3_alpha1 = q[13];
+    const double rod_3_alpha2 = q[14];
     const double rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2;
+    const double rod_3_alpha1dot = v[13];
+    const double rod_3_alpha2dot = v[14];
     const double rod_3_right_rdot_2 = rod_3_alpha1dot + rod_3_alpha2dot;
     const double rod_3_right_s_1 = (1.0 / 20.0) * rod_3_cos_phi - rod_3_right_r_2 * rod_3_sin_phi;
     const double rod_3_right_s_2 = rod_3_right_r_2 * rod_3_cos_phi + (1.0 / 20.0) * rod_3_sin_phi;
@@ -1676,16 +1691,26 @@ int crank_slider_3_constraint_rates(
     const double rod_3_cut_left_sdot_2 = rod_3_cut_left_rdot_2 * rod_3_cos_phi;
 
     /* gdot (1): velocity of the point of body 2 minus that of body 1 */
+    const double rod_1_c1dot = v[0];
+    const double rod_1_phidot = v[2];
     gdot[0] = 150.0 * crank_pin_s_2 + rod_1_c1dot - rod_1_left_rdot_2 * rod_1_sin_phi
         - rod_1_phidot * rod_1_left_s_2;
+    const double rod_1_c2dot = v[1];
     gdot[1] = rod_1_c2dot + rod_1_left_sdot_2 + rod_1_phidot * rod_1_left_s_1
         - 150.0 * crank_pin_s_1;
+    const double slider_sdot = v[15];
+    const double rod_3_phidot = v[12];
+    const double rod_3_c1dot = v[10];
     gdot[2] = slider_sdot + rod_3_phidot * rod_3_right_s_2 - rod_3_c1dot
         + rod_3_right_rdot_2 * rod_3_sin_phi;
+    const double rod_3_c2dot = v[11];
     gdot[3] = -(rod_3_c2dot + rod_3_right_sdot_2) - rod_3_phidot * rod_3_right_s_1;
+    const double rod_2_c1dot = v[5];
+    const double rod_2_phidot = v[7];
     gdot[4] = rod_2_c1dot - rod_2_cut_left_rdot_2 * rod_2_sin_phi
         + rod_1_phidot * rod_1_cut_right_s_2 - rod_1_c1dot + rod_1_cut_right_rdot_2 * rod_1_sin_phi
         - rod_2_phidot * rod_2_cut_left_s_2;
+    const double rod_2_c2dot = v[6];
     gdot[5] = rod_2_c2dot + rod_2_cut_left_sdot_2 + rod_2_phidot * rod_2_cut_left_s_1 - rod_1_c2dot
         - rod_1_cut_right_sdot_2 - rod_1_phidot * rod_1_cut_right_s_1;
     const double t1 = 120.0 * rod_2_alpha2dot;
@@ -1701,6 +1726,7 @@ int crank_slider_3_constraint_rates(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_constraint_jacobian(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1708,21 +1734,13 @@ int crank_slider_3_constraint_jacobian(
     double *G)
 {
     (void) t;
-    const double rod_1_phi = q[2];
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_2_phi = q[7];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_alpha2 = q[9];
-    const double rod_3_phi = q[12];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
     (void) k;
 
     /*
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = q[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
@@ -1730,6 +1748,8 @@ int crank_slider_3_constraint_jacobian(
      * rod_1 left (1): rod_1_left_r_2 = r = X + u at left, along e2; ...; rod_1_left_s_2 = Q r at
      *     left, along e2
      */
+    const double rod_1_alpha1 = q[3];
+    const double rod_1_alpha2 = q[4];
     const double rod_1_left_r_2 = rod_1_alpha1 - rod_1_alpha2;
     const double rod_1_left_s_1 = (-1.0 / 20.0) * rod_1_cos_phi - rod_1_left_r_2 * rod_1_sin_phi;
     const double rod_1_left_s_2 = rod_1_left_r_2 * rod_1_cos_phi + (-1.0 / 20.0) * rod_1_sin_phi;
@@ -1748,6 +1768,7 @@ int crank_slider_3_constraint_jacobian(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = q[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
@@ -1755,6 +1776,8 @@ int crank_slider_3_constraint_jacobian(
      * rod_2 cut_left (1): rod_2_cut_left_r_2 = r = X + u at cut_left, along e2; ...;
      *     rod_2_cut_left_s_2 = Q r at cut_left, along e2
      */
+    const double rod_2_alpha1 = q[8];
+    const double rod_2_alpha2 = q[9];
     const double rod_2_cut_left_r_2 = rod_2_alpha1 - rod_2_alpha2;
     const double rod_2_cut_left_s_1 = (-1.0 / 20.0) * rod_2_cos_phi
         - rod_2_cut_left_r_2 * rod_2_sin_phi;
@@ -1775,6 +1798,7 @@ int crank_slider_3_constraint_jacobian(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = q[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
@@ -1782,6 +1806,8 @@ int crank_slider_3_constraint_jacobian(
      * rod_3 right (1): rod_3_right_r_2 = r = X + u at right, along e2; ...; rod_3_right_s_2 = Q r
      *     at right, along e2
      */
+    const double rod_3_alpha1 = q[13];
+    const double rod_3_alpha2 = q[14];
     const double rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2;
     const double rod_3_right_s_1 = (1.0 / 20.0) * rod_3_cos_phi - rod_3_right_r_2 * rod_3_sin_phi;
     const double rod_3_right_s_2 = rod_3_right_r_2 * rod_3_cos_phi + (1.0 / 20.0) * rod_3_sin_phi;
@@ -1864,6 +1890,7 @@ int crank_slider_3_constraint_jacobian(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_constraint_bias(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1871,24 +1898,6 @@ int crank_slider_3_constraint_bias(
     const double *TISSERAND_RESTRICT k,
     double *gamma)
 {
-    const double rod_1_phi = q[2];
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_2_phi = q[7];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_alpha2 = q[9];
-    const double rod_3_phi = q[12];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
-    const double rod_1_phidot = v[2];
-    const double rod_1_alpha1dot = v[3];
-    const double rod_1_alpha2dot = v[4];
-    const double rod_2_phidot = v[7];
-    const double rod_2_alpha1dot = v[8];
-    const double rod_2_alpha2dot = v[9];
-    const double rod_3_phidot = v[12];
-    const double rod_3_alpha1dot = v[13];
-    const double rod_3_alpha2dot = v[14];
     (void) k;
 
     /* crank (1): crank_phi = prescribed rotation of crank */
@@ -1909,6 +1918,7 @@ int crank_slider_3_constraint_bias(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = q[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
@@ -1916,7 +1926,11 @@ int crank_slider_3_constraint_bias(
      * rod_1 left (1): rod_1_left_r_2 = r = X + u at left, along e2; ...; rod_1_left_sdot_2 = Q rdot
      *     at left, along e2
      */
+    const double rod_1_alpha1 = q[3];
+    const double rod_1_alpha2 = q[4];
     const double rod_1_left_r_2 = rod_1_alpha1 - rod_1_alpha2;
+    const double rod_1_alpha1dot = v[3];
+    const double rod_1_alpha2dot = v[4];
     const double rod_1_left_rdot_2 = rod_1_alpha1dot - rod_1_alpha2dot;
     const double rod_1_left_s_1 = (-1.0 / 20.0) * rod_1_cos_phi - rod_1_left_r_2 * rod_1_sin_phi;
     const double rod_1_left_s_2 = rod_1_left_r_2 * rod_1_cos_phi + (-1.0 / 20.0) * rod_1_sin_phi;
@@ -1938,6 +1952,7 @@ int crank_slider_3_constraint_bias(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = q[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
@@ -1945,7 +1960,11 @@ int crank_slider_3_constraint_bias(
      * rod_2 cut_left (1): rod_2_cut_left_r_2 = r = X + u at cut_left, along e2; ...;
      *     rod_2_cut_left_sdot_2 = Q rdot at cut_left, along e2
      */
+    const double rod_2_alpha1 = q[8];
+    const double rod_2_alpha2 = q[9];
     const double rod_2_cut_left_r_2 = rod_2_alpha1 - rod_2_alpha2;
+    const double rod_2_alpha1dot = v[8];
+    const double rod_2_alpha2dot = v[9];
     const double rod_2_cut_left_rdot_2 = rod_2_alpha1dot - rod_2_alpha2dot;
     const double rod_2_cut_left_s_1 = (-1.0 / 20.0) * rod_2_cos_phi
         - rod_2_cut_left_r_2 * rod_2_sin_phi;
@@ -1969,6 +1988,7 @@ int crank_slider_3_constraint_bias(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = q[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
@@ -1976,7 +1996,11 @@ int crank_slider_3_constraint_bias(
      * rod_3 right (1): rod_3_right_r_2 = r = X + u at right, along e2; ...; rod_3_right_sdot_2 = Q
      *     rdot at right, along e2
      */
+    const double rod_3_alpha1 = q[13];
+    const double rod_3_alpha2 = q[14];
     const double rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2;
+    const double rod_3_alpha1dot = v[13];
+    const double rod_3_alpha2dot = v[14];
     const double rod_3_right_rdot_2 = rod_3_alpha1dot + rod_3_alpha2dot;
     const double rod_3_right_s_1 = (1.0 / 20.0) * rod_3_cos_phi - rod_3_right_r_2 * rod_3_sin_phi;
     const double rod_3_right_s_2 = rod_3_right_r_2 * rod_3_cos_phi + (1.0 / 20.0) * rod_3_sin_phi;
@@ -1995,15 +2019,18 @@ int crank_slider_3_constraint_bias(
     const double rod_3_cut_left_sdot_2 = rod_3_cut_left_rdot_2 * rod_3_cos_phi;
 
     /* gamma (5): centrifugal, Coriolis and prescribed parts */
+    const double rod_1_phidot = v[2];
     const double t1 = rod_1_phidot * rod_1_phidot;
     const double t2 = 2.0 * rod_1_phidot;
     gamma[0] = -(22500.0 * crank_pin_s_1 - t1 * rod_1_left_s_1 - t2 * rod_1_left_sdot_2);
     gamma[1] = -(22500.0 * crank_pin_s_2 - t2 * (rod_1_left_rdot_2 * rod_1_sin_phi)
         - t1 * rod_1_left_s_2);
+    const double rod_3_phidot = v[12];
     const double t3 = 2.0 * rod_3_phidot;
     const double t4 = rod_3_phidot * rod_3_phidot;
     gamma[2] = -(t3 * rod_3_right_sdot_2) - t4 * rod_3_right_s_1;
     gamma[3] = -(t4 * rod_3_right_s_2) - t3 * (rod_3_right_rdot_2 * rod_3_sin_phi);
+    const double rod_2_phidot = v[7];
     const double t5 = rod_2_phidot * rod_2_phidot;
     const double t6 = 2.0 * rod_2_phidot;
     gamma[4] = -(t1 * rod_1_cut_right_s_1 + t2 * rod_1_cut_right_sdot_2 - t5 * rod_2_cut_left_s_1
@@ -2019,6 +2046,7 @@ int crank_slider_3_constraint_bias(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_solve(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2027,35 +2055,20 @@ int crank_slider_3_solve(
     double *vdot,
     double *lam)
 {
-    const double rod_1_phi = q[2];
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_2_phi = q[7];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_alpha2 = q[9];
-    const double rod_3_phi = q[12];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
-    const double rod_1_phidot = v[2];
-    const double rod_1_alpha1dot = v[3];
-    const double rod_1_alpha2dot = v[4];
-    const double rod_2_phidot = v[7];
-    const double rod_2_alpha1dot = v[8];
-    const double rod_2_alpha2dot = v[9];
-    const double rod_3_phidot = v[12];
-    const double rod_3_alpha1dot = v[13];
-    const double rod_3_alpha2dot = v[14];
     (void) k;
 
     /*
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = q[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = q[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = q[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 J (appendix): rod_1_J = int rho r . r */
@@ -2067,6 +2080,8 @@ int crank_slider_3_solve(
      *     at left, along e2
      */
     const double rod_1_left_r_2 = rod_1_alpha1 - rod_1_alpha2;
+    const double rod_1_alpha1dot = v[3];
+    const double rod_1_alpha2dot = v[4];
     const double rod_1_left_rdot_2 = rod_1_alpha1dot - rod_1_alpha2dot;
     const double rod_1_left_s_1 = (-1.0 / 20.0) * rod_1_cos_phi - rod_1_left_r_2 * rod_1_sin_phi;
     const double rod_1_left_s_2 = rod_1_left_r_2 * rod_1_cos_phi + (-1.0 / 20.0) * rod_1_sin_phi;
@@ -2088,11 +2103,14 @@ int crank_slider_3_solve(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = q[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = q[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = q[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 J (appendix): rod_2_J = int rho r . r */
@@ -2104,6 +2122,8 @@ int crank_slider_3_solve(
      *     rod_2_cut_left_sdot_2 = Q rdot at cut_left, along e2
      */
     const double rod_2_cut_left_r_2 = rod_2_alpha1 - rod_2_alpha2;
+    const double rod_2_alpha1dot = v[8];
+    const double rod_2_alpha2dot = v[9];
     const double rod_2_cut_left_rdot_2 = rod_2_alpha1dot - rod_2_alpha2dot;
     const double rod_2_cut_left_s_1 = (-1.0 / 20.0) * rod_2_cos_phi
         - rod_2_cut_left_r_2 * rod_2_sin_phi;
@@ -2127,11 +2147,14 @@ int crank_slider_3_solve(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = q[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = q[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = q[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 J (appendix): rod_3_J = int rho r . r */
@@ -2143,6 +2166,8 @@ int crank_slider_3_solve(
      *     rdot at right, along e2
      */
     const double rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2;
+    const double rod_3_alpha1dot = v[13];
+    const double rod_3_alpha2dot = v[14];
     const double rod_3_right_rdot_2 = rod_3_alpha1dot + rod_3_alpha2dot;
     const double rod_3_right_s_1 = (1.0 / 20.0) * rod_3_cos_phi - rod_3_right_r_2 * rod_3_sin_phi;
     const double rod_3_right_s_2 = rod_3_right_r_2 * rod_3_cos_phi + (1.0 / 20.0) * rod_3_sin_phi;
@@ -2378,6 +2403,7 @@ int crank_slider_3_solve(
     const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
+    const double rod_1_phidot = v[2];
     const double t124 = 2.0 * rod_1_phidot;
     const double t125 = rod_1_phidot * rod_1_phidot;
     const double t126 = (1145110518.0 / 625.0) * rod_1_alpha1 - t125 * rod_1_D2_1;
@@ -2391,6 +2417,7 @@ int crank_slider_3_solve(
         + t131 - t132 + t13 * t130;
     const double t134 = 22500.0 * crank_pin_s_2 - t124 * (rod_1_left_rdot_2 * rod_1_sin_phi)
         - t125 * rod_1_left_s_2 - t127 + t129 - t6 * t130 + t15 * t133;
+    const double rod_2_phidot = v[7];
     const double t135 = rod_2_phidot * rod_2_phidot;
     const double t136 = 2.0 * rod_2_phidot;
     const double t137 = (1145110518.0 / 625.0) * rod_2_alpha1 - t135 * rod_2_D2_1;
@@ -2398,6 +2425,7 @@ int crank_slider_3_solve(
     const double t139 = (381703506.0 / 25.0) * rod_2_alpha2 - t135 * rod_2_D2_2;
     const double t140 = t48 * t139;
     const double t141 = t136 * rod_2_D2dot;
+    const double rod_3_phidot = v[12];
     const double t142 = rod_3_phidot * rod_3_phidot;
     const double t143 = (1145110518.0 / 625.0) * rod_3_alpha1 - t142 * rod_3_D2_1;
     const double t144 = (381703506.0 / 25.0) * rod_3_alpha2 - t142 * rod_3_D2_2;
@@ -2514,6 +2542,7 @@ int crank_slider_3_solve(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2522,36 +2551,20 @@ int crank_slider_3_project_velocity(
     double *dv)
 {
     (void) t;
-    const double rod_1_phi = q[2];
-    const double rod_1_alpha1 = q[3];
-    const double rod_1_alpha2 = q[4];
-    const double rod_2_phi = q[7];
-    const double rod_2_alpha1 = q[8];
-    const double rod_2_alpha2 = q[9];
-    const double rod_3_phi = q[12];
-    const double rod_3_alpha1 = q[13];
-    const double rod_3_alpha2 = q[14];
     (void) k;
-    const double r_crank_pin_1 = r[0];
-    const double r_crank_pin_2 = r[1];
-    const double r_slider_pin_1 = r[2];
-    const double r_slider_pin_2 = r[3];
-    const double r_rod_cut_1_1 = r[4];
-    const double r_rod_cut_1_2 = r[5];
-    const double r_rod_cut_1_turn = r[6];
-    const double r_rod_cut_2_1 = r[7];
-    const double r_rod_cut_2_2 = r[8];
-    const double r_rod_cut_2_turn = r[9];
 
     /*
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = q[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = q[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = q[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 J (appendix): rod_1_J = int rho r . r */
@@ -2580,11 +2593,14 @@ int crank_slider_3_project_velocity(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = q[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = q[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = q[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 J (appendix): rod_2_J = int rho r . r */
@@ -2615,11 +2631,14 @@ int crank_slider_3_project_velocity(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = q[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = q[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = q[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 J (appendix): rod_3_J = int rho r . r */
@@ -2839,16 +2858,26 @@ int crank_slider_3_project_velocity(
         + 5.684341886080802e-14 * t123) > 0.0)) return 1; /* the pivot of rod_cut_2_2 vanished */
 
     /* solution (LDL^T): forward, diagonal and back substitution */
+    const double r_crank_pin_2 = r[1];
+    const double r_crank_pin_1 = r[0];
     const double t124 = r_crank_pin_2 + t15 * r_crank_pin_1;
+    const double r_slider_pin_2 = r[3];
+    const double r_slider_pin_1 = r[2];
     const double t125 = r_slider_pin_2 + t33 * r_slider_pin_1;
+    const double r_rod_cut_2_turn = r[9];
     const double t126 = t39 * r_slider_pin_1 - r_rod_cut_2_turn + t41 * t125;
+    const double r_rod_cut_1_1 = r[4];
     const double t127 = t47 * t124 - (r_rod_cut_1_1 + t45 * r_crank_pin_1) - t54 * t126;
+    const double r_rod_cut_1_2 = r[5];
     const double t128 = t62 * t124 - (r_rod_cut_1_2 + t60 * r_crank_pin_1) - t69 * t126
         - t73 * t127;
+    const double r_rod_cut_1_turn = r[6];
     const double t129 = t84 * t124 - (r_rod_cut_1_turn + t80 * r_crank_pin_1) - t86 * t126
         - t88 * t127 - t90 * t128;
+    const double r_rod_cut_2_1 = r[7];
     const double t130 = t96 * t125 - (r_rod_cut_2_1 + t94 * r_slider_pin_1) - t99 * t126
         - t101 * t127 - t103 * t128 + t105 * t129;
+    const double r_rod_cut_2_2 = r[8];
     const double t131 = (t111 * t125 - (r_rod_cut_2_2 + t109 * r_slider_pin_1) - t114 * t126
         - t116 * t127 - t118 * t128 - t120 * t129 - t122 * t130) / pivot_rod_cut_2_2;
     const double t132 = t130 * inverse_pivot_rod_cut_2_1 - t122 * t131;
@@ -2913,22 +2942,13 @@ int crank_slider_3_project_velocity(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_poses(
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *pose)
 {
-    const double rod_1_c1 = q[0];
-    const double rod_1_c2 = q[1];
-    const double rod_1_phi = q[2];
-    const double rod_2_c1 = q[5];
-    const double rod_2_c2 = q[6];
-    const double rod_2_phi = q[7];
-    const double rod_3_c1 = q[10];
-    const double rod_3_c2 = q[11];
-    const double rod_3_phi = q[12];
-    const double slider_s = q[15];
     (void) k;
 
     /* crank (1): crank_phi = prescribed rotation of crank */
@@ -2938,21 +2958,32 @@ int crank_slider_3_poses(
     pose[0] = 0.0;
     pose[1] = 0.0;
     pose[2] = crank_phi;
+    const double rod_1_c1 = q[0];
     pose[3] = rod_1_c1;
+    const double rod_1_c2 = q[1];
     pose[4] = rod_1_c2;
+    const double rod_1_phi = q[2];
     pose[5] = rod_1_phi;
+    const double rod_2_c1 = q[5];
     pose[6] = rod_2_c1;
+    const double rod_2_c2 = q[6];
     pose[7] = rod_2_c2;
+    const double rod_2_phi = q[7];
     pose[8] = rod_2_phi;
+    const double rod_3_c1 = q[10];
     pose[9] = rod_3_c1;
+    const double rod_3_c2 = q[11];
     pose[10] = rod_3_c2;
+    const double rod_3_phi = q[12];
     pose[11] = rod_3_phi;
+    const double slider_s = q[15];
     pose[12] = slider_s;
     pose[13] = 0.0;
     pose[14] = 0.0;
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2960,80 +2991,6 @@ int crank_slider_3_residual(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-    const double rod_1_c1 = y[0];
-    const double rod_1_c2 = y[1];
-    const double rod_1_phi = y[2];
-    const double rod_1_alpha1 = y[3];
-    const double rod_1_alpha2 = y[4];
-    const double rod_2_c1 = y[5];
-    const double rod_2_c2 = y[6];
-    const double rod_2_phi = y[7];
-    const double rod_2_alpha1 = y[8];
-    const double rod_2_alpha2 = y[9];
-    const double rod_3_c1 = y[10];
-    const double rod_3_c2 = y[11];
-    const double rod_3_phi = y[12];
-    const double rod_3_alpha1 = y[13];
-    const double rod_3_alpha2 = y[14];
-    const double slider_s = y[15];
-    const double rod_1_c1dot = y[16];
-    const double rod_1_c2dot = y[17];
-    const double rod_1_phidot = y[18];
-    const double rod_1_alpha1dot = y[19];
-    const double rod_1_alpha2dot = y[20];
-    const double rod_2_c1dot = y[21];
-    const double rod_2_c2dot = y[22];
-    const double rod_2_phidot = y[23];
-    const double rod_2_alpha1dot = y[24];
-    const double rod_2_alpha2dot = y[25];
-    const double rod_3_c1dot = y[26];
-    const double rod_3_c2dot = y[27];
-    const double rod_3_phidot = y[28];
-    const double rod_3_alpha1dot = y[29];
-    const double rod_3_alpha2dot = y[30];
-    const double slider_sdot = y[31];
-    const double lambda_crank_pin_1 = y[32];
-    const double lambda_crank_pin_2 = y[33];
-    const double lambda_slider_pin_1 = y[34];
-    const double lambda_slider_pin_2 = y[35];
-    const double lambda_rod_cut_1_1 = y[36];
-    const double lambda_rod_cut_1_2 = y[37];
-    const double lambda_rod_cut_1_turn = y[38];
-    const double lambda_rod_cut_2_1 = y[39];
-    const double lambda_rod_cut_2_2 = y[40];
-    const double lambda_rod_cut_2_turn = y[41];
-    const double rod_1_c1_t = ydot[0];
-    const double rod_1_c2_t = ydot[1];
-    const double rod_1_phi_t = ydot[2];
-    const double rod_1_alpha1_t = ydot[3];
-    const double rod_1_alpha2_t = ydot[4];
-    const double rod_2_c1_t = ydot[5];
-    const double rod_2_c2_t = ydot[6];
-    const double rod_2_phi_t = ydot[7];
-    const double rod_2_alpha1_t = ydot[8];
-    const double rod_2_alpha2_t = ydot[9];
-    const double rod_3_c1_t = ydot[10];
-    const double rod_3_c2_t = ydot[11];
-    const double rod_3_phi_t = ydot[12];
-    const double rod_3_alpha1_t = ydot[13];
-    const double rod_3_alpha2_t = ydot[14];
-    const double slider_s_t = ydot[15];
-    const double rod_1_c1ddot = ydot[16];
-    const double rod_1_c2ddot = ydot[17];
-    const double rod_1_phiddot = ydot[18];
-    const double rod_1_alpha1ddot = ydot[19];
-    const double rod_1_alpha2ddot = ydot[20];
-    const double rod_2_c1ddot = ydot[21];
-    const double rod_2_c2ddot = ydot[22];
-    const double rod_2_phiddot = ydot[23];
-    const double rod_2_alpha1ddot = ydot[24];
-    const double rod_2_alpha2ddot = ydot[25];
-    const double rod_3_c1ddot = ydot[26];
-    const double rod_3_c2ddot = ydot[27];
-    const double rod_3_phiddot = ydot[28];
-    const double rod_3_alpha1ddot = ydot[29];
-    const double rod_3_alpha2ddot = ydot[30];
-    const double slider_sddot = ydot[31];
     (void) k;
 
     /* crank (1): crank_phi = prescribed rotation of crank */
@@ -3054,11 +3011,14 @@ int crank_slider_3_residual(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = y[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = y[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = y[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 J (appendix): rod_1_J = int rho r . r */
@@ -3066,6 +3026,8 @@ int crank_slider_3_residual(
         + rod_1_D2_2 * rod_1_alpha2;
 
     /* rod_1 D2dot (appendix): rod_1_D2dot = int rho r . rdot */
+    const double rod_1_alpha1dot = y[19];
+    const double rod_1_alpha2dot = y[20];
     const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
 
     /*
@@ -3090,11 +3052,14 @@ int crank_slider_3_residual(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = y[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = y[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = y[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 J (appendix): rod_2_J = int rho r . r */
@@ -3102,6 +3067,8 @@ int crank_slider_3_residual(
         + rod_2_D2_2 * rod_2_alpha2;
 
     /* rod_2 D2dot (appendix): rod_2_D2dot = int rho r . rdot */
+    const double rod_2_alpha1dot = y[24];
+    const double rod_2_alpha2dot = y[25];
     const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
 
     /*
@@ -3128,11 +3095,14 @@ int crank_slider_3_residual(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = y[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = y[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = y[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 J (appendix): rod_3_J = int rho r . r */
@@ -3140,6 +3110,8 @@ int crank_slider_3_residual(
         + rod_3_D2_2 * rod_3_alpha2;
 
     /* rod_3 D2dot (appendix): rod_3_D2dot = int rho r . rdot */
+    const double rod_3_alpha1dot = y[29];
+    const double rod_3_alpha2dot = y[30];
     const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
 
     /*
@@ -3161,24 +3133,58 @@ int crank_slider_3_residual(
         + (-1.0 / 20.0) * rod_3_sin_phi;
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double rod_1_c1_t = ydot[0];
+    const double rod_1_c1dot = y[16];
     F[0] = rod_1_c1_t - rod_1_c1dot;
+    const double rod_1_c2_t = ydot[1];
+    const double rod_1_c2dot = y[17];
     F[1] = rod_1_c2_t - rod_1_c2dot;
+    const double rod_1_phi_t = ydot[2];
+    const double rod_1_phidot = y[18];
     F[2] = rod_1_phi_t - rod_1_phidot;
+    const double rod_1_alpha1_t = ydot[3];
     F[3] = rod_1_alpha1_t - rod_1_alpha1dot;
+    const double rod_1_alpha2_t = ydot[4];
     F[4] = rod_1_alpha2_t - rod_1_alpha2dot;
+    const double rod_2_c1_t = ydot[5];
+    const double rod_2_c1dot = y[21];
     F[5] = rod_2_c1_t - rod_2_c1dot;
+    const double rod_2_c2_t = ydot[6];
+    const double rod_2_c2dot = y[22];
     F[6] = rod_2_c2_t - rod_2_c2dot;
+    const double rod_2_phi_t = ydot[7];
+    const double rod_2_phidot = y[23];
     F[7] = rod_2_phi_t - rod_2_phidot;
+    const double rod_2_alpha1_t = ydot[8];
     F[8] = rod_2_alpha1_t - rod_2_alpha1dot;
+    const double rod_2_alpha2_t = ydot[9];
     F[9] = rod_2_alpha2_t - rod_2_alpha2dot;
+    const double rod_3_c1_t = ydot[10];
+    const double rod_3_c1dot = y[26];
     F[10] = rod_3_c1_t - rod_3_c1dot;
+    const double rod_3_c2_t = ydot[11];
+    const double rod_3_c2dot = y[27];
     F[11] = rod_3_c2_t - rod_3_c2dot;
+    const double rod_3_phi_t = ydot[12];
+    const double rod_3_phidot = y[28];
     F[12] = rod_3_phi_t - rod_3_phidot;
+    const double rod_3_alpha1_t = ydot[13];
     F[13] = rod_3_alpha1_t - rod_3_alpha1dot;
+    const double rod_3_alpha2_t = ydot[14];
     F[14] = rod_3_alpha2_t - rod_3_alpha2dot;
+    const double slider_s_t = ydot[15];
+    const double slider_sdot = y[31];
     F[15] = slider_s_t - slider_sdot;
+    const double rod_1_c1ddot = ydot[16];
+    const double lambda_crank_pin_1 = y[32];
+    const double lambda_rod_cut_1_1 = y[36];
     F[16] = (33377851.0 / 1500000000.0) * rod_1_c1ddot - (lambda_crank_pin_1 - lambda_rod_cut_1_1);
+    const double rod_1_c2ddot = ydot[17];
+    const double lambda_crank_pin_2 = y[33];
+    const double lambda_rod_cut_1_2 = y[37];
     F[17] = (33377851.0 / 1500000000.0) * rod_1_c2ddot - (lambda_crank_pin_2 - lambda_rod_cut_1_2);
+    const double rod_1_phiddot = ydot[18];
+    const double lambda_rod_cut_1_turn = y[38];
     F[18] = 2.0 * rod_1_phidot * rod_1_D2dot + rod_1_J * rod_1_phiddot
         - (rod_1_left_s_1 * lambda_crank_pin_2 - rod_1_left_s_2 * lambda_crank_pin_1
         + rod_1_cut_right_s_2 * lambda_rod_cut_1_1 - rod_1_cut_right_s_1 * lambda_rod_cut_1_2
@@ -3188,13 +3194,21 @@ int crank_slider_3_residual(
     const double t3 = rod_1_sin_phi * lambda_crank_pin_1;
     const double t4 = rod_1_sin_phi * lambda_rod_cut_1_1;
     const double t5 = rod_1_cos_phi * lambda_rod_cut_1_2;
+    const double rod_1_alpha1ddot = ydot[19];
     F[19] = (1145110518.0 / 625.0) * rod_1_alpha1 + (33377851.0 / 7500000000.0) * rod_1_alpha1ddot
         - t1 * rod_1_D2_1 - (t2 - t3 + t4 - t5 - 60.0 * lambda_rod_cut_1_turn);
     const double t6 = 120.0 * lambda_rod_cut_1_turn;
+    const double rod_1_alpha2ddot = ydot[20];
     F[20] = (381703506.0 / 25.0) * rod_1_alpha2 + (33377851.0 / 10500000000.0) * rod_1_alpha2ddot
         - t1 * rod_1_D2_2 - (t3 - t2 + t4 - t5 - t6);
+    const double rod_2_c1ddot = ydot[21];
+    const double lambda_rod_cut_2_1 = y[39];
     F[21] = (33377851.0 / 1500000000.0) * rod_2_c1ddot - (lambda_rod_cut_1_1 - lambda_rod_cut_2_1);
+    const double rod_2_c2ddot = ydot[22];
+    const double lambda_rod_cut_2_2 = y[40];
     F[22] = (33377851.0 / 1500000000.0) * rod_2_c2ddot - (lambda_rod_cut_1_2 - lambda_rod_cut_2_2);
+    const double rod_2_phiddot = ydot[23];
+    const double lambda_rod_cut_2_turn = y[41];
     F[23] = 2.0 * rod_2_phidot * rod_2_D2dot + rod_2_J * rod_2_phiddot
         - (rod_2_cut_left_s_1 * lambda_rod_cut_1_2 - rod_2_cut_left_s_2 * lambda_rod_cut_1_1
         + lambda_rod_cut_1_turn + rod_2_cut_right_s_2 * lambda_rod_cut_2_1
@@ -3204,14 +3218,21 @@ int crank_slider_3_residual(
     const double t9 = rod_2_sin_phi * lambda_rod_cut_1_1;
     const double t10 = rod_2_sin_phi * lambda_rod_cut_2_1;
     const double t11 = rod_2_cos_phi * lambda_rod_cut_2_2;
+    const double rod_2_alpha1ddot = ydot[24];
     F[24] = (1145110518.0 / 625.0) * rod_2_alpha1 + (33377851.0 / 7500000000.0) * rod_2_alpha1ddot
         - t7 * rod_2_D2_1 - (t8 - t9 + (-60.0) * lambda_rod_cut_1_turn + t10 - t11
         - 60.0 * lambda_rod_cut_2_turn);
     const double t12 = 120.0 * lambda_rod_cut_2_turn;
+    const double rod_2_alpha2ddot = ydot[25];
     F[25] = (381703506.0 / 25.0) * rod_2_alpha2 + (33377851.0 / 10500000000.0) * rod_2_alpha2ddot
         - t7 * rod_2_D2_2 - (t9 - t8 + t6 + t10 - t11 - t12);
+    const double rod_3_c1ddot = ydot[26];
+    const double lambda_slider_pin_1 = y[34];
     F[26] = (33377851.0 / 1500000000.0) * rod_3_c1ddot - (lambda_rod_cut_2_1 - lambda_slider_pin_1);
+    const double rod_3_c2ddot = ydot[27];
+    const double lambda_slider_pin_2 = y[35];
     F[27] = (33377851.0 / 1500000000.0) * rod_3_c2ddot - (lambda_rod_cut_2_2 - lambda_slider_pin_2);
+    const double rod_3_phiddot = ydot[28];
     F[28] = 2.0 * rod_3_phidot * rod_3_D2dot + rod_3_J * rod_3_phiddot
         - (rod_3_right_s_2 * lambda_slider_pin_1 - rod_3_right_s_1 * lambda_slider_pin_2
         - rod_3_cut_left_s_2 * lambda_rod_cut_2_1 + rod_3_cut_left_s_1 * lambda_rod_cut_2_2
@@ -3220,16 +3241,26 @@ int crank_slider_3_residual(
     const double t14 = rod_3_sin_phi * lambda_slider_pin_1 - rod_3_cos_phi * lambda_slider_pin_2;
     const double t15 = rod_3_sin_phi * lambda_rod_cut_2_1;
     const double t16 = rod_3_cos_phi * lambda_rod_cut_2_2;
+    const double rod_3_alpha1ddot = ydot[29];
     F[29] = (1145110518.0 / 625.0) * rod_3_alpha1 + (33377851.0 / 7500000000.0) * rod_3_alpha1ddot
         - t13 * rod_3_D2_1 - (t14 - t15 + t16 + (-60.0) * lambda_rod_cut_2_turn);
+    const double rod_3_alpha2ddot = ydot[30];
     F[30] = (381703506.0 / 25.0) * rod_3_alpha2 + (33377851.0 / 10500000000.0) * rod_3_alpha2ddot
         - t13 * rod_3_D2_2 - (t14 + t15 - t16 + t12);
+    const double slider_sddot = ydot[31];
     F[31] = (33377851.0 / 1000000000.0) * slider_sddot - lambda_slider_pin_1;
+    const double rod_1_c1 = y[0];
     F[32] = rod_1_c1 + rod_1_left_s_1 - crank_pin_s_1;
+    const double rod_1_c2 = y[1];
     F[33] = rod_1_c2 + rod_1_left_s_2 - crank_pin_s_2;
+    const double slider_s = y[15];
+    const double rod_3_c1 = y[10];
     F[34] = slider_s - rod_3_c1 - rod_3_right_s_1;
+    const double rod_3_c2 = y[11];
     F[35] = -(rod_3_c2 + rod_3_right_s_2);
+    const double rod_2_c1 = y[5];
     F[36] = rod_2_c1 + rod_2_cut_left_s_1 - rod_1_c1 - rod_1_cut_right_s_1;
+    const double rod_2_c2 = y[6];
     F[37] = rod_2_c2 + rod_2_cut_left_s_2 - rod_1_c2 - rod_1_cut_right_s_2;
     const double t17 = 120.0 * rod_2_alpha2;
     F[38] = rod_2_phi + (-60.0) * rod_2_alpha1 + t17 - rod_1_phi - 60.0 * rod_1_alpha1
@@ -3241,6 +3272,7 @@ int crank_slider_3_residual(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3250,46 +3282,20 @@ int crank_slider_3_jacobian(
     double *jac)
 {
     (void) t;
-    const double rod_1_phi = y[2];
-    const double rod_1_alpha1 = y[3];
-    const double rod_1_alpha2 = y[4];
-    const double rod_2_phi = y[7];
-    const double rod_2_alpha1 = y[8];
-    const double rod_2_alpha2 = y[9];
-    const double rod_3_phi = y[12];
-    const double rod_3_alpha1 = y[13];
-    const double rod_3_alpha2 = y[14];
-    const double rod_1_phidot = y[18];
-    const double rod_1_alpha1dot = y[19];
-    const double rod_1_alpha2dot = y[20];
-    const double rod_2_phidot = y[23];
-    const double rod_2_alpha1dot = y[24];
-    const double rod_2_alpha2dot = y[25];
-    const double rod_3_phidot = y[28];
-    const double rod_3_alpha1dot = y[29];
-    const double rod_3_alpha2dot = y[30];
-    const double lambda_crank_pin_1 = y[32];
-    const double lambda_crank_pin_2 = y[33];
-    const double lambda_slider_pin_1 = y[34];
-    const double lambda_slider_pin_2 = y[35];
-    const double lambda_rod_cut_1_1 = y[36];
-    const double lambda_rod_cut_1_2 = y[37];
-    const double lambda_rod_cut_2_1 = y[39];
-    const double lambda_rod_cut_2_2 = y[40];
-    const double rod_1_phiddot = ydot[18];
-    const double rod_2_phiddot = ydot[23];
-    const double rod_3_phiddot = ydot[28];
     (void) k;
 
     /*
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = y[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = y[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = y[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 J (appendix): rod_1_J = int rho r . r */
@@ -3297,6 +3303,8 @@ int crank_slider_3_jacobian(
         + rod_1_D2_2 * rod_1_alpha2;
 
     /* rod_1 D2dot (appendix): rod_1_D2dot = int rho r . rdot */
+    const double rod_1_alpha1dot = y[19];
+    const double rod_1_alpha2dot = y[20];
     const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
 
     /*
@@ -3324,11 +3332,14 @@ int crank_slider_3_jacobian(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = y[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = y[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = y[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 J (appendix): rod_2_J = int rho r . r */
@@ -3336,6 +3347,8 @@ int crank_slider_3_jacobian(
         + rod_2_D2_2 * rod_2_alpha2;
 
     /* rod_2 D2dot (appendix): rod_2_D2dot = int rho r . rdot */
+    const double rod_2_alpha1dot = y[24];
+    const double rod_2_alpha2dot = y[25];
     const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
 
     /*
@@ -3364,11 +3377,14 @@ int crank_slider_3_jacobian(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = y[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = y[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = y[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 J (appendix): rod_3_J = int rho r . r */
@@ -3376,6 +3392,8 @@ int crank_slider_3_jacobian(
         + rod_3_D2_2 * rod_3_alpha2;
 
     /* rod_3 D2dot (appendix): rod_3_D2dot = int rho r . rdot */
+    const double rod_3_alpha1dot = y[29];
+    const double rod_3_alpha2dot = y[30];
     const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
 
     /*
@@ -3409,6 +3427,10 @@ int crank_slider_3_jacobian(
     jac[6] = cj;
     const double t13 = t2 + t1;
     const double t14 = t4 + t3;
+    const double lambda_rod_cut_1_1 = y[36];
+    const double lambda_crank_pin_2 = y[33];
+    const double lambda_crank_pin_1 = y[32];
+    const double lambda_rod_cut_1_2 = y[37];
     jac[7] = -(lambda_rod_cut_1_1 * rod_1_cut_right_s_1 - (lambda_crank_pin_2 * t13
         + lambda_crank_pin_1 * rod_1_left_s_1)) - lambda_rod_cut_1_2 * t14;
     const double t15 = lambda_rod_cut_1_1 * rod_1_cos_phi;
@@ -3425,7 +3447,9 @@ int crank_slider_3_jacobian(
     jac[13] = -rod_1_cut_right_s_1;
     jac[14] = -1.0;
     jac[15] = cj;
+    const double rod_1_phidot = y[18];
     const double t21 = 2.0 * rod_1_phidot;
+    const double rod_1_phiddot = ydot[18];
     jac[16] = t21 * ((33377851.0 / 7500000000.0) * rod_1_alpha1dot)
         + rod_1_phiddot * (2.0 * rod_1_D2_1) - t20;
     const double t22 = rod_1_phidot * rod_1_phidot;
@@ -3455,6 +3479,8 @@ int crank_slider_3_jacobian(
     jac[37] = cj;
     const double t25 = t6 + t5;
     const double t26 = t8 + t7;
+    const double lambda_rod_cut_2_1 = y[39];
+    const double lambda_rod_cut_2_2 = y[40];
     jac[38] = -(lambda_rod_cut_2_1 * rod_2_cut_right_s_1 - (lambda_rod_cut_1_2 * t25
         + lambda_rod_cut_1_1 * rod_2_cut_left_s_1)) - lambda_rod_cut_2_2 * t26;
     const double t27 = lambda_rod_cut_2_1 * rod_2_cos_phi;
@@ -3472,7 +3498,9 @@ int crank_slider_3_jacobian(
     jac[45] = -rod_2_cut_right_s_1;
     jac[46] = -1.0;
     jac[47] = cj;
+    const double rod_2_phidot = y[23];
     const double t33 = 2.0 * rod_2_phidot;
+    const double rod_2_phiddot = ydot[23];
     jac[48] = t33 * ((33377851.0 / 7500000000.0) * rod_2_alpha1dot)
         + rod_2_phiddot * (2.0 * rod_2_D2_1) - t32;
     const double t34 = rod_2_phidot * rod_2_phidot;
@@ -3504,6 +3532,8 @@ int crank_slider_3_jacobian(
     jac[71] = cj;
     const double t37 = t10 + t9;
     const double t38 = t12 + t11;
+    const double lambda_slider_pin_1 = y[34];
+    const double lambda_slider_pin_2 = y[35];
     jac[72] = -(lambda_slider_pin_1 * rod_3_right_s_1 + lambda_slider_pin_2 * t37
         - lambda_rod_cut_2_1 * rod_3_cut_left_s_1 - lambda_rod_cut_2_2 * t38);
     const double t39 = lambda_slider_pin_1 * rod_3_cos_phi + lambda_slider_pin_2 * rod_3_sin_phi;
@@ -3519,7 +3549,9 @@ int crank_slider_3_jacobian(
     jac[78] = rod_3_cut_left_s_1;
     jac[79] = 1.0;
     jac[80] = cj;
+    const double rod_3_phidot = y[28];
     const double t44 = 2.0 * rod_3_phidot;
+    const double rod_3_phiddot = ydot[28];
     jac[81] = t44 * ((33377851.0 / 7500000000.0) * rod_3_alpha1dot)
         + rod_3_phiddot * (2.0 * rod_3_D2_1) - t42;
     const double t45 = rod_3_phidot * rod_3_phidot;
@@ -3665,6 +3697,7 @@ int crank_slider_3_jacobian(
 
 #ifndef TISSERAND_WITHOUT_REDUCED_FORMS
 
+TISSERAND_SCALAR
 int crank_slider_3_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3672,90 +3705,6 @@ int crank_slider_3_residual_ggl(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-    const double rod_1_c1 = y[0];
-    const double rod_1_c2 = y[1];
-    const double rod_1_phi = y[2];
-    const double rod_1_alpha1 = y[3];
-    const double rod_1_alpha2 = y[4];
-    const double rod_2_c1 = y[5];
-    const double rod_2_c2 = y[6];
-    const double rod_2_phi = y[7];
-    const double rod_2_alpha1 = y[8];
-    const double rod_2_alpha2 = y[9];
-    const double rod_3_c1 = y[10];
-    const double rod_3_c2 = y[11];
-    const double rod_3_phi = y[12];
-    const double rod_3_alpha1 = y[13];
-    const double rod_3_alpha2 = y[14];
-    const double slider_s = y[15];
-    const double rod_1_c1dot = y[16];
-    const double rod_1_c2dot = y[17];
-    const double rod_1_phidot = y[18];
-    const double rod_1_alpha1dot = y[19];
-    const double rod_1_alpha2dot = y[20];
-    const double rod_2_c1dot = y[21];
-    const double rod_2_c2dot = y[22];
-    const double rod_2_phidot = y[23];
-    const double rod_2_alpha1dot = y[24];
-    const double rod_2_alpha2dot = y[25];
-    const double rod_3_c1dot = y[26];
-    const double rod_3_c2dot = y[27];
-    const double rod_3_phidot = y[28];
-    const double rod_3_alpha1dot = y[29];
-    const double rod_3_alpha2dot = y[30];
-    const double slider_sdot = y[31];
-    const double lambda_crank_pin_1 = y[32];
-    const double lambda_crank_pin_2 = y[33];
-    const double lambda_slider_pin_1 = y[34];
-    const double lambda_slider_pin_2 = y[35];
-    const double lambda_rod_cut_1_1 = y[36];
-    const double lambda_rod_cut_1_2 = y[37];
-    const double lambda_rod_cut_1_turn = y[38];
-    const double lambda_rod_cut_2_1 = y[39];
-    const double lambda_rod_cut_2_2 = y[40];
-    const double lambda_rod_cut_2_turn = y[41];
-    const double mu_crank_pin_1 = y[42];
-    const double mu_crank_pin_2 = y[43];
-    const double mu_slider_pin_1 = y[44];
-    const double mu_slider_pin_2 = y[45];
-    const double mu_rod_cut_1_1 = y[46];
-    const double mu_rod_cut_1_2 = y[47];
-    const double mu_rod_cut_1_turn = y[48];
-    const double mu_rod_cut_2_1 = y[49];
-    const double mu_rod_cut_2_2 = y[50];
-    const double mu_rod_cut_2_turn = y[51];
-    const double rod_1_c1_t = ydot[0];
-    const double rod_1_c2_t = ydot[1];
-    const double rod_1_phi_t = ydot[2];
-    const double rod_1_alpha1_t = ydot[3];
-    const double rod_1_alpha2_t = ydot[4];
-    const double rod_2_c1_t = ydot[5];
-    const double rod_2_c2_t = ydot[6];
-    const double rod_2_phi_t = ydot[7];
-    const double rod_2_alpha1_t = ydot[8];
-    const double rod_2_alpha2_t = ydot[9];
-    const double rod_3_c1_t = ydot[10];
-    const double rod_3_c2_t = ydot[11];
-    const double rod_3_phi_t = ydot[12];
-    const double rod_3_alpha1_t = ydot[13];
-    const double rod_3_alpha2_t = ydot[14];
-    const double slider_s_t = ydot[15];
-    const double rod_1_c1ddot = ydot[16];
-    const double rod_1_c2ddot = ydot[17];
-    const double rod_1_phiddot = ydot[18];
-    const double rod_1_alpha1ddot = ydot[19];
-    const double rod_1_alpha2ddot = ydot[20];
-    const double rod_2_c1ddot = ydot[21];
-    const double rod_2_c2ddot = ydot[22];
-    const double rod_2_phiddot = ydot[23];
-    const double rod_2_alpha1ddot = ydot[24];
-    const double rod_2_alpha2ddot = ydot[25];
-    const double rod_3_c1ddot = ydot[26];
-    const double rod_3_c2ddot = ydot[27];
-    const double rod_3_phiddot = ydot[28];
-    const double rod_3_alpha1ddot = ydot[29];
-    const double rod_3_alpha2ddot = ydot[30];
-    const double slider_sddot = ydot[31];
     (void) k;
 
     /* crank (1): crank_phi = prescribed rotation of crank */
@@ -3776,11 +3725,14 @@ int crank_slider_3_residual_ggl(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = y[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = y[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = y[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 J (appendix): rod_1_J = int rho r . r */
@@ -3788,6 +3740,8 @@ int crank_slider_3_residual_ggl(
         + rod_1_D2_2 * rod_1_alpha2;
 
     /* rod_1 D2dot (appendix): rod_1_D2dot = int rho r . rdot */
+    const double rod_1_alpha1dot = y[19];
+    const double rod_1_alpha2dot = y[20];
     const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
 
     /*
@@ -3816,11 +3770,14 @@ int crank_slider_3_residual_ggl(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = y[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = y[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = y[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 J (appendix): rod_2_J = int rho r . r */
@@ -3828,6 +3785,8 @@ int crank_slider_3_residual_ggl(
         + rod_2_D2_2 * rod_2_alpha2;
 
     /* rod_2 D2dot (appendix): rod_2_D2dot = int rho r . rdot */
+    const double rod_2_alpha1dot = y[24];
+    const double rod_2_alpha2dot = y[25];
     const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
 
     /*
@@ -3858,11 +3817,14 @@ int crank_slider_3_residual_ggl(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = y[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = y[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = y[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 J (appendix): rod_3_J = int rho r . r */
@@ -3870,6 +3832,8 @@ int crank_slider_3_residual_ggl(
         + rod_3_D2_2 * rod_3_alpha2;
 
     /* rod_3 D2dot (appendix): rod_3_D2dot = int rho r . rdot */
+    const double rod_3_alpha1dot = y[29];
+    const double rod_3_alpha2dot = y[30];
     const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
 
     /*
@@ -3895,8 +3859,19 @@ int crank_slider_3_residual_ggl(
     const double rod_3_cut_left_sdot_2 = rod_3_cut_left_rdot_2 * rod_3_cos_phi;
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double rod_1_c1_t = ydot[0];
+    const double rod_1_c1dot = y[16];
+    const double mu_crank_pin_1 = y[42];
+    const double mu_rod_cut_1_1 = y[46];
     F[0] = rod_1_c1_t - rod_1_c1dot + (mu_crank_pin_1 - mu_rod_cut_1_1);
+    const double rod_1_c2_t = ydot[1];
+    const double rod_1_c2dot = y[17];
+    const double mu_crank_pin_2 = y[43];
+    const double mu_rod_cut_1_2 = y[47];
     F[1] = rod_1_c2_t - rod_1_c2dot + (mu_crank_pin_2 - mu_rod_cut_1_2);
+    const double rod_1_phi_t = ydot[2];
+    const double rod_1_phidot = y[18];
+    const double mu_rod_cut_1_turn = y[48];
     F[2] = rod_1_phi_t - rod_1_phidot + (rod_1_left_s_1 * mu_crank_pin_2
         - rod_1_left_s_2 * mu_crank_pin_1 + rod_1_cut_right_s_2 * mu_rod_cut_1_1
         - rod_1_cut_right_s_1 * mu_rod_cut_1_2 - mu_rod_cut_1_turn);
@@ -3904,11 +3879,22 @@ int crank_slider_3_residual_ggl(
     const double t2 = rod_1_sin_phi * mu_crank_pin_1;
     const double t3 = rod_1_sin_phi * mu_rod_cut_1_1;
     const double t4 = rod_1_cos_phi * mu_rod_cut_1_2;
+    const double rod_1_alpha1_t = ydot[3];
     F[3] = rod_1_alpha1_t - rod_1_alpha1dot + (t1 - t2 + t3 - t4 - 60.0 * mu_rod_cut_1_turn);
     const double t5 = 120.0 * mu_rod_cut_1_turn;
+    const double rod_1_alpha2_t = ydot[4];
     F[4] = rod_1_alpha2_t - rod_1_alpha2dot + (t2 - t1 + t3 - t4 - t5);
+    const double rod_2_c1_t = ydot[5];
+    const double rod_2_c1dot = y[21];
+    const double mu_rod_cut_2_1 = y[49];
     F[5] = rod_2_c1_t - rod_2_c1dot + (mu_rod_cut_1_1 - mu_rod_cut_2_1);
+    const double rod_2_c2_t = ydot[6];
+    const double rod_2_c2dot = y[22];
+    const double mu_rod_cut_2_2 = y[50];
     F[6] = rod_2_c2_t - rod_2_c2dot + (mu_rod_cut_1_2 - mu_rod_cut_2_2);
+    const double rod_2_phi_t = ydot[7];
+    const double rod_2_phidot = y[23];
+    const double mu_rod_cut_2_turn = y[51];
     F[7] = rod_2_phi_t - rod_2_phidot + (rod_2_cut_left_s_1 * mu_rod_cut_1_2
         - rod_2_cut_left_s_2 * mu_rod_cut_1_1 + mu_rod_cut_1_turn
         + rod_2_cut_right_s_2 * mu_rod_cut_2_1 - rod_2_cut_right_s_1 * mu_rod_cut_2_2
@@ -3917,23 +3903,45 @@ int crank_slider_3_residual_ggl(
     const double t7 = rod_2_sin_phi * mu_rod_cut_1_1;
     const double t8 = rod_2_sin_phi * mu_rod_cut_2_1;
     const double t9 = rod_2_cos_phi * mu_rod_cut_2_2;
+    const double rod_2_alpha1_t = ydot[8];
     F[8] = rod_2_alpha1_t - rod_2_alpha1dot + (t6 - t7 + (-60.0) * mu_rod_cut_1_turn + t8 - t9
         - 60.0 * mu_rod_cut_2_turn);
     const double t10 = 120.0 * mu_rod_cut_2_turn;
+    const double rod_2_alpha2_t = ydot[9];
     F[9] = rod_2_alpha2_t - rod_2_alpha2dot + (t7 - t6 + t5 + t8 - t9 - t10);
+    const double rod_3_c1_t = ydot[10];
+    const double rod_3_c1dot = y[26];
+    const double mu_slider_pin_1 = y[44];
     F[10] = rod_3_c1_t - rod_3_c1dot + (mu_rod_cut_2_1 - mu_slider_pin_1);
+    const double rod_3_c2_t = ydot[11];
+    const double rod_3_c2dot = y[27];
+    const double mu_slider_pin_2 = y[45];
     F[11] = rod_3_c2_t - rod_3_c2dot + (mu_rod_cut_2_2 - mu_slider_pin_2);
+    const double rod_3_phi_t = ydot[12];
+    const double rod_3_phidot = y[28];
     F[12] = rod_3_phi_t - rod_3_phidot + (rod_3_right_s_2 * mu_slider_pin_1
         - rod_3_right_s_1 * mu_slider_pin_2 - rod_3_cut_left_s_2 * mu_rod_cut_2_1
         + rod_3_cut_left_s_1 * mu_rod_cut_2_2 + mu_rod_cut_2_turn);
     const double t11 = rod_3_sin_phi * mu_slider_pin_1 - rod_3_cos_phi * mu_slider_pin_2;
     const double t12 = rod_3_sin_phi * mu_rod_cut_2_1;
     const double t13 = rod_3_cos_phi * mu_rod_cut_2_2;
+    const double rod_3_alpha1_t = ydot[13];
     F[13] = rod_3_alpha1_t - rod_3_alpha1dot + (t11 - t12 + t13 + (-60.0) * mu_rod_cut_2_turn);
+    const double rod_3_alpha2_t = ydot[14];
     F[14] = rod_3_alpha2_t - rod_3_alpha2dot + (t11 + t12 - t13 + t10);
+    const double slider_s_t = ydot[15];
+    const double slider_sdot = y[31];
     F[15] = slider_s_t - slider_sdot + mu_slider_pin_1;
+    const double rod_1_c1ddot = ydot[16];
+    const double lambda_crank_pin_1 = y[32];
+    const double lambda_rod_cut_1_1 = y[36];
     F[16] = (33377851.0 / 1500000000.0) * rod_1_c1ddot - (lambda_crank_pin_1 - lambda_rod_cut_1_1);
+    const double rod_1_c2ddot = ydot[17];
+    const double lambda_crank_pin_2 = y[33];
+    const double lambda_rod_cut_1_2 = y[37];
     F[17] = (33377851.0 / 1500000000.0) * rod_1_c2ddot - (lambda_crank_pin_2 - lambda_rod_cut_1_2);
+    const double rod_1_phiddot = ydot[18];
+    const double lambda_rod_cut_1_turn = y[38];
     F[18] = 2.0 * rod_1_phidot * rod_1_D2dot + rod_1_J * rod_1_phiddot
         - (rod_1_left_s_1 * lambda_crank_pin_2 - rod_1_left_s_2 * lambda_crank_pin_1
         + rod_1_cut_right_s_2 * lambda_rod_cut_1_1 - rod_1_cut_right_s_1 * lambda_rod_cut_1_2
@@ -3943,13 +3951,21 @@ int crank_slider_3_residual_ggl(
     const double t16 = rod_1_sin_phi * lambda_crank_pin_1;
     const double t17 = rod_1_sin_phi * lambda_rod_cut_1_1;
     const double t18 = rod_1_cos_phi * lambda_rod_cut_1_2;
+    const double rod_1_alpha1ddot = ydot[19];
     F[19] = (1145110518.0 / 625.0) * rod_1_alpha1 + (33377851.0 / 7500000000.0) * rod_1_alpha1ddot
         - t14 * rod_1_D2_1 - (t15 - t16 + t17 - t18 - 60.0 * lambda_rod_cut_1_turn);
     const double t19 = 120.0 * lambda_rod_cut_1_turn;
+    const double rod_1_alpha2ddot = ydot[20];
     F[20] = (381703506.0 / 25.0) * rod_1_alpha2 + (33377851.0 / 10500000000.0) * rod_1_alpha2ddot
         - t14 * rod_1_D2_2 - (t16 - t15 + t17 - t18 - t19);
+    const double rod_2_c1ddot = ydot[21];
+    const double lambda_rod_cut_2_1 = y[39];
     F[21] = (33377851.0 / 1500000000.0) * rod_2_c1ddot - (lambda_rod_cut_1_1 - lambda_rod_cut_2_1);
+    const double rod_2_c2ddot = ydot[22];
+    const double lambda_rod_cut_2_2 = y[40];
     F[22] = (33377851.0 / 1500000000.0) * rod_2_c2ddot - (lambda_rod_cut_1_2 - lambda_rod_cut_2_2);
+    const double rod_2_phiddot = ydot[23];
+    const double lambda_rod_cut_2_turn = y[41];
     F[23] = 2.0 * rod_2_phidot * rod_2_D2dot + rod_2_J * rod_2_phiddot
         - (rod_2_cut_left_s_1 * lambda_rod_cut_1_2 - rod_2_cut_left_s_2 * lambda_rod_cut_1_1
         + lambda_rod_cut_1_turn + rod_2_cut_right_s_2 * lambda_rod_cut_2_1
@@ -3959,14 +3975,21 @@ int crank_slider_3_residual_ggl(
     const double t22 = rod_2_sin_phi * lambda_rod_cut_1_1;
     const double t23 = rod_2_sin_phi * lambda_rod_cut_2_1;
     const double t24 = rod_2_cos_phi * lambda_rod_cut_2_2;
+    const double rod_2_alpha1ddot = ydot[24];
     F[24] = (1145110518.0 / 625.0) * rod_2_alpha1 + (33377851.0 / 7500000000.0) * rod_2_alpha1ddot
         - t20 * rod_2_D2_1 - (t21 - t22 + (-60.0) * lambda_rod_cut_1_turn + t23 - t24
         - 60.0 * lambda_rod_cut_2_turn);
     const double t25 = 120.0 * lambda_rod_cut_2_turn;
+    const double rod_2_alpha2ddot = ydot[25];
     F[25] = (381703506.0 / 25.0) * rod_2_alpha2 + (33377851.0 / 10500000000.0) * rod_2_alpha2ddot
         - t20 * rod_2_D2_2 - (t22 - t21 + t19 + t23 - t24 - t25);
+    const double rod_3_c1ddot = ydot[26];
+    const double lambda_slider_pin_1 = y[34];
     F[26] = (33377851.0 / 1500000000.0) * rod_3_c1ddot - (lambda_rod_cut_2_1 - lambda_slider_pin_1);
+    const double rod_3_c2ddot = ydot[27];
+    const double lambda_slider_pin_2 = y[35];
     F[27] = (33377851.0 / 1500000000.0) * rod_3_c2ddot - (lambda_rod_cut_2_2 - lambda_slider_pin_2);
+    const double rod_3_phiddot = ydot[28];
     F[28] = 2.0 * rod_3_phidot * rod_3_D2dot + rod_3_J * rod_3_phiddot
         - (rod_3_right_s_2 * lambda_slider_pin_1 - rod_3_right_s_1 * lambda_slider_pin_2
         - rod_3_cut_left_s_2 * lambda_rod_cut_2_1 + rod_3_cut_left_s_1 * lambda_rod_cut_2_2
@@ -3975,10 +3998,13 @@ int crank_slider_3_residual_ggl(
     const double t27 = rod_3_sin_phi * lambda_slider_pin_1 - rod_3_cos_phi * lambda_slider_pin_2;
     const double t28 = rod_3_sin_phi * lambda_rod_cut_2_1;
     const double t29 = rod_3_cos_phi * lambda_rod_cut_2_2;
+    const double rod_3_alpha1ddot = ydot[29];
     F[29] = (1145110518.0 / 625.0) * rod_3_alpha1 + (33377851.0 / 7500000000.0) * rod_3_alpha1ddot
         - t26 * rod_3_D2_1 - (t27 - t28 + t29 + (-60.0) * lambda_rod_cut_2_turn);
+    const double rod_3_alpha2ddot = ydot[30];
     F[30] = (381703506.0 / 25.0) * rod_3_alpha2 + (33377851.0 / 10500000000.0) * rod_3_alpha2ddot
         - t26 * rod_3_D2_2 - (t27 + t28 - t29 + t25);
+    const double slider_sddot = ydot[31];
     F[31] = (33377851.0 / 1000000000.0) * slider_sddot - lambda_slider_pin_1;
     F[32] = 150.0 * crank_pin_s_2 + rod_1_c1dot - rod_1_left_rdot_2 * rod_1_sin_phi
         - rod_1_phidot * rod_1_left_s_2;
@@ -3999,11 +4025,18 @@ int crank_slider_3_residual_ggl(
         - rod_2_cut_right_sdot_2 - rod_2_phidot * rod_2_cut_right_s_1;
     F[41] = rod_3_phidot + (-60.0) * rod_3_alpha1dot + 120.0 * rod_3_alpha2dot - rod_2_phidot
         - 60.0 * rod_2_alpha1dot - t30;
+    const double rod_1_c1 = y[0];
     F[42] = rod_1_c1 + rod_1_left_s_1 - crank_pin_s_1;
+    const double rod_1_c2 = y[1];
     F[43] = rod_1_c2 + rod_1_left_s_2 - crank_pin_s_2;
+    const double slider_s = y[15];
+    const double rod_3_c1 = y[10];
     F[44] = slider_s - rod_3_c1 - rod_3_right_s_1;
+    const double rod_3_c2 = y[11];
     F[45] = -(rod_3_c2 + rod_3_right_s_2);
+    const double rod_2_c1 = y[5];
     F[46] = rod_2_c1 + rod_2_cut_left_s_1 - rod_1_c1 - rod_1_cut_right_s_1;
+    const double rod_2_c2 = y[6];
     F[47] = rod_2_c2 + rod_2_cut_left_s_2 - rod_1_c2 - rod_1_cut_right_s_2;
     const double t31 = 120.0 * rod_2_alpha2;
     F[48] = rod_2_phi + (-60.0) * rod_2_alpha1 + t31 - rod_1_phi - 60.0 * rod_1_alpha1
@@ -4015,6 +4048,7 @@ int crank_slider_3_residual_ggl(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_jacobian_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -4024,54 +4058,20 @@ int crank_slider_3_jacobian_ggl(
     double *jac)
 {
     (void) t;
-    const double rod_1_phi = y[2];
-    const double rod_1_alpha1 = y[3];
-    const double rod_1_alpha2 = y[4];
-    const double rod_2_phi = y[7];
-    const double rod_2_alpha1 = y[8];
-    const double rod_2_alpha2 = y[9];
-    const double rod_3_phi = y[12];
-    const double rod_3_alpha1 = y[13];
-    const double rod_3_alpha2 = y[14];
-    const double rod_1_phidot = y[18];
-    const double rod_1_alpha1dot = y[19];
-    const double rod_1_alpha2dot = y[20];
-    const double rod_2_phidot = y[23];
-    const double rod_2_alpha1dot = y[24];
-    const double rod_2_alpha2dot = y[25];
-    const double rod_3_phidot = y[28];
-    const double rod_3_alpha1dot = y[29];
-    const double rod_3_alpha2dot = y[30];
-    const double lambda_crank_pin_1 = y[32];
-    const double lambda_crank_pin_2 = y[33];
-    const double lambda_slider_pin_1 = y[34];
-    const double lambda_slider_pin_2 = y[35];
-    const double lambda_rod_cut_1_1 = y[36];
-    const double lambda_rod_cut_1_2 = y[37];
-    const double lambda_rod_cut_2_1 = y[39];
-    const double lambda_rod_cut_2_2 = y[40];
-    const double mu_crank_pin_1 = y[42];
-    const double mu_crank_pin_2 = y[43];
-    const double mu_slider_pin_1 = y[44];
-    const double mu_slider_pin_2 = y[45];
-    const double mu_rod_cut_1_1 = y[46];
-    const double mu_rod_cut_1_2 = y[47];
-    const double mu_rod_cut_2_1 = y[49];
-    const double mu_rod_cut_2_2 = y[50];
-    const double rod_1_phiddot = ydot[18];
-    const double rod_2_phiddot = ydot[23];
-    const double rod_3_phiddot = ydot[28];
     (void) k;
 
     /*
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = y[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = y[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = y[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 J (appendix): rod_1_J = int rho r . r */
@@ -4079,6 +4079,8 @@ int crank_slider_3_jacobian_ggl(
         + rod_1_D2_2 * rod_1_alpha2;
 
     /* rod_1 D2dot (appendix): rod_1_D2dot = int rho r . rdot */
+    const double rod_1_alpha1dot = y[19];
+    const double rod_1_alpha2dot = y[20];
     const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
 
     /*
@@ -4110,11 +4112,14 @@ int crank_slider_3_jacobian_ggl(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = y[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = y[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = y[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 J (appendix): rod_2_J = int rho r . r */
@@ -4122,6 +4127,8 @@ int crank_slider_3_jacobian_ggl(
         + rod_2_D2_2 * rod_2_alpha2;
 
     /* rod_2 D2dot (appendix): rod_2_D2dot = int rho r . rdot */
+    const double rod_2_alpha1dot = y[24];
+    const double rod_2_alpha2dot = y[25];
     const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
 
     /*
@@ -4154,11 +4161,14 @@ int crank_slider_3_jacobian_ggl(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = y[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = y[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = y[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 J (appendix): rod_3_J = int rho r . r */
@@ -4166,6 +4176,8 @@ int crank_slider_3_jacobian_ggl(
         + rod_3_D2_2 * rod_3_alpha2;
 
     /* rod_3 D2dot (appendix): rod_3_D2dot = int rho r . rdot */
+    const double rod_3_alpha1dot = y[29];
+    const double rod_3_alpha2dot = y[30];
     const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
 
     /*
@@ -4202,6 +4214,10 @@ int crank_slider_3_jacobian_ggl(
     jac[5] = -1.0;
     const double t13 = t2 + t1;
     const double t14 = t4 + t3;
+    const double mu_rod_cut_1_1 = y[46];
+    const double mu_crank_pin_2 = y[43];
+    const double mu_crank_pin_1 = y[42];
+    const double mu_rod_cut_1_2 = y[47];
     jac[6] = mu_rod_cut_1_1 * rod_1_cut_right_s_1 - (mu_crank_pin_2 * t13
         + mu_crank_pin_1 * rod_1_left_s_1) + mu_rod_cut_1_2 * t14 + cj;
     const double t15 = mu_rod_cut_1_1 * rod_1_cos_phi;
@@ -4212,6 +4228,10 @@ int crank_slider_3_jacobian_ggl(
     const double t20 = t15 - t18 + t19;
     jac[7] = t20;
     jac[8] = t17 + t16 + t15 + t19;
+    const double lambda_rod_cut_1_1 = y[36];
+    const double lambda_crank_pin_2 = y[33];
+    const double lambda_crank_pin_1 = y[32];
+    const double lambda_rod_cut_1_2 = y[37];
     jac[9] = -(lambda_rod_cut_1_1 * rod_1_cut_right_s_1 - (lambda_crank_pin_2 * t13
         + lambda_crank_pin_1 * rod_1_left_s_1)) - lambda_rod_cut_1_2 * t14;
     const double t21 = lambda_rod_cut_1_1 * rod_1_cos_phi;
@@ -4222,6 +4242,7 @@ int crank_slider_3_jacobian_ggl(
     const double t26 = t21 - t24 + t25;
     jac[10] = -t26;
     jac[11] = -(t23 + t22) - t21 - t25;
+    const double rod_1_phidot = y[18];
     jac[12] = -(rod_1_left_sdot_2 + rod_1_phidot * rod_1_left_s_1);
     jac[13] = -(rod_1_left_rdot_2 * rod_1_sin_phi) - rod_1_phidot * t13;
     jac[14] = rod_1_phidot * rod_1_cut_right_s_1 + rod_1_cut_right_sdot_2;
@@ -4235,6 +4256,7 @@ int crank_slider_3_jacobian_ggl(
     jac[21] = t20;
     jac[22] = cj;
     const double t28 = 2.0 * rod_1_phidot;
+    const double rod_1_phiddot = ydot[18];
     jac[23] = t28 * ((33377851.0 / 7500000000.0) * rod_1_alpha1dot)
         + rod_1_phiddot * (2.0 * rod_1_D2_1) - t26;
     const double t29 = rod_1_phidot * rod_1_phidot;
@@ -4274,6 +4296,8 @@ int crank_slider_3_jacobian_ggl(
     jac[52] = -1.0;
     const double t34 = t6 + t5;
     const double t35 = t8 + t7;
+    const double mu_rod_cut_2_1 = y[49];
+    const double mu_rod_cut_2_2 = y[50];
     jac[53] = mu_rod_cut_2_1 * rod_2_cut_right_s_1 - (mu_rod_cut_1_2 * t34
         + mu_rod_cut_1_1 * rod_2_cut_left_s_1) + mu_rod_cut_2_2 * t35 + cj;
     const double t36 = mu_rod_cut_2_1 * rod_2_cos_phi;
@@ -4284,6 +4308,8 @@ int crank_slider_3_jacobian_ggl(
     const double t41 = t36 - t39 + t40;
     jac[54] = t41;
     jac[55] = t38 + t37 + t36 + t40;
+    const double lambda_rod_cut_2_1 = y[39];
+    const double lambda_rod_cut_2_2 = y[40];
     jac[56] = -(lambda_rod_cut_2_1 * rod_2_cut_right_s_1 - (lambda_rod_cut_1_2 * t34
         + lambda_rod_cut_1_1 * rod_2_cut_left_s_1)) - lambda_rod_cut_2_2 * t35;
     const double t42 = lambda_rod_cut_2_1 * rod_2_cos_phi;
@@ -4294,6 +4320,7 @@ int crank_slider_3_jacobian_ggl(
     const double t47 = t42 - t45 + t46;
     jac[57] = -t47;
     jac[58] = -(t44 + t43) - t42 - t46;
+    const double rod_2_phidot = y[23];
     jac[59] = -(rod_2_cut_left_sdot_2 + rod_2_phidot * rod_2_cut_left_s_1);
     jac[60] = -(rod_2_cut_left_rdot_2 * rod_2_sin_phi) - rod_2_phidot * t34;
     jac[61] = rod_2_phidot * rod_2_cut_right_s_1 + rod_2_cut_right_sdot_2;
@@ -4308,6 +4335,7 @@ int crank_slider_3_jacobian_ggl(
     jac[69] = t41;
     jac[70] = cj;
     const double t49 = 2.0 * rod_2_phidot;
+    const double rod_2_phiddot = ydot[23];
     jac[71] = t49 * ((33377851.0 / 7500000000.0) * rod_2_alpha1dot)
         + rod_2_phiddot * (2.0 * rod_2_D2_1) - t47;
     const double t50 = rod_2_phidot * rod_2_phidot;
@@ -4349,6 +4377,8 @@ int crank_slider_3_jacobian_ggl(
     jac[102] = 1.0;
     const double t55 = t10 + t9;
     const double t56 = t12 + t11;
+    const double mu_slider_pin_1 = y[44];
+    const double mu_slider_pin_2 = y[45];
     jac[103] = mu_slider_pin_1 * rod_3_right_s_1 + mu_slider_pin_2 * t55
         - mu_rod_cut_2_1 * rod_3_cut_left_s_1 - mu_rod_cut_2_2 * t56 + cj;
     const double t57 = mu_slider_pin_1 * rod_3_cos_phi + mu_slider_pin_2 * rod_3_sin_phi;
@@ -4358,6 +4388,8 @@ int crank_slider_3_jacobian_ggl(
     jac[104] = t60;
     const double t61 = t57 + t58 + t59;
     jac[105] = t61;
+    const double lambda_slider_pin_1 = y[34];
+    const double lambda_slider_pin_2 = y[35];
     jac[106] = -(lambda_slider_pin_1 * rod_3_right_s_1 + lambda_slider_pin_2 * t55
         - lambda_rod_cut_2_1 * rod_3_cut_left_s_1 - lambda_rod_cut_2_2 * t56);
     const double t62 = lambda_slider_pin_1 * rod_3_cos_phi + lambda_slider_pin_2 * rod_3_sin_phi;
@@ -4367,6 +4399,7 @@ int crank_slider_3_jacobian_ggl(
     jac[107] = -t65;
     const double t66 = t62 + t63 + t64;
     jac[108] = -t66;
+    const double rod_3_phidot = y[28];
     jac[109] = rod_3_phidot * rod_3_right_s_1 + rod_3_right_sdot_2;
     jac[110] = rod_3_right_rdot_2 * rod_3_sin_phi + rod_3_phidot * t55;
     jac[111] = -(rod_3_cut_left_sdot_2 + rod_3_phidot * rod_3_cut_left_s_1);
@@ -4380,6 +4413,7 @@ int crank_slider_3_jacobian_ggl(
     jac[118] = t60;
     jac[119] = cj;
     const double t68 = 2.0 * rod_3_phidot;
+    const double rod_3_phiddot = ydot[28];
     jac[120] = t68 * ((33377851.0 / 7500000000.0) * rod_3_alpha1dot)
         + rod_3_phiddot * (2.0 * rod_3_D2_1) - t65;
     const double t69 = rod_3_phidot * rod_3_phidot;
@@ -4669,6 +4703,7 @@ int crank_slider_3_jacobian_ggl(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_residual_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -4676,73 +4711,6 @@ int crank_slider_3_residual_index1(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-    const double rod_1_phi = y[2];
-    const double rod_1_alpha1 = y[3];
-    const double rod_1_alpha2 = y[4];
-    const double rod_2_phi = y[7];
-    const double rod_2_alpha1 = y[8];
-    const double rod_2_alpha2 = y[9];
-    const double rod_3_phi = y[12];
-    const double rod_3_alpha1 = y[13];
-    const double rod_3_alpha2 = y[14];
-    const double rod_1_c1dot = y[16];
-    const double rod_1_c2dot = y[17];
-    const double rod_1_phidot = y[18];
-    const double rod_1_alpha1dot = y[19];
-    const double rod_1_alpha2dot = y[20];
-    const double rod_2_c1dot = y[21];
-    const double rod_2_c2dot = y[22];
-    const double rod_2_phidot = y[23];
-    const double rod_2_alpha1dot = y[24];
-    const double rod_2_alpha2dot = y[25];
-    const double rod_3_c1dot = y[26];
-    const double rod_3_c2dot = y[27];
-    const double rod_3_phidot = y[28];
-    const double rod_3_alpha1dot = y[29];
-    const double rod_3_alpha2dot = y[30];
-    const double slider_sdot = y[31];
-    const double lambda_crank_pin_1 = y[32];
-    const double lambda_crank_pin_2 = y[33];
-    const double lambda_slider_pin_1 = y[34];
-    const double lambda_slider_pin_2 = y[35];
-    const double lambda_rod_cut_1_1 = y[36];
-    const double lambda_rod_cut_1_2 = y[37];
-    const double lambda_rod_cut_1_turn = y[38];
-    const double lambda_rod_cut_2_1 = y[39];
-    const double lambda_rod_cut_2_2 = y[40];
-    const double lambda_rod_cut_2_turn = y[41];
-    const double rod_1_c1_t = ydot[0];
-    const double rod_1_c2_t = ydot[1];
-    const double rod_1_phi_t = ydot[2];
-    const double rod_1_alpha1_t = ydot[3];
-    const double rod_1_alpha2_t = ydot[4];
-    const double rod_2_c1_t = ydot[5];
-    const double rod_2_c2_t = ydot[6];
-    const double rod_2_phi_t = ydot[7];
-    const double rod_2_alpha1_t = ydot[8];
-    const double rod_2_alpha2_t = ydot[9];
-    const double rod_3_c1_t = ydot[10];
-    const double rod_3_c2_t = ydot[11];
-    const double rod_3_phi_t = ydot[12];
-    const double rod_3_alpha1_t = ydot[13];
-    const double rod_3_alpha2_t = ydot[14];
-    const double slider_s_t = ydot[15];
-    const double rod_1_c1ddot = ydot[16];
-    const double rod_1_c2ddot = ydot[17];
-    const double rod_1_phiddot = ydot[18];
-    const double rod_1_alpha1ddot = ydot[19];
-    const double rod_1_alpha2ddot = ydot[20];
-    const double rod_2_c1ddot = ydot[21];
-    const double rod_2_c2ddot = ydot[22];
-    const double rod_2_phiddot = ydot[23];
-    const double rod_2_alpha1ddot = ydot[24];
-    const double rod_2_alpha2ddot = ydot[25];
-    const double rod_3_c1ddot = ydot[26];
-    const double rod_3_c2ddot = ydot[27];
-    const double rod_3_phiddot = ydot[28];
-    const double rod_3_alpha1ddot = ydot[29];
-    const double rod_3_alpha2ddot = ydot[30];
-    const double slider_sddot = ydot[31];
     (void) k;
 
     /* crank (1): crank_phi = prescribed rotation of crank */
@@ -4763,11 +4731,14 @@ int crank_slider_3_residual_index1(
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = y[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = y[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = y[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 J (appendix): rod_1_J = int rho r . r */
@@ -4775,6 +4746,8 @@ int crank_slider_3_residual_index1(
         + rod_1_D2_2 * rod_1_alpha2;
 
     /* rod_1 D2dot (appendix): rod_1_D2dot = int rho r . rdot */
+    const double rod_1_alpha1dot = y[19];
+    const double rod_1_alpha2dot = y[20];
     const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
 
     /*
@@ -4803,11 +4776,14 @@ int crank_slider_3_residual_index1(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = y[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = y[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = y[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 J (appendix): rod_2_J = int rho r . r */
@@ -4815,6 +4791,8 @@ int crank_slider_3_residual_index1(
         + rod_2_D2_2 * rod_2_alpha2;
 
     /* rod_2 D2dot (appendix): rod_2_D2dot = int rho r . rdot */
+    const double rod_2_alpha1dot = y[24];
+    const double rod_2_alpha2dot = y[25];
     const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
 
     /*
@@ -4845,11 +4823,14 @@ int crank_slider_3_residual_index1(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = y[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = y[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = y[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 J (appendix): rod_3_J = int rho r . r */
@@ -4857,6 +4838,8 @@ int crank_slider_3_residual_index1(
         + rod_3_D2_2 * rod_3_alpha2;
 
     /* rod_3 D2dot (appendix): rod_3_D2dot = int rho r . rdot */
+    const double rod_3_alpha1dot = y[29];
+    const double rod_3_alpha2dot = y[30];
     const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
 
     /*
@@ -4882,25 +4865,59 @@ int crank_slider_3_residual_index1(
     const double rod_3_cut_left_sdot_2 = rod_3_cut_left_rdot_2 * rod_3_cos_phi;
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double rod_1_c1_t = ydot[0];
+    const double rod_1_c1dot = y[16];
     F[0] = rod_1_c1_t - rod_1_c1dot;
+    const double rod_1_c2_t = ydot[1];
+    const double rod_1_c2dot = y[17];
     F[1] = rod_1_c2_t - rod_1_c2dot;
+    const double rod_1_phi_t = ydot[2];
+    const double rod_1_phidot = y[18];
     F[2] = rod_1_phi_t - rod_1_phidot;
+    const double rod_1_alpha1_t = ydot[3];
     F[3] = rod_1_alpha1_t - rod_1_alpha1dot;
+    const double rod_1_alpha2_t = ydot[4];
     F[4] = rod_1_alpha2_t - rod_1_alpha2dot;
+    const double rod_2_c1_t = ydot[5];
+    const double rod_2_c1dot = y[21];
     F[5] = rod_2_c1_t - rod_2_c1dot;
+    const double rod_2_c2_t = ydot[6];
+    const double rod_2_c2dot = y[22];
     F[6] = rod_2_c2_t - rod_2_c2dot;
+    const double rod_2_phi_t = ydot[7];
+    const double rod_2_phidot = y[23];
     F[7] = rod_2_phi_t - rod_2_phidot;
+    const double rod_2_alpha1_t = ydot[8];
     F[8] = rod_2_alpha1_t - rod_2_alpha1dot;
+    const double rod_2_alpha2_t = ydot[9];
     F[9] = rod_2_alpha2_t - rod_2_alpha2dot;
+    const double rod_3_c1_t = ydot[10];
+    const double rod_3_c1dot = y[26];
     F[10] = rod_3_c1_t - rod_3_c1dot;
+    const double rod_3_c2_t = ydot[11];
+    const double rod_3_c2dot = y[27];
     F[11] = rod_3_c2_t - rod_3_c2dot;
+    const double rod_3_phi_t = ydot[12];
+    const double rod_3_phidot = y[28];
     F[12] = rod_3_phi_t - rod_3_phidot;
+    const double rod_3_alpha1_t = ydot[13];
     F[13] = rod_3_alpha1_t - rod_3_alpha1dot;
+    const double rod_3_alpha2_t = ydot[14];
     F[14] = rod_3_alpha2_t - rod_3_alpha2dot;
+    const double slider_s_t = ydot[15];
+    const double slider_sdot = y[31];
     F[15] = slider_s_t - slider_sdot;
+    const double rod_1_c1ddot = ydot[16];
+    const double lambda_crank_pin_1 = y[32];
+    const double lambda_rod_cut_1_1 = y[36];
     F[16] = (33377851.0 / 1500000000.0) * rod_1_c1ddot - (lambda_crank_pin_1 - lambda_rod_cut_1_1);
+    const double rod_1_c2ddot = ydot[17];
+    const double lambda_crank_pin_2 = y[33];
+    const double lambda_rod_cut_1_2 = y[37];
     F[17] = (33377851.0 / 1500000000.0) * rod_1_c2ddot - (lambda_crank_pin_2 - lambda_rod_cut_1_2);
     const double t1 = 2.0 * rod_1_phidot;
+    const double rod_1_phiddot = ydot[18];
+    const double lambda_rod_cut_1_turn = y[38];
     F[18] = t1 * rod_1_D2dot + rod_1_J * rod_1_phiddot - (rod_1_left_s_1 * lambda_crank_pin_2
         - rod_1_left_s_2 * lambda_crank_pin_1 + rod_1_cut_right_s_2 * lambda_rod_cut_1_1
         - rod_1_cut_right_s_1 * lambda_rod_cut_1_2 - lambda_rod_cut_1_turn);
@@ -4909,14 +4926,22 @@ int crank_slider_3_residual_index1(
     const double t4 = rod_1_sin_phi * lambda_crank_pin_1;
     const double t5 = rod_1_sin_phi * lambda_rod_cut_1_1;
     const double t6 = rod_1_cos_phi * lambda_rod_cut_1_2;
+    const double rod_1_alpha1ddot = ydot[19];
     F[19] = (1145110518.0 / 625.0) * rod_1_alpha1 + (33377851.0 / 7500000000.0) * rod_1_alpha1ddot
         - t2 * rod_1_D2_1 - (t3 - t4 + t5 - t6 - 60.0 * lambda_rod_cut_1_turn);
     const double t7 = 120.0 * lambda_rod_cut_1_turn;
+    const double rod_1_alpha2ddot = ydot[20];
     F[20] = (381703506.0 / 25.0) * rod_1_alpha2 + (33377851.0 / 10500000000.0) * rod_1_alpha2ddot
         - t2 * rod_1_D2_2 - (t4 - t3 + t5 - t6 - t7);
+    const double rod_2_c1ddot = ydot[21];
+    const double lambda_rod_cut_2_1 = y[39];
     F[21] = (33377851.0 / 1500000000.0) * rod_2_c1ddot - (lambda_rod_cut_1_1 - lambda_rod_cut_2_1);
+    const double rod_2_c2ddot = ydot[22];
+    const double lambda_rod_cut_2_2 = y[40];
     F[22] = (33377851.0 / 1500000000.0) * rod_2_c2ddot - (lambda_rod_cut_1_2 - lambda_rod_cut_2_2);
     const double t8 = 2.0 * rod_2_phidot;
+    const double rod_2_phiddot = ydot[23];
+    const double lambda_rod_cut_2_turn = y[41];
     F[23] = t8 * rod_2_D2dot + rod_2_J * rod_2_phiddot - (rod_2_cut_left_s_1 * lambda_rod_cut_1_2
         - rod_2_cut_left_s_2 * lambda_rod_cut_1_1 + lambda_rod_cut_1_turn
         + rod_2_cut_right_s_2 * lambda_rod_cut_2_1 - rod_2_cut_right_s_1 * lambda_rod_cut_2_2
@@ -4926,15 +4951,22 @@ int crank_slider_3_residual_index1(
     const double t11 = rod_2_sin_phi * lambda_rod_cut_1_1;
     const double t12 = rod_2_sin_phi * lambda_rod_cut_2_1;
     const double t13 = rod_2_cos_phi * lambda_rod_cut_2_2;
+    const double rod_2_alpha1ddot = ydot[24];
     F[24] = (1145110518.0 / 625.0) * rod_2_alpha1 + (33377851.0 / 7500000000.0) * rod_2_alpha1ddot
         - t9 * rod_2_D2_1 - (t10 - t11 + (-60.0) * lambda_rod_cut_1_turn + t12 - t13
         - 60.0 * lambda_rod_cut_2_turn);
     const double t14 = 120.0 * lambda_rod_cut_2_turn;
+    const double rod_2_alpha2ddot = ydot[25];
     F[25] = (381703506.0 / 25.0) * rod_2_alpha2 + (33377851.0 / 10500000000.0) * rod_2_alpha2ddot
         - t9 * rod_2_D2_2 - (t11 - t10 + t7 + t12 - t13 - t14);
+    const double rod_3_c1ddot = ydot[26];
+    const double lambda_slider_pin_1 = y[34];
     F[26] = (33377851.0 / 1500000000.0) * rod_3_c1ddot - (lambda_rod_cut_2_1 - lambda_slider_pin_1);
+    const double rod_3_c2ddot = ydot[27];
+    const double lambda_slider_pin_2 = y[35];
     F[27] = (33377851.0 / 1500000000.0) * rod_3_c2ddot - (lambda_rod_cut_2_2 - lambda_slider_pin_2);
     const double t15 = 2.0 * rod_3_phidot;
+    const double rod_3_phiddot = ydot[28];
     F[28] = t15 * rod_3_D2dot + rod_3_J * rod_3_phiddot - (rod_3_right_s_2 * lambda_slider_pin_1
         - rod_3_right_s_1 * lambda_slider_pin_2 - rod_3_cut_left_s_2 * lambda_rod_cut_2_1
         + rod_3_cut_left_s_1 * lambda_rod_cut_2_2 + lambda_rod_cut_2_turn);
@@ -4942,10 +4974,13 @@ int crank_slider_3_residual_index1(
     const double t17 = rod_3_sin_phi * lambda_slider_pin_1 - rod_3_cos_phi * lambda_slider_pin_2;
     const double t18 = rod_3_sin_phi * lambda_rod_cut_2_1;
     const double t19 = rod_3_cos_phi * lambda_rod_cut_2_2;
+    const double rod_3_alpha1ddot = ydot[29];
     F[29] = (1145110518.0 / 625.0) * rod_3_alpha1 + (33377851.0 / 7500000000.0) * rod_3_alpha1ddot
         - t16 * rod_3_D2_1 - (t17 - t18 + t19 + (-60.0) * lambda_rod_cut_2_turn);
+    const double rod_3_alpha2ddot = ydot[30];
     F[30] = (381703506.0 / 25.0) * rod_3_alpha2 + (33377851.0 / 10500000000.0) * rod_3_alpha2ddot
         - t16 * rod_3_D2_2 - (t17 + t18 - t19 + t14);
+    const double slider_sddot = ydot[31];
     F[31] = (33377851.0 / 1000000000.0) * slider_sddot - lambda_slider_pin_1;
     const double t20 = rod_1_sin_phi * rod_1_alpha1ddot;
     const double t21 = rod_1_sin_phi * rod_1_alpha2ddot;
@@ -4989,6 +5024,7 @@ int crank_slider_3_residual_index1(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_jacobian_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -4998,52 +5034,20 @@ int crank_slider_3_jacobian_index1(
     double *jac)
 {
     (void) t;
-    const double rod_1_phi = y[2];
-    const double rod_1_alpha1 = y[3];
-    const double rod_1_alpha2 = y[4];
-    const double rod_2_phi = y[7];
-    const double rod_2_alpha1 = y[8];
-    const double rod_2_alpha2 = y[9];
-    const double rod_3_phi = y[12];
-    const double rod_3_alpha1 = y[13];
-    const double rod_3_alpha2 = y[14];
-    const double rod_1_phidot = y[18];
-    const double rod_1_alpha1dot = y[19];
-    const double rod_1_alpha2dot = y[20];
-    const double rod_2_phidot = y[23];
-    const double rod_2_alpha1dot = y[24];
-    const double rod_2_alpha2dot = y[25];
-    const double rod_3_phidot = y[28];
-    const double rod_3_alpha1dot = y[29];
-    const double rod_3_alpha2dot = y[30];
-    const double lambda_crank_pin_1 = y[32];
-    const double lambda_crank_pin_2 = y[33];
-    const double lambda_slider_pin_1 = y[34];
-    const double lambda_slider_pin_2 = y[35];
-    const double lambda_rod_cut_1_1 = y[36];
-    const double lambda_rod_cut_1_2 = y[37];
-    const double lambda_rod_cut_2_1 = y[39];
-    const double lambda_rod_cut_2_2 = y[40];
-    const double rod_1_phiddot = ydot[18];
-    const double rod_1_alpha1ddot = ydot[19];
-    const double rod_1_alpha2ddot = ydot[20];
-    const double rod_2_phiddot = ydot[23];
-    const double rod_2_alpha1ddot = ydot[24];
-    const double rod_2_alpha2ddot = ydot[25];
-    const double rod_3_phiddot = ydot[28];
-    const double rod_3_alpha1ddot = ydot[29];
-    const double rod_3_alpha2ddot = ydot[30];
     (void) k;
 
     /*
      * rod_1 Q (26): rod_1_cos_phi = cosine of the rotation angle; rod_1_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_1_phi = y[2];
     const double rod_1_cos_phi = tisserand_cos(rod_1_phi);
     const double rod_1_sin_phi = tisserand_sin(rod_1_phi);
 
     /* rod_1 D2 (appendix): rod_1_D2_1 = int rho r . Phi_1; rod_1_D2_2 = int rho r . Phi_2 */
+    const double rod_1_alpha1 = y[3];
     const double rod_1_D2_1 = (33377851.0 / 7500000000.0) * rod_1_alpha1;
+    const double rod_1_alpha2 = y[4];
     const double rod_1_D2_2 = (33377851.0 / 10500000000.0) * rod_1_alpha2;
 
     /* rod_1 J (appendix): rod_1_J = int rho r . r */
@@ -5051,6 +5055,8 @@ int crank_slider_3_jacobian_index1(
         + rod_1_D2_2 * rod_1_alpha2;
 
     /* rod_1 D2dot (appendix): rod_1_D2dot = int rho r . rdot */
+    const double rod_1_alpha1dot = y[19];
+    const double rod_1_alpha2dot = y[20];
     const double rod_1_D2dot = rod_1_alpha1dot * rod_1_D2_1 + rod_1_alpha2dot * rod_1_D2_2;
 
     /*
@@ -5082,11 +5088,14 @@ int crank_slider_3_jacobian_index1(
      * rod_2 Q (26): rod_2_cos_phi = cosine of the rotation angle; rod_2_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_2_phi = y[7];
     const double rod_2_cos_phi = tisserand_cos(rod_2_phi);
     const double rod_2_sin_phi = tisserand_sin(rod_2_phi);
 
     /* rod_2 D2 (appendix): rod_2_D2_1 = int rho r . Phi_1; rod_2_D2_2 = int rho r . Phi_2 */
+    const double rod_2_alpha1 = y[8];
     const double rod_2_D2_1 = (33377851.0 / 7500000000.0) * rod_2_alpha1;
+    const double rod_2_alpha2 = y[9];
     const double rod_2_D2_2 = (33377851.0 / 10500000000.0) * rod_2_alpha2;
 
     /* rod_2 J (appendix): rod_2_J = int rho r . r */
@@ -5094,6 +5103,8 @@ int crank_slider_3_jacobian_index1(
         + rod_2_D2_2 * rod_2_alpha2;
 
     /* rod_2 D2dot (appendix): rod_2_D2dot = int rho r . rdot */
+    const double rod_2_alpha1dot = y[24];
+    const double rod_2_alpha2dot = y[25];
     const double rod_2_D2dot = rod_2_alpha1dot * rod_2_D2_1 + rod_2_alpha2dot * rod_2_D2_2;
 
     /*
@@ -5126,11 +5137,14 @@ int crank_slider_3_jacobian_index1(
      * rod_3 Q (26): rod_3_cos_phi = cosine of the rotation angle; rod_3_sin_phi = sine of the
      *     rotation angle
      */
+    const double rod_3_phi = y[12];
     const double rod_3_cos_phi = tisserand_cos(rod_3_phi);
     const double rod_3_sin_phi = tisserand_sin(rod_3_phi);
 
     /* rod_3 D2 (appendix): rod_3_D2_1 = int rho r . Phi_1; rod_3_D2_2 = int rho r . Phi_2 */
+    const double rod_3_alpha1 = y[13];
     const double rod_3_D2_1 = (33377851.0 / 7500000000.0) * rod_3_alpha1;
+    const double rod_3_alpha2 = y[14];
     const double rod_3_D2_2 = (33377851.0 / 10500000000.0) * rod_3_alpha2;
 
     /* rod_3 J (appendix): rod_3_J = int rho r . r */
@@ -5138,6 +5152,8 @@ int crank_slider_3_jacobian_index1(
         + rod_3_D2_2 * rod_3_alpha2;
 
     /* rod_3 D2dot (appendix): rod_3_D2dot = int rho r . rdot */
+    const double rod_3_alpha1dot = y[29];
+    const double rod_3_alpha2dot = y[30];
     const double rod_3_D2dot = rod_3_alpha1dot * rod_3_D2_1 + rod_3_alpha2dot * rod_3_D2_2;
 
     /*
@@ -5171,6 +5187,10 @@ int crank_slider_3_jacobian_index1(
     jac[2] = cj;
     const double t13 = t2 + t1;
     const double t14 = t4 + t3;
+    const double lambda_rod_cut_1_1 = y[36];
+    const double lambda_crank_pin_2 = y[33];
+    const double lambda_crank_pin_1 = y[32];
+    const double lambda_rod_cut_1_2 = y[37];
     jac[3] = -(lambda_rod_cut_1_1 * rod_1_cut_right_s_1 - (lambda_crank_pin_2 * t13
         + lambda_crank_pin_1 * rod_1_left_s_1)) - lambda_rod_cut_1_2 * t14;
     const double t15 = lambda_rod_cut_1_1 * rod_1_cos_phi;
@@ -5181,11 +5201,15 @@ int crank_slider_3_jacobian_index1(
     const double t20 = t15 - t18 + t19;
     jac[4] = -t20;
     jac[5] = -(t17 + t16) - t15 - t19;
+    const double rod_1_phidot = y[18];
     const double t21 = rod_1_phidot * rod_1_phidot;
     const double t22 = 2.0 * rod_1_phidot;
     const double t23 = rod_1_left_rdot_2 * rod_1_sin_phi;
+    const double rod_1_alpha1ddot = ydot[19];
     const double t24 = rod_1_alpha1ddot * rod_1_cos_phi;
+    const double rod_1_alpha2ddot = ydot[20];
     const double t25 = rod_1_alpha2ddot * rod_1_cos_phi;
+    const double rod_1_phiddot = ydot[18];
     jac[6] = t21 * t13 + t22 * t23 - rod_1_phiddot * rod_1_left_s_1 - t24 + t25;
     const double t26 = rod_1_alpha2ddot * rod_1_sin_phi;
     const double t27 = rod_1_alpha1ddot * rod_1_sin_phi;
@@ -5219,6 +5243,8 @@ int crank_slider_3_jacobian_index1(
     jac[26] = cj;
     const double t33 = t6 + t5;
     const double t34 = t8 + t7;
+    const double lambda_rod_cut_2_1 = y[39];
+    const double lambda_rod_cut_2_2 = y[40];
     jac[27] = -(lambda_rod_cut_2_1 * rod_2_cut_right_s_1 - (lambda_rod_cut_1_2 * t33
         + lambda_rod_cut_1_1 * rod_2_cut_left_s_1)) - lambda_rod_cut_2_2 * t34;
     const double t35 = lambda_rod_cut_2_1 * rod_2_cos_phi;
@@ -5229,11 +5255,15 @@ int crank_slider_3_jacobian_index1(
     const double t40 = t35 - t38 + t39;
     jac[28] = -t40;
     jac[29] = -(t37 + t36) - t35 - t39;
+    const double rod_2_phidot = y[23];
     const double t41 = rod_2_phidot * rod_2_phidot;
     const double t42 = 2.0 * rod_2_phidot;
     const double t43 = rod_2_cut_left_rdot_2 * rod_2_sin_phi;
+    const double rod_2_alpha1ddot = ydot[24];
     const double t44 = rod_2_alpha1ddot * rod_2_cos_phi;
+    const double rod_2_alpha2ddot = ydot[25];
     const double t45 = rod_2_alpha2ddot * rod_2_cos_phi;
+    const double rod_2_phiddot = ydot[23];
     jac[30] = t41 * t33 + t42 * t43 - rod_2_phiddot * rod_2_cut_left_s_1 - t44 + t45;
     const double t46 = rod_2_alpha2ddot * rod_2_sin_phi;
     const double t47 = rod_2_alpha1ddot * rod_2_sin_phi;
@@ -5268,6 +5298,8 @@ int crank_slider_3_jacobian_index1(
     jac[50] = cj;
     const double t53 = t10 + t9;
     const double t54 = t12 + t11;
+    const double lambda_slider_pin_1 = y[34];
+    const double lambda_slider_pin_2 = y[35];
     jac[51] = -(lambda_slider_pin_1 * rod_3_right_s_1 + lambda_slider_pin_2 * t53
         - lambda_rod_cut_2_1 * rod_3_cut_left_s_1 - lambda_rod_cut_2_2 * t54);
     const double t55 = lambda_slider_pin_1 * rod_3_cos_phi + lambda_slider_pin_2 * rod_3_sin_phi;
@@ -5277,11 +5309,15 @@ int crank_slider_3_jacobian_index1(
     jac[52] = -t58;
     const double t59 = t55 + t56 + t57;
     jac[53] = -t59;
+    const double rod_3_phidot = y[28];
     const double t60 = 2.0 * rod_3_phidot;
     const double t61 = rod_3_right_rdot_2 * rod_3_sin_phi;
     const double t62 = rod_3_phidot * rod_3_phidot;
+    const double rod_3_alpha1ddot = ydot[29];
     const double t63 = rod_3_alpha1ddot * rod_3_cos_phi;
+    const double rod_3_alpha2ddot = ydot[30];
     const double t64 = rod_3_alpha2ddot * rod_3_cos_phi;
+    const double rod_3_phiddot = ydot[28];
     jac[54] = rod_3_phiddot * rod_3_right_s_1 - (t60 * t61 + t62 * t53) + t63 + t64;
     const double t65 = rod_3_alpha1ddot * rod_3_sin_phi;
     const double t66 = rod_3_alpha2ddot * rod_3_sin_phi;
@@ -6456,14 +6492,14 @@ TISSERAND_INLINE void crank_slider_3_energy_states(
             + rod_2_phidot * rod_2_phidot * rod_2_J
             + (33377851.0 / 7500000000.0) * (rod_2_alpha1dot * rod_2_alpha1dot)
             + (33377851.0 / 10500000000.0) * (rod_2_alpha2dot * rod_2_alpha2dot)
-            + (33377851.0 / 1500000000.0) * (rod_2_c1dot * rod_2_c1dot)
+            + ((33377851.0 / 1500000000.0) * (rod_2_c1dot * rod_2_c1dot)
             + (33377851.0 / 1500000000.0) * (rod_2_c2dot * rod_2_c2dot)
             + rod_3_phidot * rod_3_phidot * rod_3_J
             + (33377851.0 / 7500000000.0) * (rod_3_alpha1dot * rod_3_alpha1dot)
             + (33377851.0 / 10500000000.0) * (rod_3_alpha2dot * rod_3_alpha2dot)
             + (33377851.0 / 1500000000.0) * (rod_3_c1dot * rod_3_c1dot)
             + (33377851.0 / 1500000000.0) * (rod_3_c2dot * rod_3_c2dot)
-            + (33377851.0 / 1000000000.0) * (slider_sdot * slider_sdot));
+            + (33377851.0 / 1000000000.0) * (slider_sdot * slider_sdot)));
         energy[all + b] = 0.5 * ((1145110518.0 / 625.0) * (rod_1_alpha1 * rod_1_alpha1)
             + (381703506.0 / 25.0) * (rod_1_alpha2 * rod_1_alpha2)
             + (1145110518.0 / 625.0) * (rod_2_alpha1 * rod_2_alpha1)
@@ -6581,10 +6617,10 @@ TISSERAND_INLINE void crank_slider_3_momentum_states(
         momentum[2 * all + b] = rod_1_phidot * rod_1_J + rod_2_phidot * rod_2_J + rod_3_phidot * rod_3_J
             + (33377851.0 / 1500000000.0) * (rod_1_c2dot * rod_1_c1)
             + (33377851.0 / 1500000000.0) * (rod_2_c2dot * rod_2_c1)
-            + (33377851.0 / 1500000000.0) * (rod_3_c2dot * rod_3_c1)
+            + ((33377851.0 / 1500000000.0) * (rod_3_c2dot * rod_3_c1)
             - (33377851.0 / 1500000000.0) * (rod_1_c1dot * rod_1_c2)
             - (33377851.0 / 1500000000.0) * (rod_2_c1dot * rod_2_c2)
-            - (33377851.0 / 1500000000.0) * (rod_3_c1dot * rod_3_c2);
+            - (33377851.0 / 1500000000.0) * (rod_3_c1dot * rod_3_c2));
     }
 }
 

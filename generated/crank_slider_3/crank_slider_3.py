@@ -170,7 +170,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "crank_slider_3"
-HASH = "18ae37436bd6d721"
+HASH = "6bf7f9af4f2ca25c"
 COORDINATES = (
     "rod_1_c1", "rod_1_c2", "rod_1_phi", "rod_1_alpha1", "rod_1_alpha2", "rod_2_c1", "rod_2_c2",
     "rod_2_phi", "rod_2_alpha1", "rod_2_alpha2", "rod_3_c1", "rod_3_c2", "rod_3_phi",
@@ -1290,14 +1290,14 @@ def energy(q, v, k):
             + rod_2_phidot * rod_2_phidot * rod_2_J
             + (33377851 / 7500000000) * (rod_2_alpha1dot * rod_2_alpha1dot)
             + (33377851 / 10500000000) * (rod_2_alpha2dot * rod_2_alpha2dot)
-            + (33377851 / 1500000000) * (rod_2_c1dot * rod_2_c1dot)
+            + ((33377851 / 1500000000) * (rod_2_c1dot * rod_2_c1dot)
             + (33377851 / 1500000000) * (rod_2_c2dot * rod_2_c2dot)
             + rod_3_phidot * rod_3_phidot * rod_3_J
             + (33377851 / 7500000000) * (rod_3_alpha1dot * rod_3_alpha1dot)
             + (33377851 / 10500000000) * (rod_3_alpha2dot * rod_3_alpha2dot)
             + (33377851 / 1500000000) * (rod_3_c1dot * rod_3_c1dot)
             + (33377851 / 1500000000) * (rod_3_c2dot * rod_3_c2dot)
-            + (33377851 / 1000000000) * (slider_sdot * slider_sdot))
+            + (33377851 / 1000000000) * (slider_sdot * slider_sdot)))
     )
     energy_1 = (
         0.5 * ((1145110518 / 625) * (rod_1_alpha1 * rod_1_alpha1)
@@ -1385,10 +1385,10 @@ def momentum(q, v, k):
         rod_1_phidot * rod_1_J + rod_2_phidot * rod_2_J + rod_3_phidot * rod_3_J
             + (33377851 / 1500000000) * (rod_1_c2dot * rod_1_c1)
             + (33377851 / 1500000000) * (rod_2_c2dot * rod_2_c1)
-            + (33377851 / 1500000000) * (rod_3_c2dot * rod_3_c1)
+            + ((33377851 / 1500000000) * (rod_3_c2dot * rod_3_c1)
             - (33377851 / 1500000000) * (rod_1_c1dot * rod_1_c2)
             - (33377851 / 1500000000) * (rod_2_c1dot * rod_2_c2)
-            - (33377851 / 1500000000) * (rod_3_c1dot * rod_3_c2)
+            - (33377851 / 1500000000) * (rod_3_c1dot * rod_3_c2))
     )
 
     momentum = _stack(xp, batch, (momentum_0, momentum_1, momentum_2))

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_16c973655de8cbce
+#ifndef DOUBLE_PENDULUM_HASH_d5e353cc48b36390
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,6 +21,13 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+
+/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
+#else
+#  define TISSERAND_SCALAR
+#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -114,6 +121,7 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
+TISSERAND_SCALAR
 int double_pendulum_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -123,19 +131,18 @@ int double_pendulum_setup(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
     (void) k;
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = q[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = q[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper J (appendix): upper_J = int rho r . r */
@@ -143,7 +150,9 @@ int double_pendulum_mass(
         + upper_D2_2 * upper_alpha2;
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = q[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = q[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower J (appendix): lower_J = int rho r . r */
@@ -164,6 +173,7 @@ int double_pendulum_mass(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -172,41 +182,41 @@ int double_pendulum_force(
     double *h)
 {
     (void) t;
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
-    const double upper_phidot = v[2];
-    const double upper_alpha1dot = v[3];
-    const double upper_alpha2dot = v[4];
-    const double lower_phidot = v[7];
-    const double lower_alpha1dot = v[8];
-    const double lower_alpha2dot = v[9];
     (void) k;
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = q[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = q[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
+    const double upper_alpha1dot = v[3];
+    const double upper_alpha2dot = v[4];
     const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = q[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = q[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
+    const double lower_alpha1dot = v[8];
+    const double lower_alpha2dot = v[9];
     const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
 
     /* h (15): centrifugal, Coriolis and elastic terms */
     h[0] = 0.0;
     h[1] = (97018287597.0 / 100000000000.0);
+    const double upper_phidot = v[2];
     h[2] = 2.0 * upper_phidot * upper_D2dot;
     const double t1 = upper_phidot * upper_phidot;
     h[3] = (226194669.0 / 625000.0) * upper_alpha1 - t1 * upper_D2_1;
     h[4] = (75398223.0 / 25000.0) * upper_alpha2 - t1 * upper_D2_2;
     h[5] = 0.0;
     h[6] = (97018287597.0 / 100000000000.0);
+    const double lower_phidot = v[7];
     h[7] = 2.0 * lower_phidot * lower_D2dot;
     const double t2 = lower_phidot * lower_phidot;
     h[8] = (226194669.0 / 625000.0) * lower_alpha1 - t2 * lower_D2_1;
@@ -214,6 +224,7 @@ int double_pendulum_force(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -223,23 +234,16 @@ int double_pendulum_mass_force(
     double *h)
 {
     (void) t;
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
-    const double upper_phidot = v[2];
-    const double upper_alpha1dot = v[3];
-    const double upper_alpha2dot = v[4];
-    const double lower_phidot = v[7];
-    const double lower_alpha1dot = v[8];
-    const double lower_alpha2dot = v[9];
     (void) k;
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = q[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = q[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower_alpha2 (15): force and column of M of lower_alpha2 */
+    const double lower_phidot = v[7];
     const double t1 = lower_phidot * lower_phidot;
     h[9] = (75398223.0 / 25000.0) * lower_alpha2 - t1 * lower_D2_2;
     M[9] = (14128191.0 / 1000000000.0);
@@ -253,6 +257,8 @@ int double_pendulum_mass_force(
         + lower_D2_2 * lower_alpha2;
 
     /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
+    const double lower_alpha1dot = v[8];
+    const double lower_alpha2dot = v[9];
     const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
 
     /* lower_phi (15): force and column of M of lower_phi */
@@ -268,10 +274,13 @@ int double_pendulum_mass_force(
     M[5] = (98897337.0 / 1000000000.0);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = q[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = q[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper_alpha2 (15): force and column of M of upper_alpha2 */
+    const double upper_phidot = v[2];
     const double t2 = upper_phidot * upper_phidot;
     h[4] = (75398223.0 / 25000.0) * upper_alpha2 - t2 * upper_D2_2;
     M[4] = (14128191.0 / 1000000000.0);
@@ -285,6 +294,8 @@ int double_pendulum_mass_force(
         + upper_D2_2 * upper_alpha2;
 
     /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
+    const double upper_alpha1dot = v[3];
+    const double upper_alpha2dot = v[4];
     const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
 
     /* upper_phi (15): force and column of M of upper_phi */
@@ -301,6 +312,7 @@ int double_pendulum_mass_force(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -309,29 +321,20 @@ int double_pendulum_accel(
     double *vdot)
 {
     (void) t;
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
-    const double upper_phidot = v[2];
-    const double upper_alpha1dot = v[3];
-    const double upper_alpha2dot = v[4];
-    const double lower_phidot = v[7];
-    const double lower_alpha1dot = v[8];
-    const double lower_alpha2dot = v[9];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = q[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = q[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = q[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper J (appendix): upper_J = int rho r . r */
@@ -343,6 +346,8 @@ int double_pendulum_accel(
      *     at left, along e2
      */
     const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
+    const double upper_alpha1dot = v[3];
+    const double upper_alpha2dot = v[4];
     const double upper_left_rdot_2 = upper_alpha1dot - upper_alpha2dot;
     const double upper_left_s_1 = (-0.5) * upper_cos_phi - upper_left_r_2 * upper_sin_phi;
     const double upper_left_s_2 = (-0.5) * upper_sin_phi + upper_left_r_2 * upper_cos_phi;
@@ -362,11 +367,14 @@ int double_pendulum_accel(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = q[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = q[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = q[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower J (appendix): lower_J = int rho r . r */
@@ -378,9 +386,11 @@ int double_pendulum_accel(
      *     at left, along e2
      */
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
+    const double lower_alpha1dot = v[8];
+    const double lower_alpha2dot = v[9];
     const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
     const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi;
 
     /*
@@ -454,6 +464,7 @@ int double_pendulum_accel(
     const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
+    const double upper_phidot = v[2];
     const double t39 = 2.0 * upper_phidot;
     const double t40 = upper_phidot * upper_phidot;
     const double t41 = (226194669.0 / 625000.0) * upper_alpha1 - t40 * upper_D2_1;
@@ -466,6 +477,7 @@ int double_pendulum_accel(
     const double t48 = t46 - (t40 * upper_left_s_1 + t39 * upper_left_sdot_2) - t47 + t12 * t45;
     const double t49 = (-981.0 / 100.0) - (t39 * (upper_left_rdot_2 * upper_sin_phi)
         + t40 * upper_left_s_2) - t42 + t44 - t5 * t45 + t14 * t48;
+    const double lower_phidot = v[7];
     const double t50 = lower_phidot * lower_phidot;
     const double t51 = 2.0 * lower_phidot;
     const double t52 = (75398223.0 / 25000.0) * lower_alpha2 - t50 * lower_D2_2;
@@ -510,32 +522,19 @@ int double_pendulum_accel(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-    const double upper_c2 = q[1];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double lower_c2 = q[6];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
-    const double upper_c1dot = v[0];
-    const double upper_c2dot = v[1];
-    const double upper_phidot = v[2];
-    const double upper_alpha1dot = v[3];
-    const double upper_alpha2dot = v[4];
-    const double lower_c1dot = v[5];
-    const double lower_c2dot = v[6];
-    const double lower_phidot = v[7];
-    const double lower_alpha1dot = v[8];
-    const double lower_alpha2dot = v[9];
     (void) k;
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = q[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = q[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper J (appendix): upper_J = int rho r . r */
@@ -543,7 +542,9 @@ int double_pendulum_energy(
         + upper_D2_2 * upper_alpha2;
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = q[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = q[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower J (appendix): lower_J = int rho r . r */
@@ -551,49 +552,50 @@ int double_pendulum_energy(
         + lower_D2_2 * lower_alpha2;
 
     /* energy (22): 1/2 int rho xdot . xdot and the strain energy */
+    const double lower_phidot = v[7];
+    const double lower_alpha1dot = v[8];
+    const double lower_alpha2dot = v[9];
+    const double lower_c1dot = v[5];
+    const double lower_c2dot = v[6];
+    const double upper_phidot = v[2];
+    const double upper_alpha1dot = v[3];
+    const double upper_alpha2dot = v[4];
+    const double upper_c1dot = v[0];
+    const double upper_c2dot = v[1];
     energy[0] = 0.5 * (lower_phidot * lower_phidot * lower_J
         + (98897337.0 / 5000000000.0) * (lower_alpha1dot * lower_alpha1dot)
         + (14128191.0 / 1000000000.0) * (lower_alpha2dot * lower_alpha2dot)
         + (98897337.0 / 1000000000.0) * (lower_c1dot * lower_c1dot)
         + (98897337.0 / 1000000000.0) * (lower_c2dot * lower_c2dot)
-        + upper_phidot * upper_phidot * upper_J
+        + (upper_phidot * upper_phidot * upper_J
         + (98897337.0 / 5000000000.0) * (upper_alpha1dot * upper_alpha1dot)
         + (14128191.0 / 1000000000.0) * (upper_alpha2dot * upper_alpha2dot)
         + (98897337.0 / 1000000000.0) * (upper_c1dot * upper_c1dot)
-        + (98897337.0 / 1000000000.0) * (upper_c2dot * upper_c2dot));
-    energy[1] = 0.5 * ((226194669.0 / 625000.0) * lower_alpha1 * lower_alpha1
-        + (75398223.0 / 25000.0) * lower_alpha2 * lower_alpha2
+        + (98897337.0 / 1000000000.0) * (upper_c2dot * upper_c2dot)));
+    energy[1] = 0.5 * ((226194669.0 / 625000.0) * (lower_alpha1 * lower_alpha1)
+        + (75398223.0 / 25000.0) * (lower_alpha2 * lower_alpha2)
         + (226194669.0 / 625000.0) * upper_alpha1 * upper_alpha1
         + (75398223.0 / 25000.0) * upper_alpha2 * upper_alpha2);
+    const double lower_c2 = q[6];
+    const double upper_c2 = q[1];
     energy[2] = (-98897337.0 / 1000000000.0) * ((-981.0 / 100.0) * lower_c2)
         - (98897337.0 / 1000000000.0) * ((-981.0 / 100.0) * upper_c2);
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-    const double upper_c1 = q[0];
-    const double upper_c2 = q[1];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double lower_c1 = q[5];
-    const double lower_c2 = q[6];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
-    const double upper_c1dot = v[0];
-    const double upper_c2dot = v[1];
-    const double upper_phidot = v[2];
-    const double lower_c1dot = v[5];
-    const double lower_c2dot = v[6];
-    const double lower_phidot = v[7];
     (void) k;
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = q[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = q[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper J (appendix): upper_J = int rho r . r */
@@ -601,7 +603,9 @@ int double_pendulum_momentum(
         + upper_D2_2 * upper_alpha2;
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = q[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = q[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower J (appendix): lower_J = int rho r . r */
@@ -609,10 +613,20 @@ int double_pendulum_momentum(
         + lower_D2_2 * lower_alpha2;
 
     /* momentum (1): int rho xdot and int rho x x xdot */
+    const double lower_c1dot = v[5];
+    const double upper_c1dot = v[0];
     momentum[0] = (98897337.0 / 1000000000.0) * lower_c1dot
         + (98897337.0 / 1000000000.0) * upper_c1dot;
+    const double lower_c2dot = v[6];
+    const double upper_c2dot = v[1];
     momentum[1] = (98897337.0 / 1000000000.0) * lower_c2dot
         + (98897337.0 / 1000000000.0) * upper_c2dot;
+    const double lower_phidot = v[7];
+    const double upper_phidot = v[2];
+    const double lower_c1 = q[5];
+    const double upper_c1 = q[0];
+    const double lower_c2 = q[6];
+    const double upper_c2 = q[1];
     momentum[2] = lower_phidot * lower_J + upper_phidot * upper_J
         + (98897337.0 / 1000000000.0) * (lower_c2dot * lower_c1)
         + (98897337.0 / 1000000000.0) * (upper_c2dot * upper_c1)
@@ -621,6 +635,7 @@ int double_pendulum_momentum(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -628,32 +643,33 @@ int double_pendulum_rates(
     double *qdot)
 {
     (void) q;
-    const double upper_c1dot = v[0];
-    const double upper_c2dot = v[1];
-    const double upper_phidot = v[2];
-    const double upper_alpha1dot = v[3];
-    const double upper_alpha2dot = v[4];
-    const double lower_c1dot = v[5];
-    const double lower_c2dot = v[6];
-    const double lower_phidot = v[7];
-    const double lower_alpha1dot = v[8];
-    const double lower_alpha2dot = v[9];
     (void) k;
 
     /* rates (1): from Qdot = Q (omega x) */
+    const double upper_c1dot = v[0];
     qdot[0] = upper_c1dot;
+    const double upper_c2dot = v[1];
     qdot[1] = upper_c2dot;
+    const double upper_phidot = v[2];
     qdot[2] = upper_phidot;
+    const double upper_alpha1dot = v[3];
     qdot[3] = upper_alpha1dot;
+    const double upper_alpha2dot = v[4];
     qdot[4] = upper_alpha2dot;
+    const double lower_c1dot = v[5];
     qdot[5] = lower_c1dot;
+    const double lower_c2dot = v[6];
     qdot[6] = lower_c2dot;
+    const double lower_phidot = v[7];
     qdot[7] = lower_phidot;
+    const double lower_alpha1dot = v[8];
     qdot[8] = lower_alpha1dot;
+    const double lower_alpha2dot = v[9];
     qdot[9] = lower_alpha2dot;
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_marker_upper_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -662,24 +678,19 @@ int double_pendulum_marker_upper_left(
     double *xdot,
     double *jacobian)
 {
-    const double upper_c1 = q[0];
-    const double upper_c2 = q[1];
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double upper_c1dot = v[0];
-    const double upper_c2dot = v[1];
-    const double upper_phidot = v[2];
-    const double upper_alpha1dot = v[3];
-    const double upper_alpha2dot = v[4];
     (void) k;
 
     /*
      * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_sdot_2 = Q rdot
      *     at left, along e2
      */
+    const double upper_alpha1 = q[3];
+    const double upper_alpha2 = q[4];
     const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
+    const double upper_alpha1dot = v[3];
+    const double upper_alpha2dot = v[4];
     const double upper_left_rdot_2 = upper_alpha1dot - upper_alpha2dot;
+    const double upper_phi = q[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double t1 = (-0.5) * upper_cos_phi;
     const double upper_sin_phi = tisserand_sin(upper_phi);
@@ -690,11 +701,16 @@ int double_pendulum_marker_upper_left(
     const double upper_left_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double upper_c1 = q[0];
     x[0] = upper_c1 + t1 - t2;
+    const double upper_c2 = q[1];
     x[1] = upper_c2 + t3 + t4;
+    const double upper_phidot = v[2];
     const double t5 = upper_left_rdot_2 + (-0.5) * upper_phidot;
     const double t6 = upper_phidot * upper_left_r_2;
+    const double upper_c1dot = v[0];
     xdot[0] = upper_c1dot - t5 * upper_sin_phi - t6 * upper_cos_phi;
+    const double upper_c2dot = v[1];
     xdot[1] = upper_c2dot + t5 * upper_cos_phi - t6 * upper_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -707,6 +723,7 @@ int double_pendulum_marker_upper_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_marker_upper_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -715,23 +732,18 @@ int double_pendulum_marker_upper_middle(
     double *xdot,
     double *jacobian)
 {
-    const double upper_c1 = q[0];
-    const double upper_c2 = q[1];
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double upper_c1dot = v[0];
-    const double upper_c2dot = v[1];
-    const double upper_phidot = v[2];
-    const double upper_alpha1dot = v[3];
     (void) k;
 
     /*
      * upper middle (1): upper_middle_r_2 = r = X + u at middle, along e2; ...; upper_middle_sdot_2
      *     = Q rdot at middle, along e2
      */
+    const double upper_alpha1 = q[3];
     const double t1 = 0.5 * upper_alpha1;
+    const double upper_phi = q[2];
     const double upper_sin_phi = tisserand_sin(upper_phi);
     const double upper_middle_s_1 = t1 * upper_sin_phi;
+    const double upper_alpha1dot = v[3];
     const double t2 = 0.5 * upper_alpha1dot;
     const double upper_middle_sdot_1 = t2 * upper_sin_phi;
 
@@ -742,11 +754,16 @@ int double_pendulum_marker_upper_middle(
     const double upper_cos_phi = tisserand_cos(upper_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double upper_c1 = q[0];
     x[0] = upper_c1 + upper_middle_s_1;
     const double t3 = t1 * upper_cos_phi;
+    const double upper_c2 = q[1];
     x[1] = upper_c2 - t3;
+    const double upper_phidot = v[2];
     const double t4 = upper_phidot * t1;
+    const double upper_c1dot = v[0];
     xdot[0] = upper_c1dot + upper_middle_sdot_1 + t4 * upper_cos_phi;
+    const double upper_c2dot = v[1];
     xdot[1] = upper_c2dot - t2 * upper_cos_phi + t4 * upper_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -757,6 +774,7 @@ int double_pendulum_marker_upper_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_marker_upper_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -765,24 +783,19 @@ int double_pendulum_marker_upper_right(
     double *xdot,
     double *jacobian)
 {
-    const double upper_c1 = q[0];
-    const double upper_c2 = q[1];
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double upper_c1dot = v[0];
-    const double upper_c2dot = v[1];
-    const double upper_phidot = v[2];
-    const double upper_alpha1dot = v[3];
-    const double upper_alpha2dot = v[4];
     (void) k;
 
     /*
      * upper right (1): upper_right_r_2 = r = X + u at right, along e2; ...; upper_right_sdot_2 = Q
      *     rdot at right, along e2
      */
+    const double upper_alpha1 = q[3];
+    const double upper_alpha2 = q[4];
     const double upper_right_r_2 = upper_alpha1 + upper_alpha2;
+    const double upper_alpha1dot = v[3];
+    const double upper_alpha2dot = v[4];
     const double upper_right_rdot_2 = upper_alpha1dot + upper_alpha2dot;
+    const double upper_phi = q[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double t1 = 0.5 * upper_cos_phi;
     const double upper_sin_phi = tisserand_sin(upper_phi);
@@ -793,11 +806,16 @@ int double_pendulum_marker_upper_right(
     const double upper_right_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double upper_c1 = q[0];
     x[0] = upper_c1 + t1 - t2;
+    const double upper_c2 = q[1];
     x[1] = upper_c2 + t3 + t4;
+    const double upper_phidot = v[2];
     const double t5 = upper_right_rdot_2 + 0.5 * upper_phidot;
     const double t6 = upper_phidot * upper_right_r_2;
+    const double upper_c1dot = v[0];
     xdot[0] = upper_c1dot - t5 * upper_sin_phi - t6 * upper_cos_phi;
+    const double upper_c2dot = v[1];
     xdot[1] = upper_c2dot + t5 * upper_cos_phi - t6 * upper_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -811,6 +829,7 @@ int double_pendulum_marker_upper_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_marker_lower_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -819,39 +838,39 @@ int double_pendulum_marker_lower_left(
     double *xdot,
     double *jacobian)
 {
-    const double lower_c1 = q[5];
-    const double lower_c2 = q[6];
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
-    const double lower_c1dot = v[5];
-    const double lower_c2dot = v[6];
-    const double lower_phidot = v[7];
-    const double lower_alpha1dot = v[8];
-    const double lower_alpha2dot = v[9];
     (void) k;
 
     /*
      * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_sdot_2 = Q rdot
      *     at left, along e2
      */
+    const double lower_alpha1 = q[8];
+    const double lower_alpha2 = q[9];
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
+    const double lower_alpha1dot = v[8];
+    const double lower_alpha2dot = v[9];
     const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
+    const double lower_phi = q[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double t1 = (-0.5) * lower_cos_phi;
     const double lower_sin_phi = tisserand_sin(lower_phi);
     const double t2 = lower_left_r_2 * lower_sin_phi;
     const double lower_left_s_1 = t1 - t2;
-    const double t3 = (-0.5) * lower_sin_phi;
-    const double t4 = lower_left_r_2 * lower_cos_phi;
+    const double t3 = lower_left_r_2 * lower_cos_phi;
+    const double t4 = (-0.5) * lower_sin_phi;
     const double lower_left_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double lower_c1 = q[5];
     x[0] = lower_c1 + t1 - t2;
+    const double lower_c2 = q[6];
     x[1] = lower_c2 + t3 + t4;
+    const double lower_phidot = v[7];
     const double t5 = lower_left_rdot_2 + (-0.5) * lower_phidot;
     const double t6 = lower_phidot * lower_left_r_2;
+    const double lower_c1dot = v[5];
     xdot[0] = lower_c1dot - t5 * lower_sin_phi - t6 * lower_cos_phi;
+    const double lower_c2dot = v[6];
     xdot[1] = lower_c2dot + t5 * lower_cos_phi - t6 * lower_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -864,6 +883,7 @@ int double_pendulum_marker_lower_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_marker_lower_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -872,23 +892,18 @@ int double_pendulum_marker_lower_middle(
     double *xdot,
     double *jacobian)
 {
-    const double lower_c1 = q[5];
-    const double lower_c2 = q[6];
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double lower_c1dot = v[5];
-    const double lower_c2dot = v[6];
-    const double lower_phidot = v[7];
-    const double lower_alpha1dot = v[8];
     (void) k;
 
     /*
      * lower middle (1): lower_middle_r_2 = r = X + u at middle, along e2; ...; lower_middle_sdot_2
      *     = Q rdot at middle, along e2
      */
+    const double lower_alpha1 = q[8];
     const double t1 = 0.5 * lower_alpha1;
+    const double lower_phi = q[7];
     const double lower_sin_phi = tisserand_sin(lower_phi);
     const double lower_middle_s_1 = t1 * lower_sin_phi;
+    const double lower_alpha1dot = v[8];
     const double t2 = 0.5 * lower_alpha1dot;
     const double lower_middle_sdot_1 = t2 * lower_sin_phi;
 
@@ -899,11 +914,16 @@ int double_pendulum_marker_lower_middle(
     const double lower_cos_phi = tisserand_cos(lower_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double lower_c1 = q[5];
     x[0] = lower_c1 + lower_middle_s_1;
     const double t3 = t1 * lower_cos_phi;
+    const double lower_c2 = q[6];
     x[1] = lower_c2 - t3;
+    const double lower_phidot = v[7];
     const double t4 = lower_phidot * t1;
+    const double lower_c1dot = v[5];
     xdot[0] = lower_c1dot + lower_middle_sdot_1 + t4 * lower_cos_phi;
+    const double lower_c2dot = v[6];
     xdot[1] = lower_c2dot - t2 * lower_cos_phi + t4 * lower_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -914,6 +934,7 @@ int double_pendulum_marker_lower_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_marker_lower_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -922,39 +943,39 @@ int double_pendulum_marker_lower_right(
     double *xdot,
     double *jacobian)
 {
-    const double lower_c1 = q[5];
-    const double lower_c2 = q[6];
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
-    const double lower_c1dot = v[5];
-    const double lower_c2dot = v[6];
-    const double lower_phidot = v[7];
-    const double lower_alpha1dot = v[8];
-    const double lower_alpha2dot = v[9];
     (void) k;
 
     /*
      * lower right (1): lower_right_r_2 = r = X + u at right, along e2; ...; lower_right_sdot_2 = Q
      *     rdot at right, along e2
      */
+    const double lower_alpha1 = q[8];
+    const double lower_alpha2 = q[9];
     const double lower_right_r_2 = lower_alpha1 + lower_alpha2;
+    const double lower_alpha1dot = v[8];
+    const double lower_alpha2dot = v[9];
     const double lower_right_rdot_2 = lower_alpha1dot + lower_alpha2dot;
+    const double lower_phi = q[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double t1 = 0.5 * lower_cos_phi;
     const double lower_sin_phi = tisserand_sin(lower_phi);
     const double t2 = lower_right_r_2 * lower_sin_phi;
     const double lower_right_s_1 = t1 - t2;
-    const double t3 = 0.5 * lower_sin_phi;
-    const double t4 = lower_right_r_2 * lower_cos_phi;
+    const double t3 = lower_right_r_2 * lower_cos_phi;
+    const double t4 = 0.5 * lower_sin_phi;
     const double lower_right_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double lower_c1 = q[5];
     x[0] = lower_c1 + t1 - t2;
+    const double lower_c2 = q[6];
     x[1] = lower_c2 + t3 + t4;
+    const double lower_phidot = v[7];
     const double t5 = lower_right_rdot_2 + 0.5 * lower_phidot;
     const double t6 = lower_phidot * lower_right_r_2;
+    const double lower_c1dot = v[5];
     xdot[0] = lower_c1dot - t5 * lower_sin_phi - t6 * lower_cos_phi;
+    const double lower_c2dot = v[6];
     xdot[1] = lower_c2dot + t5 * lower_cos_phi - t6 * lower_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -968,27 +989,26 @@ int double_pendulum_marker_lower_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_load_upper_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = q[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double upper_left_Fb_1 = F_1 * upper_cos_phi + F_2 * upper_sin_phi;
     const double upper_left_Fb_2 = F_2 * upper_cos_phi - F_1 * upper_sin_phi;
 
@@ -996,6 +1016,8 @@ int double_pendulum_load_upper_left(
      * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_s_2 = Q r at
      *     left, along e2
      */
+    const double upper_alpha1 = q[3];
+    const double upper_alpha2 = q[4];
     const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
 
     /* f (10): virtual work of the force */
@@ -1012,32 +1034,33 @@ int double_pendulum_load_upper_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_load_upper_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = q[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double upper_middle_Fb_1 = F_1 * upper_cos_phi + F_2 * upper_sin_phi;
     const double upper_middle_Fb_2 = F_2 * upper_cos_phi - F_1 * upper_sin_phi;
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
     f[1] = F_2;
+    const double upper_alpha1 = q[3];
     f[2] = upper_middle_Fb_1 * (0.5 * upper_alpha1);
     f[3] = (-0.5) * upper_middle_Fb_2;
     f[4] = 0.0;
@@ -1049,27 +1072,26 @@ int double_pendulum_load_upper_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_load_upper_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = q[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double upper_right_Fb_1 = F_1 * upper_cos_phi + F_2 * upper_sin_phi;
     const double upper_right_Fb_2 = F_2 * upper_cos_phi - F_1 * upper_sin_phi;
 
@@ -1077,6 +1099,8 @@ int double_pendulum_load_upper_right(
      * upper right (1): upper_right_r_2 = r = X + u at right, along e2; ...; upper_right_s_2 = Q r
      *     at right, along e2
      */
+    const double upper_alpha1 = q[3];
+    const double upper_alpha2 = q[4];
     const double upper_right_r_2 = upper_alpha1 + upper_alpha2;
 
     /* f (10): virtual work of the force */
@@ -1093,27 +1117,26 @@ int double_pendulum_load_upper_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_load_lower_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = q[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double lower_left_Fb_1 = F_1 * lower_cos_phi + F_2 * lower_sin_phi;
     const double lower_left_Fb_2 = F_2 * lower_cos_phi - F_1 * lower_sin_phi;
 
@@ -1121,6 +1144,8 @@ int double_pendulum_load_lower_left(
      * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_s_2 = Q r at
      *     left, along e2
      */
+    const double lower_alpha1 = q[8];
+    const double lower_alpha2 = q[9];
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
 
     /* f (10): virtual work of the force */
@@ -1137,26 +1162,26 @@ int double_pendulum_load_lower_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_load_lower_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = q[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double lower_middle_Fb_1 = F_1 * lower_cos_phi + F_2 * lower_sin_phi;
     const double lower_middle_Fb_2 = F_2 * lower_cos_phi - F_1 * lower_sin_phi;
 
@@ -1168,33 +1193,33 @@ int double_pendulum_load_lower_middle(
     f[4] = 0.0;
     f[5] = F_1;
     f[6] = F_2;
+    const double lower_alpha1 = q[8];
     f[7] = lower_middle_Fb_1 * (0.5 * lower_alpha1);
     f[8] = (-0.5) * lower_middle_Fb_2;
     f[9] = 0.0;
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_load_lower_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = q[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double lower_right_Fb_1 = F_1 * lower_cos_phi + F_2 * lower_sin_phi;
     const double lower_right_Fb_2 = F_2 * lower_cos_phi - F_1 * lower_sin_phi;
 
@@ -1202,6 +1227,8 @@ int double_pendulum_load_lower_right(
      * lower right (1): lower_right_r_2 = r = X + u at right, along e2; ...; lower_right_s_2 = Q r
      *     at right, along e2
      */
+    const double lower_alpha1 = q[8];
+    const double lower_alpha2 = q[9];
     const double lower_right_r_2 = lower_alpha1 + lower_alpha2;
 
     /* f (10): virtual work of the force */
@@ -1218,6 +1245,7 @@ int double_pendulum_load_lower_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_constraints(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1225,22 +1253,13 @@ int double_pendulum_constraints(
     double *g)
 {
     (void) t;
-    const double upper_c1 = q[0];
-    const double upper_c2 = q[1];
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double lower_c1 = q[5];
-    const double lower_c2 = q[6];
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = q[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
@@ -1248,6 +1267,8 @@ int double_pendulum_constraints(
      * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_s_2 = Q r at
      *     left, along e2
      */
+    const double upper_alpha1 = q[3];
+    const double upper_alpha2 = q[4];
     const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
     const double upper_left_s_1 = (-0.5) * upper_cos_phi - upper_left_r_2 * upper_sin_phi;
     const double upper_left_s_2 = (-0.5) * upper_sin_phi + upper_left_r_2 * upper_cos_phi;
@@ -1264,6 +1285,7 @@ int double_pendulum_constraints(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = q[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
@@ -1271,18 +1293,25 @@ int double_pendulum_constraints(
      * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_s_2 = Q r at
      *     left, along e2
      */
+    const double lower_alpha1 = q[8];
+    const double lower_alpha2 = q[9];
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
 
     /* g (1): point of body 2 minus point of body 1, from x = c + Q r */
+    const double upper_c1 = q[0];
     g[0] = upper_c1 + upper_left_s_1;
+    const double upper_c2 = q[1];
     g[1] = upper_c2 + upper_left_s_2;
+    const double lower_c1 = q[5];
     g[2] = lower_c1 + lower_left_s_1 - upper_c1 - upper_right_s_1;
+    const double lower_c2 = q[6];
     g[3] = lower_c2 + lower_left_s_2 - upper_c2 - upper_right_s_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_constraint_rates(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1291,28 +1320,13 @@ int double_pendulum_constraint_rates(
     double *gdot)
 {
     (void) t;
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
-    const double upper_c1dot = v[0];
-    const double upper_c2dot = v[1];
-    const double upper_phidot = v[2];
-    const double upper_alpha1dot = v[3];
-    const double upper_alpha2dot = v[4];
-    const double lower_c1dot = v[5];
-    const double lower_c2dot = v[6];
-    const double lower_phidot = v[7];
-    const double lower_alpha1dot = v[8];
-    const double lower_alpha2dot = v[9];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = q[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
@@ -1320,7 +1334,11 @@ int double_pendulum_constraint_rates(
      * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_sdot_2 = Q rdot
      *     at left, along e2
      */
+    const double upper_alpha1 = q[3];
+    const double upper_alpha2 = q[4];
     const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
+    const double upper_alpha1dot = v[3];
+    const double upper_alpha2dot = v[4];
     const double upper_left_rdot_2 = upper_alpha1dot - upper_alpha2dot;
     const double upper_left_s_1 = (-0.5) * upper_cos_phi - upper_left_r_2 * upper_sin_phi;
     const double upper_left_s_2 = (-0.5) * upper_sin_phi + upper_left_r_2 * upper_cos_phi;
@@ -1340,6 +1358,7 @@ int double_pendulum_constraint_rates(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = q[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
@@ -1347,22 +1366,33 @@ int double_pendulum_constraint_rates(
      * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_sdot_2 = Q rdot
      *     at left, along e2
      */
+    const double lower_alpha1 = q[8];
+    const double lower_alpha2 = q[9];
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
+    const double lower_alpha1dot = v[8];
+    const double lower_alpha2dot = v[9];
     const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
     const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi;
 
     /* gdot (1): velocity of the point of body 2 minus that of body 1 */
+    const double upper_c1dot = v[0];
+    const double upper_phidot = v[2];
     gdot[0] = upper_c1dot - upper_left_rdot_2 * upper_sin_phi - upper_phidot * upper_left_s_2;
+    const double upper_c2dot = v[1];
     gdot[1] = upper_c2dot + upper_left_sdot_2 + upper_phidot * upper_left_s_1;
+    const double lower_c1dot = v[5];
+    const double lower_phidot = v[7];
     gdot[2] = lower_c1dot - lower_left_rdot_2 * lower_sin_phi + upper_phidot * upper_right_s_2
         - upper_c1dot + upper_right_rdot_2 * upper_sin_phi - lower_phidot * lower_left_s_2;
+    const double lower_c2dot = v[6];
     gdot[3] = lower_c2dot + lower_left_sdot_2 + lower_phidot * lower_left_s_1 - upper_c2dot
         - upper_right_sdot_2 - upper_phidot * upper_right_s_1;
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_constraint_jacobian(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1370,18 +1400,13 @@ int double_pendulum_constraint_jacobian(
     double *G)
 {
     (void) t;
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = q[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
@@ -1389,6 +1414,8 @@ int double_pendulum_constraint_jacobian(
      * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_s_2 = Q r at
      *     left, along e2
      */
+    const double upper_alpha1 = q[3];
+    const double upper_alpha2 = q[4];
     const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
     const double upper_left_s_1 = (-0.5) * upper_cos_phi - upper_left_r_2 * upper_sin_phi;
     const double upper_left_s_2 = (-0.5) * upper_sin_phi + upper_left_r_2 * upper_cos_phi;
@@ -1405,6 +1432,7 @@ int double_pendulum_constraint_jacobian(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = q[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
@@ -1412,9 +1440,11 @@ int double_pendulum_constraint_jacobian(
      * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_s_2 = Q r at
      *     left, along e2
      */
+    const double lower_alpha1 = q[8];
+    const double lower_alpha2 = q[9];
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
 
     /* G (6): factors of the generalised velocities */
     G[0] = 1.0;
@@ -1445,6 +1475,7 @@ int double_pendulum_constraint_jacobian(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_constraint_bias(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1453,24 +1484,13 @@ int double_pendulum_constraint_bias(
     double *gamma)
 {
     (void) t;
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
-    const double upper_phidot = v[2];
-    const double upper_alpha1dot = v[3];
-    const double upper_alpha2dot = v[4];
-    const double lower_phidot = v[7];
-    const double lower_alpha1dot = v[8];
-    const double lower_alpha2dot = v[9];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = q[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
@@ -1478,7 +1498,11 @@ int double_pendulum_constraint_bias(
      * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_sdot_2 = Q rdot
      *     at left, along e2
      */
+    const double upper_alpha1 = q[3];
+    const double upper_alpha2 = q[4];
     const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
+    const double upper_alpha1dot = v[3];
+    const double upper_alpha2dot = v[4];
     const double upper_left_rdot_2 = upper_alpha1dot - upper_alpha2dot;
     const double upper_left_s_1 = (-0.5) * upper_cos_phi - upper_left_r_2 * upper_sin_phi;
     const double upper_left_s_2 = (-0.5) * upper_sin_phi + upper_left_r_2 * upper_cos_phi;
@@ -1498,6 +1522,7 @@ int double_pendulum_constraint_bias(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = q[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
@@ -1505,17 +1530,23 @@ int double_pendulum_constraint_bias(
      * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_sdot_2 = Q rdot
      *     at left, along e2
      */
+    const double lower_alpha1 = q[8];
+    const double lower_alpha2 = q[9];
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
+    const double lower_alpha1dot = v[8];
+    const double lower_alpha2dot = v[9];
     const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
     const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi;
 
     /* gamma (5): centrifugal, Coriolis and prescribed parts */
+    const double upper_phidot = v[2];
     const double t1 = upper_phidot * upper_phidot;
     const double t2 = 2.0 * upper_phidot;
     gamma[0] = t1 * upper_left_s_1 + t2 * upper_left_sdot_2;
     gamma[1] = t2 * (upper_left_rdot_2 * upper_sin_phi) + t1 * upper_left_s_2;
+    const double lower_phidot = v[7];
     const double t3 = lower_phidot * lower_phidot;
     const double t4 = 2.0 * lower_phidot;
     gamma[2] = -(t2 * upper_right_sdot_2 + t1 * upper_right_s_1 - t3 * lower_left_s_1
@@ -1525,6 +1556,7 @@ int double_pendulum_constraint_bias(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_solve(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1534,29 +1566,20 @@ int double_pendulum_solve(
     double *lam)
 {
     (void) t;
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
-    const double upper_phidot = v[2];
-    const double upper_alpha1dot = v[3];
-    const double upper_alpha2dot = v[4];
-    const double lower_phidot = v[7];
-    const double lower_alpha1dot = v[8];
-    const double lower_alpha2dot = v[9];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = q[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = q[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = q[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper J (appendix): upper_J = int rho r . r */
@@ -1568,6 +1591,8 @@ int double_pendulum_solve(
      *     at left, along e2
      */
     const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
+    const double upper_alpha1dot = v[3];
+    const double upper_alpha2dot = v[4];
     const double upper_left_rdot_2 = upper_alpha1dot - upper_alpha2dot;
     const double upper_left_s_1 = (-0.5) * upper_cos_phi - upper_left_r_2 * upper_sin_phi;
     const double upper_left_s_2 = (-0.5) * upper_sin_phi + upper_left_r_2 * upper_cos_phi;
@@ -1587,11 +1612,14 @@ int double_pendulum_solve(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = q[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = q[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = q[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower J (appendix): lower_J = int rho r . r */
@@ -1603,9 +1631,11 @@ int double_pendulum_solve(
      *     at left, along e2
      */
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
+    const double lower_alpha1dot = v[8];
+    const double lower_alpha2dot = v[9];
     const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
     const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi;
 
     /*
@@ -1679,6 +1709,7 @@ int double_pendulum_solve(
     const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
+    const double upper_phidot = v[2];
     const double t39 = 2.0 * upper_phidot;
     const double t40 = upper_phidot * upper_phidot;
     const double t41 = (226194669.0 / 625000.0) * upper_alpha1 - t40 * upper_D2_1;
@@ -1691,6 +1722,7 @@ int double_pendulum_solve(
     const double t48 = t46 - (t40 * upper_left_s_1 + t39 * upper_left_sdot_2) - t47 + t12 * t45;
     const double t49 = (-981.0 / 100.0) - (t39 * (upper_left_rdot_2 * upper_sin_phi)
         + t40 * upper_left_s_2) - t42 + t44 - t5 * t45 + t14 * t48;
+    const double lower_phidot = v[7];
     const double t50 = lower_phidot * lower_phidot;
     const double t51 = 2.0 * lower_phidot;
     const double t52 = (75398223.0 / 25000.0) * lower_alpha2 - t50 * lower_D2_2;
@@ -1739,6 +1771,7 @@ int double_pendulum_solve(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1747,27 +1780,20 @@ int double_pendulum_project_velocity(
     double *dv)
 {
     (void) t;
-    const double upper_phi = q[2];
-    const double upper_alpha1 = q[3];
-    const double upper_alpha2 = q[4];
-    const double lower_phi = q[7];
-    const double lower_alpha1 = q[8];
-    const double lower_alpha2 = q[9];
     (void) k;
-    const double r_hinge_1 = r[0];
-    const double r_hinge_2 = r[1];
-    const double r_elbow_1 = r[2];
-    const double r_elbow_2 = r[3];
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = q[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = q[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = q[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper J (appendix): upper_J = int rho r . r */
@@ -1794,11 +1820,14 @@ int double_pendulum_project_velocity(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = q[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = q[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = q[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower J (appendix): lower_J = int rho r . r */
@@ -1811,7 +1840,7 @@ int double_pendulum_project_velocity(
      */
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
 
     /*
      * pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1,
@@ -1878,8 +1907,12 @@ int double_pendulum_project_velocity(
         + 5.684341886080802e-14 * t38) > 0.0)) return 1; /* the pivot of elbow_2 vanished */
 
     /* solution (LDL^T): forward, diagonal and back substitution */
+    const double r_hinge_2 = r[1];
+    const double r_hinge_1 = r[0];
     const double t39 = r_hinge_2 + t14 * r_hinge_1;
+    const double r_elbow_1 = r[2];
     const double t40 = t23 * t39 - (r_elbow_1 + t21 * r_hinge_1);
+    const double r_elbow_2 = r[3];
     const double t41 = (t32 * t39 - (r_elbow_2 + t30 * r_hinge_1) - t37 * t40) / pivot_elbow_2;
     const double t42 = t40 * inverse_pivot_elbow_1 - t37 * t41;
     const double t43 = t39 * inverse_pivot_hinge_2 + t23 * t42 + t32 * t41;
@@ -1911,6 +1944,7 @@ int double_pendulum_project_velocity(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_poses(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1918,24 +1952,25 @@ int double_pendulum_poses(
     double *pose)
 {
     (void) t;
-    const double upper_c1 = q[0];
-    const double upper_c2 = q[1];
-    const double upper_phi = q[2];
-    const double lower_c1 = q[5];
-    const double lower_c2 = q[6];
-    const double lower_phi = q[7];
     (void) k;
 
     /* poses (1): bodies in the order of the specification */
+    const double upper_c1 = q[0];
     pose[0] = upper_c1;
+    const double upper_c2 = q[1];
     pose[1] = upper_c2;
+    const double upper_phi = q[2];
     pose[2] = upper_phi;
+    const double lower_c1 = q[5];
     pose[3] = lower_c1;
+    const double lower_c2 = q[6];
     pose[4] = lower_c2;
+    const double lower_phi = q[7];
     pose[5] = lower_phi;
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1944,61 +1979,20 @@ int double_pendulum_residual(
     double *F)
 {
     (void) t;
-    const double upper_c1 = y[0];
-    const double upper_c2 = y[1];
-    const double upper_phi = y[2];
-    const double upper_alpha1 = y[3];
-    const double upper_alpha2 = y[4];
-    const double lower_c1 = y[5];
-    const double lower_c2 = y[6];
-    const double lower_phi = y[7];
-    const double lower_alpha1 = y[8];
-    const double lower_alpha2 = y[9];
-    const double upper_c1dot = y[10];
-    const double upper_c2dot = y[11];
-    const double upper_phidot = y[12];
-    const double upper_alpha1dot = y[13];
-    const double upper_alpha2dot = y[14];
-    const double lower_c1dot = y[15];
-    const double lower_c2dot = y[16];
-    const double lower_phidot = y[17];
-    const double lower_alpha1dot = y[18];
-    const double lower_alpha2dot = y[19];
-    const double lambda_hinge_1 = y[20];
-    const double lambda_hinge_2 = y[21];
-    const double lambda_elbow_1 = y[22];
-    const double lambda_elbow_2 = y[23];
-    const double upper_c1_t = ydot[0];
-    const double upper_c2_t = ydot[1];
-    const double upper_phi_t = ydot[2];
-    const double upper_alpha1_t = ydot[3];
-    const double upper_alpha2_t = ydot[4];
-    const double lower_c1_t = ydot[5];
-    const double lower_c2_t = ydot[6];
-    const double lower_phi_t = ydot[7];
-    const double lower_alpha1_t = ydot[8];
-    const double lower_alpha2_t = ydot[9];
-    const double upper_c1ddot = ydot[10];
-    const double upper_c2ddot = ydot[11];
-    const double upper_phiddot = ydot[12];
-    const double upper_alpha1ddot = ydot[13];
-    const double upper_alpha2ddot = ydot[14];
-    const double lower_c1ddot = ydot[15];
-    const double lower_c2ddot = ydot[16];
-    const double lower_phiddot = ydot[17];
-    const double lower_alpha1ddot = ydot[18];
-    const double lower_alpha2ddot = ydot[19];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = y[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = y[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = y[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper J (appendix): upper_J = int rho r . r */
@@ -2006,6 +2000,8 @@ int double_pendulum_residual(
         + upper_D2_2 * upper_alpha2;
 
     /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
+    const double upper_alpha1dot = y[13];
+    const double upper_alpha2dot = y[14];
     const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
 
     /*
@@ -2028,11 +2024,14 @@ int double_pendulum_residual(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = y[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = y[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = y[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower J (appendix): lower_J = int rho r . r */
@@ -2040,6 +2039,8 @@ int double_pendulum_residual(
         + lower_D2_2 * lower_alpha2;
 
     /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
+    const double lower_alpha1dot = y[18];
+    const double lower_alpha2dot = y[19];
     const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
 
     /*
@@ -2048,22 +2049,45 @@ int double_pendulum_residual(
      */
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double upper_c1_t = ydot[0];
+    const double upper_c1dot = y[10];
     F[0] = upper_c1_t - upper_c1dot;
+    const double upper_c2_t = ydot[1];
+    const double upper_c2dot = y[11];
     F[1] = upper_c2_t - upper_c2dot;
+    const double upper_phi_t = ydot[2];
+    const double upper_phidot = y[12];
     F[2] = upper_phi_t - upper_phidot;
+    const double upper_alpha1_t = ydot[3];
     F[3] = upper_alpha1_t - upper_alpha1dot;
+    const double upper_alpha2_t = ydot[4];
     F[4] = upper_alpha2_t - upper_alpha2dot;
+    const double lower_c1_t = ydot[5];
+    const double lower_c1dot = y[15];
     F[5] = lower_c1_t - lower_c1dot;
+    const double lower_c2_t = ydot[6];
+    const double lower_c2dot = y[16];
     F[6] = lower_c2_t - lower_c2dot;
+    const double lower_phi_t = ydot[7];
+    const double lower_phidot = y[17];
     F[7] = lower_phi_t - lower_phidot;
+    const double lower_alpha1_t = ydot[8];
     F[8] = lower_alpha1_t - lower_alpha1dot;
+    const double lower_alpha2_t = ydot[9];
     F[9] = lower_alpha2_t - lower_alpha2dot;
+    const double upper_c1ddot = ydot[10];
+    const double lambda_hinge_1 = y[20];
+    const double lambda_elbow_1 = y[22];
     F[10] = (98897337.0 / 1000000000.0) * upper_c1ddot - (lambda_hinge_1 - lambda_elbow_1);
+    const double upper_c2ddot = ydot[11];
+    const double lambda_hinge_2 = y[21];
+    const double lambda_elbow_2 = y[23];
     F[11] = (98897337.0 / 1000000000.0) * upper_c2ddot - (-97018287597.0 / 100000000000.0)
         - (lambda_hinge_2 - lambda_elbow_2);
+    const double upper_phiddot = ydot[12];
     F[12] = 2.0 * upper_phidot * upper_D2dot + upper_J * upper_phiddot
         - (upper_left_s_1 * lambda_hinge_2 - upper_left_s_2 * lambda_hinge_1
         + upper_right_s_2 * lambda_elbow_1 - upper_right_s_1 * lambda_elbow_2);
@@ -2072,29 +2096,41 @@ int double_pendulum_residual(
     const double t3 = upper_sin_phi * lambda_hinge_1;
     const double t4 = upper_sin_phi * lambda_elbow_1;
     const double t5 = upper_cos_phi * lambda_elbow_2;
+    const double upper_alpha1ddot = ydot[13];
     F[13] = (226194669.0 / 625000.0) * upper_alpha1 + (98897337.0 / 5000000000.0) * upper_alpha1ddot
         - t1 * upper_D2_1 - (t2 - t3 + t4 - t5);
+    const double upper_alpha2ddot = ydot[14];
     F[14] = (75398223.0 / 25000.0) * upper_alpha2 + (14128191.0 / 1000000000.0) * upper_alpha2ddot
         - t1 * upper_D2_2 - (t3 - t2 + t4 - t5);
+    const double lower_c1ddot = ydot[15];
     F[15] = (98897337.0 / 1000000000.0) * lower_c1ddot - lambda_elbow_1;
+    const double lower_c2ddot = ydot[16];
     F[16] = (98897337.0 / 1000000000.0) * lower_c2ddot - (-97018287597.0 / 100000000000.0)
         - lambda_elbow_2;
+    const double lower_phiddot = ydot[17];
     F[17] = 2.0 * lower_phidot * lower_D2dot + lower_J * lower_phiddot
         - (lower_left_s_1 * lambda_elbow_2 - lower_left_s_2 * lambda_elbow_1);
     const double t6 = lower_phidot * lower_phidot;
     const double t7 = lower_cos_phi * lambda_elbow_2;
     const double t8 = lower_sin_phi * lambda_elbow_1;
+    const double lower_alpha1ddot = ydot[18];
     F[18] = (226194669.0 / 625000.0) * lower_alpha1 + (98897337.0 / 5000000000.0) * lower_alpha1ddot
         - t6 * lower_D2_1 - (t7 - t8);
+    const double lower_alpha2ddot = ydot[19];
     F[19] = (75398223.0 / 25000.0) * lower_alpha2 + (14128191.0 / 1000000000.0) * lower_alpha2ddot
         - t6 * lower_D2_2 - (t8 - t7);
+    const double upper_c1 = y[0];
     F[20] = upper_c1 + upper_left_s_1;
+    const double upper_c2 = y[1];
     F[21] = upper_c2 + upper_left_s_2;
+    const double lower_c1 = y[5];
     F[22] = lower_c1 + lower_left_s_1 - upper_c1 - upper_right_s_1;
+    const double lower_c2 = y[6];
     F[23] = lower_c2 + lower_left_s_2 - upper_c2 - upper_right_s_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2104,35 +2140,20 @@ int double_pendulum_jacobian(
     double *jac)
 {
     (void) t;
-    const double upper_phi = y[2];
-    const double upper_alpha1 = y[3];
-    const double upper_alpha2 = y[4];
-    const double lower_phi = y[7];
-    const double lower_alpha1 = y[8];
-    const double lower_alpha2 = y[9];
-    const double upper_phidot = y[12];
-    const double upper_alpha1dot = y[13];
-    const double upper_alpha2dot = y[14];
-    const double lower_phidot = y[17];
-    const double lower_alpha1dot = y[18];
-    const double lower_alpha2dot = y[19];
-    const double lambda_hinge_1 = y[20];
-    const double lambda_hinge_2 = y[21];
-    const double lambda_elbow_1 = y[22];
-    const double lambda_elbow_2 = y[23];
-    const double upper_phiddot = ydot[12];
-    const double lower_phiddot = ydot[17];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = y[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = y[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = y[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper J (appendix): upper_J = int rho r . r */
@@ -2140,6 +2161,8 @@ int double_pendulum_jacobian(
         + upper_D2_2 * upper_alpha2;
 
     /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
+    const double upper_alpha1dot = y[13];
+    const double upper_alpha2dot = y[14];
     const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
 
     /*
@@ -2162,11 +2185,14 @@ int double_pendulum_jacobian(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = y[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = y[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = y[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower J (appendix): lower_J = int rho r . r */
@@ -2174,6 +2200,8 @@ int double_pendulum_jacobian(
         + lower_D2_2 * lower_alpha2;
 
     /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
+    const double lower_alpha1dot = y[18];
+    const double lower_alpha2dot = y[19];
     const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
 
     /*
@@ -2182,7 +2210,9 @@ int double_pendulum_jacobian(
      */
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double t1 = lower_left_r_2 * lower_cos_phi;
+    const double t2 = (-0.5) * lower_sin_phi;
+    const double lower_left_s_2 = t1 + t2;
 
     /* jacobian (15): derivatives of the residual */
     jac[0] = cj;
@@ -2192,118 +2222,127 @@ int double_pendulum_jacobian(
     jac[4] = 1.0;
     jac[5] = -1.0;
     jac[6] = cj;
+    const double lambda_elbow_1 = y[22];
+    const double lambda_hinge_2 = y[21];
+    const double lambda_hinge_1 = y[20];
+    const double lambda_elbow_2 = y[23];
     jac[7] = -(lambda_elbow_1 * upper_right_s_1 - (lambda_hinge_2 * upper_left_s_2
         + lambda_hinge_1 * upper_left_s_1)) - lambda_elbow_2 * upper_right_s_2;
-    const double t1 = lambda_elbow_1 * upper_cos_phi;
-    const double t2 = lambda_hinge_2 * upper_sin_phi;
-    const double t3 = lambda_hinge_1 * upper_cos_phi;
-    const double t4 = t2 + t3;
-    const double t5 = lambda_elbow_2 * upper_sin_phi;
-    const double t6 = t1 - t4 + t5;
-    jac[8] = -t6;
-    jac[9] = -(t3 + t2) - t1 - t5;
+    const double t3 = lambda_elbow_1 * upper_cos_phi;
+    const double t4 = lambda_hinge_2 * upper_sin_phi;
+    const double t5 = lambda_hinge_1 * upper_cos_phi;
+    const double t6 = t4 + t5;
+    const double t7 = lambda_elbow_2 * upper_sin_phi;
+    const double t8 = t3 - t6 + t7;
+    jac[8] = -t8;
+    jac[9] = -(t5 + t4) - t3 - t7;
     jac[10] = -upper_left_s_2;
     jac[11] = upper_left_s_1;
     jac[12] = upper_right_s_2;
     jac[13] = -upper_right_s_1;
     jac[14] = cj;
-    const double t7 = 2.0 * upper_phidot;
-    jac[15] = t7 * ((98897337.0 / 5000000000.0) * upper_alpha1dot)
-        + upper_phiddot * (2.0 * upper_D2_1) - t6;
-    const double t8 = upper_phidot * upper_phidot;
-    jac[16] = (226194669.0 / 625000.0) - (98897337.0 / 5000000000.0) * t8;
-    const double t9 = -upper_sin_phi;
-    jac[17] = t9;
+    const double upper_phidot = y[12];
+    const double t9 = 2.0 * upper_phidot;
+    const double upper_phiddot = ydot[12];
+    jac[15] = t9 * ((98897337.0 / 5000000000.0) * upper_alpha1dot)
+        + upper_phiddot * (2.0 * upper_D2_1) - t8;
+    const double t10 = upper_phidot * upper_phidot;
+    jac[16] = (226194669.0 / 625000.0) - (98897337.0 / 5000000000.0) * t10;
+    const double t11 = -upper_sin_phi;
+    jac[17] = t11;
     jac[18] = upper_cos_phi;
     jac[19] = upper_sin_phi;
-    const double t10 = -upper_cos_phi;
-    jac[20] = t10;
+    const double t12 = -upper_cos_phi;
+    jac[20] = t12;
     jac[21] = cj;
-    jac[22] = t7 * ((14128191.0 / 1000000000.0) * upper_alpha2dot)
-        + upper_phiddot * (2.0 * upper_D2_2) - (t4 + t1 + t5);
-    jac[23] = (75398223.0 / 25000.0) - (14128191.0 / 1000000000.0) * t8;
+    jac[22] = t9 * ((14128191.0 / 1000000000.0) * upper_alpha2dot)
+        + upper_phiddot * (2.0 * upper_D2_2) - (t6 + t3 + t7);
+    jac[23] = (75398223.0 / 25000.0) - (14128191.0 / 1000000000.0) * t10;
     jac[24] = upper_sin_phi;
-    jac[25] = t10;
+    jac[25] = t12;
     jac[26] = upper_sin_phi;
-    jac[27] = t10;
+    jac[27] = t12;
     jac[28] = cj;
     jac[29] = 1.0;
     jac[30] = cj;
     jac[31] = 1.0;
     jac[32] = cj;
-    jac[33] = lambda_elbow_2 * lower_left_s_2 + lambda_elbow_1 * lower_left_s_1;
-    const double t11 = lambda_elbow_2 * lower_sin_phi;
-    const double t12 = lambda_elbow_1 * lower_cos_phi;
-    const double t13 = t11 + t12;
-    jac[34] = t13;
-    jac[35] = -(t12 + t11);
-    jac[36] = -lower_left_s_2;
+    const double t13 = t2 + t1;
+    jac[33] = lambda_elbow_2 * t13 + lambda_elbow_1 * lower_left_s_1;
+    const double t14 = lambda_elbow_2 * lower_sin_phi;
+    const double t15 = lambda_elbow_1 * lower_cos_phi;
+    const double t16 = t14 + t15;
+    jac[34] = t16;
+    jac[35] = -(t15 + t14);
+    jac[36] = -t13;
     jac[37] = lower_left_s_1;
     jac[38] = cj;
-    const double t14 = 2.0 * lower_phidot;
-    jac[39] = t14 * ((98897337.0 / 5000000000.0) * lower_alpha1dot)
-        + lower_phiddot * (2.0 * lower_D2_1) + t13;
-    const double t15 = lower_phidot * lower_phidot;
-    jac[40] = (226194669.0 / 625000.0) - (98897337.0 / 5000000000.0) * t15;
-    const double t16 = -lower_sin_phi;
-    jac[41] = t16;
+    const double lower_phidot = y[17];
+    const double t17 = 2.0 * lower_phidot;
+    const double lower_phiddot = ydot[17];
+    jac[39] = t17 * ((98897337.0 / 5000000000.0) * lower_alpha1dot)
+        + lower_phiddot * (2.0 * lower_D2_1) + t16;
+    const double t18 = lower_phidot * lower_phidot;
+    jac[40] = (226194669.0 / 625000.0) - (98897337.0 / 5000000000.0) * t18;
+    const double t19 = -lower_sin_phi;
+    jac[41] = t19;
     jac[42] = lower_cos_phi;
     jac[43] = cj;
-    jac[44] = t14 * ((14128191.0 / 1000000000.0) * lower_alpha2dot)
-        + lower_phiddot * (2.0 * lower_D2_2) - t13;
-    jac[45] = (75398223.0 / 25000.0) - (14128191.0 / 1000000000.0) * t15;
+    jac[44] = t17 * ((14128191.0 / 1000000000.0) * lower_alpha2dot)
+        + lower_phiddot * (2.0 * lower_D2_2) - t16;
+    jac[45] = (75398223.0 / 25000.0) - (14128191.0 / 1000000000.0) * t18;
     jac[46] = lower_sin_phi;
-    const double t17 = -lower_cos_phi;
-    jac[47] = t17;
+    const double t20 = -lower_cos_phi;
+    jac[47] = t20;
     jac[48] = -1.0;
-    const double t18 = (98897337.0 / 1000000000.0) * cj;
-    jac[49] = t18;
+    const double t21 = (98897337.0 / 1000000000.0) * cj;
+    jac[49] = t21;
     jac[50] = -1.0;
-    jac[51] = t18;
+    jac[51] = t21;
     jac[52] = -1.0;
     jac[53] = 2.0 * upper_D2dot + cj * upper_J;
-    jac[54] = -(upper_D2_1 * t7);
-    jac[55] = -(upper_D2_2 * t7);
+    jac[54] = -(upper_D2_1 * t9);
+    jac[55] = -(upper_D2_2 * t9);
     jac[56] = -1.0;
-    jac[57] = t7 * upper_D2_1;
-    const double t19 = (98897337.0 / 5000000000.0) * cj;
-    jac[58] = t19;
+    jac[57] = t9 * upper_D2_1;
+    const double t22 = (98897337.0 / 5000000000.0) * cj;
+    jac[58] = t22;
     jac[59] = -1.0;
-    jac[60] = t7 * upper_D2_2;
-    const double t20 = (14128191.0 / 1000000000.0) * cj;
-    jac[61] = t20;
+    jac[60] = t9 * upper_D2_2;
+    const double t23 = (14128191.0 / 1000000000.0) * cj;
+    jac[61] = t23;
     jac[62] = -1.0;
-    jac[63] = t18;
+    jac[63] = t21;
     jac[64] = -1.0;
-    jac[65] = t18;
+    jac[65] = t21;
     jac[66] = -1.0;
     jac[67] = 2.0 * lower_D2dot + cj * lower_J;
-    jac[68] = -(lower_D2_1 * t14);
-    jac[69] = -(lower_D2_2 * t14);
+    jac[68] = -(lower_D2_1 * t17);
+    jac[69] = -(lower_D2_2 * t17);
     jac[70] = -1.0;
-    jac[71] = t14 * lower_D2_1;
-    jac[72] = t19;
+    jac[71] = t17 * lower_D2_1;
+    jac[72] = t22;
     jac[73] = -1.0;
-    jac[74] = t14 * lower_D2_2;
-    jac[75] = t20;
+    jac[74] = t17 * lower_D2_2;
+    jac[75] = t23;
     jac[76] = -1.0;
     jac[77] = upper_left_s_2;
     jac[78] = upper_sin_phi;
-    jac[79] = t9;
+    jac[79] = t11;
     jac[80] = 0.0;
     jac[81] = -1.0;
     jac[82] = -upper_left_s_1;
-    jac[83] = t10;
+    jac[83] = t12;
     jac[84] = upper_cos_phi;
     jac[85] = 0.0;
     jac[86] = 1.0;
     jac[87] = -upper_right_s_2;
-    jac[88] = t9;
-    jac[89] = t9;
+    jac[88] = t11;
+    jac[89] = t11;
     jac[90] = -1.0;
     jac[91] = lower_left_s_2;
     jac[92] = lower_sin_phi;
-    jac[93] = t16;
+    jac[93] = t19;
     jac[94] = 0.0;
     jac[95] = 1.0;
     jac[96] = upper_right_s_1;
@@ -2311,7 +2350,7 @@ int double_pendulum_jacobian(
     jac[98] = upper_cos_phi;
     jac[99] = -1.0;
     jac[100] = -lower_left_s_1;
-    jac[101] = t17;
+    jac[101] = t20;
     jac[102] = lower_cos_phi;
     jac[103] = 0.0;
     return 0;
@@ -2319,6 +2358,7 @@ int double_pendulum_jacobian(
 
 #ifndef TISSERAND_WITHOUT_REDUCED_FORMS
 
+TISSERAND_SCALAR
 int double_pendulum_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2327,65 +2367,20 @@ int double_pendulum_residual_ggl(
     double *F)
 {
     (void) t;
-    const double upper_c1 = y[0];
-    const double upper_c2 = y[1];
-    const double upper_phi = y[2];
-    const double upper_alpha1 = y[3];
-    const double upper_alpha2 = y[4];
-    const double lower_c1 = y[5];
-    const double lower_c2 = y[6];
-    const double lower_phi = y[7];
-    const double lower_alpha1 = y[8];
-    const double lower_alpha2 = y[9];
-    const double upper_c1dot = y[10];
-    const double upper_c2dot = y[11];
-    const double upper_phidot = y[12];
-    const double upper_alpha1dot = y[13];
-    const double upper_alpha2dot = y[14];
-    const double lower_c1dot = y[15];
-    const double lower_c2dot = y[16];
-    const double lower_phidot = y[17];
-    const double lower_alpha1dot = y[18];
-    const double lower_alpha2dot = y[19];
-    const double lambda_hinge_1 = y[20];
-    const double lambda_hinge_2 = y[21];
-    const double lambda_elbow_1 = y[22];
-    const double lambda_elbow_2 = y[23];
-    const double mu_hinge_1 = y[24];
-    const double mu_hinge_2 = y[25];
-    const double mu_elbow_1 = y[26];
-    const double mu_elbow_2 = y[27];
-    const double upper_c1_t = ydot[0];
-    const double upper_c2_t = ydot[1];
-    const double upper_phi_t = ydot[2];
-    const double upper_alpha1_t = ydot[3];
-    const double upper_alpha2_t = ydot[4];
-    const double lower_c1_t = ydot[5];
-    const double lower_c2_t = ydot[6];
-    const double lower_phi_t = ydot[7];
-    const double lower_alpha1_t = ydot[8];
-    const double lower_alpha2_t = ydot[9];
-    const double upper_c1ddot = ydot[10];
-    const double upper_c2ddot = ydot[11];
-    const double upper_phiddot = ydot[12];
-    const double upper_alpha1ddot = ydot[13];
-    const double upper_alpha2ddot = ydot[14];
-    const double lower_c1ddot = ydot[15];
-    const double lower_c2ddot = ydot[16];
-    const double lower_phiddot = ydot[17];
-    const double lower_alpha1ddot = ydot[18];
-    const double lower_alpha2ddot = ydot[19];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = y[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = y[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = y[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper J (appendix): upper_J = int rho r . r */
@@ -2393,6 +2388,8 @@ int double_pendulum_residual_ggl(
         + upper_D2_2 * upper_alpha2;
 
     /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
+    const double upper_alpha1dot = y[13];
+    const double upper_alpha2dot = y[14];
     const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
 
     /*
@@ -2419,11 +2416,14 @@ int double_pendulum_residual_ggl(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = y[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = y[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = y[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower J (appendix): lower_J = int rho r . r */
@@ -2431,6 +2431,8 @@ int double_pendulum_residual_ggl(
         + lower_D2_2 * lower_alpha2;
 
     /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
+    const double lower_alpha1dot = y[18];
+    const double lower_alpha2dot = y[19];
     const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
 
     /*
@@ -2440,30 +2442,57 @@ int double_pendulum_residual_ggl(
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
     const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
     const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi;
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double upper_c1_t = ydot[0];
+    const double upper_c1dot = y[10];
+    const double mu_hinge_1 = y[24];
+    const double mu_elbow_1 = y[26];
     F[0] = upper_c1_t - upper_c1dot + (mu_hinge_1 - mu_elbow_1);
+    const double upper_c2_t = ydot[1];
+    const double upper_c2dot = y[11];
+    const double mu_hinge_2 = y[25];
+    const double mu_elbow_2 = y[27];
     F[1] = upper_c2_t - upper_c2dot + (mu_hinge_2 - mu_elbow_2);
+    const double upper_phi_t = ydot[2];
+    const double upper_phidot = y[12];
     F[2] = upper_phi_t - upper_phidot + (upper_left_s_1 * mu_hinge_2 - upper_left_s_2 * mu_hinge_1
         + upper_right_s_2 * mu_elbow_1 - upper_right_s_1 * mu_elbow_2);
     const double t1 = upper_cos_phi * mu_hinge_2;
     const double t2 = upper_sin_phi * mu_hinge_1;
     const double t3 = upper_sin_phi * mu_elbow_1;
     const double t4 = upper_cos_phi * mu_elbow_2;
+    const double upper_alpha1_t = ydot[3];
     F[3] = upper_alpha1_t - upper_alpha1dot + (t1 - t2 + t3 - t4);
+    const double upper_alpha2_t = ydot[4];
     F[4] = upper_alpha2_t - upper_alpha2dot + (t2 - t1 + t3 - t4);
+    const double lower_c1_t = ydot[5];
+    const double lower_c1dot = y[15];
     F[5] = lower_c1_t - lower_c1dot + mu_elbow_1;
+    const double lower_c2_t = ydot[6];
+    const double lower_c2dot = y[16];
     F[6] = lower_c2_t - lower_c2dot + mu_elbow_2;
+    const double lower_phi_t = ydot[7];
+    const double lower_phidot = y[17];
     F[7] = lower_phi_t - lower_phidot + (lower_left_s_1 * mu_elbow_2 - lower_left_s_2 * mu_elbow_1);
     const double t5 = lower_cos_phi * mu_elbow_2;
     const double t6 = lower_sin_phi * mu_elbow_1;
+    const double lower_alpha1_t = ydot[8];
     F[8] = lower_alpha1_t - lower_alpha1dot + (t5 - t6);
+    const double lower_alpha2_t = ydot[9];
     F[9] = lower_alpha2_t - lower_alpha2dot + (t6 - t5);
+    const double upper_c1ddot = ydot[10];
+    const double lambda_hinge_1 = y[20];
+    const double lambda_elbow_1 = y[22];
     F[10] = (98897337.0 / 1000000000.0) * upper_c1ddot - (lambda_hinge_1 - lambda_elbow_1);
+    const double upper_c2ddot = ydot[11];
+    const double lambda_hinge_2 = y[21];
+    const double lambda_elbow_2 = y[23];
     F[11] = (98897337.0 / 1000000000.0) * upper_c2ddot - (-97018287597.0 / 100000000000.0)
         - (lambda_hinge_2 - lambda_elbow_2);
+    const double upper_phiddot = ydot[12];
     F[12] = 2.0 * upper_phidot * upper_D2dot + upper_J * upper_phiddot
         - (upper_left_s_1 * lambda_hinge_2 - upper_left_s_2 * lambda_hinge_1
         + upper_right_s_2 * lambda_elbow_1 - upper_right_s_1 * lambda_elbow_2);
@@ -2472,20 +2501,27 @@ int double_pendulum_residual_ggl(
     const double t9 = upper_sin_phi * lambda_hinge_1;
     const double t10 = upper_sin_phi * lambda_elbow_1;
     const double t11 = upper_cos_phi * lambda_elbow_2;
+    const double upper_alpha1ddot = ydot[13];
     F[13] = (226194669.0 / 625000.0) * upper_alpha1 + (98897337.0 / 5000000000.0) * upper_alpha1ddot
         - t7 * upper_D2_1 - (t8 - t9 + t10 - t11);
+    const double upper_alpha2ddot = ydot[14];
     F[14] = (75398223.0 / 25000.0) * upper_alpha2 + (14128191.0 / 1000000000.0) * upper_alpha2ddot
         - t7 * upper_D2_2 - (t9 - t8 + t10 - t11);
+    const double lower_c1ddot = ydot[15];
     F[15] = (98897337.0 / 1000000000.0) * lower_c1ddot - lambda_elbow_1;
+    const double lower_c2ddot = ydot[16];
     F[16] = (98897337.0 / 1000000000.0) * lower_c2ddot - (-97018287597.0 / 100000000000.0)
         - lambda_elbow_2;
+    const double lower_phiddot = ydot[17];
     F[17] = 2.0 * lower_phidot * lower_D2dot + lower_J * lower_phiddot
         - (lower_left_s_1 * lambda_elbow_2 - lower_left_s_2 * lambda_elbow_1);
     const double t12 = lower_phidot * lower_phidot;
     const double t13 = lower_cos_phi * lambda_elbow_2;
     const double t14 = lower_sin_phi * lambda_elbow_1;
+    const double lower_alpha1ddot = ydot[18];
     F[18] = (226194669.0 / 625000.0) * lower_alpha1 + (98897337.0 / 5000000000.0) * lower_alpha1ddot
         - t12 * lower_D2_1 - (t13 - t14);
+    const double lower_alpha2ddot = ydot[19];
     F[19] = (75398223.0 / 25000.0) * lower_alpha2 + (14128191.0 / 1000000000.0) * lower_alpha2ddot
         - t12 * lower_D2_2 - (t14 - t13);
     F[20] = upper_c1dot - upper_left_rdot_2 * upper_sin_phi - upper_phidot * upper_left_s_2;
@@ -2494,13 +2530,18 @@ int double_pendulum_residual_ggl(
         - upper_c1dot + upper_right_rdot_2 * upper_sin_phi - lower_phidot * lower_left_s_2;
     F[23] = lower_c2dot + lower_left_sdot_2 + lower_phidot * lower_left_s_1 - upper_c2dot
         - upper_right_sdot_2 - upper_phidot * upper_right_s_1;
+    const double upper_c1 = y[0];
     F[24] = upper_c1 + upper_left_s_1;
+    const double upper_c2 = y[1];
     F[25] = upper_c2 + upper_left_s_2;
+    const double lower_c1 = y[5];
     F[26] = lower_c1 + lower_left_s_1 - upper_c1 - upper_right_s_1;
+    const double lower_c2 = y[6];
     F[27] = lower_c2 + lower_left_s_2 - upper_c2 - upper_right_s_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_jacobian_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2510,39 +2551,20 @@ int double_pendulum_jacobian_ggl(
     double *jac)
 {
     (void) t;
-    const double upper_phi = y[2];
-    const double upper_alpha1 = y[3];
-    const double upper_alpha2 = y[4];
-    const double lower_phi = y[7];
-    const double lower_alpha1 = y[8];
-    const double lower_alpha2 = y[9];
-    const double upper_phidot = y[12];
-    const double upper_alpha1dot = y[13];
-    const double upper_alpha2dot = y[14];
-    const double lower_phidot = y[17];
-    const double lower_alpha1dot = y[18];
-    const double lower_alpha2dot = y[19];
-    const double lambda_hinge_1 = y[20];
-    const double lambda_hinge_2 = y[21];
-    const double lambda_elbow_1 = y[22];
-    const double lambda_elbow_2 = y[23];
-    const double mu_hinge_1 = y[24];
-    const double mu_hinge_2 = y[25];
-    const double mu_elbow_1 = y[26];
-    const double mu_elbow_2 = y[27];
-    const double upper_phiddot = ydot[12];
-    const double lower_phiddot = ydot[17];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = y[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = y[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = y[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper J (appendix): upper_J = int rho r . r */
@@ -2550,6 +2572,8 @@ int double_pendulum_jacobian_ggl(
         + upper_D2_2 * upper_alpha2;
 
     /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
+    const double upper_alpha1dot = y[13];
+    const double upper_alpha2dot = y[14];
     const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
 
     /*
@@ -2576,11 +2600,14 @@ int double_pendulum_jacobian_ggl(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = y[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = y[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = y[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower J (appendix): lower_J = int rho r . r */
@@ -2588,6 +2615,8 @@ int double_pendulum_jacobian_ggl(
         + lower_D2_2 * lower_alpha2;
 
     /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
+    const double lower_alpha1dot = y[18];
+    const double lower_alpha2dot = y[19];
     const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
 
     /*
@@ -2597,7 +2626,9 @@ int double_pendulum_jacobian_ggl(
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
     const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double t1 = lower_left_r_2 * lower_cos_phi;
+    const double t2 = (-0.5) * lower_sin_phi;
+    const double lower_left_s_2 = t1 + t2;
     const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi;
 
     /* jacobian (15): derivatives of the residual */
@@ -2607,187 +2638,200 @@ int double_pendulum_jacobian_ggl(
     jac[3] = cj;
     jac[4] = 1.0;
     jac[5] = -1.0;
+    const double mu_elbow_1 = y[26];
+    const double mu_hinge_2 = y[25];
+    const double mu_hinge_1 = y[24];
+    const double mu_elbow_2 = y[27];
     jac[6] = mu_elbow_1 * upper_right_s_1 - (mu_hinge_2 * upper_left_s_2
         + mu_hinge_1 * upper_left_s_1) + mu_elbow_2 * upper_right_s_2 + cj;
-    const double t1 = mu_elbow_1 * upper_cos_phi;
-    const double t2 = mu_hinge_2 * upper_sin_phi;
-    const double t3 = mu_hinge_1 * upper_cos_phi;
-    const double t4 = t2 + t3;
-    const double t5 = mu_elbow_2 * upper_sin_phi;
-    const double t6 = t1 - t4 + t5;
-    jac[7] = t6;
-    jac[8] = t3 + t2 + t1 + t5;
+    const double t3 = mu_elbow_1 * upper_cos_phi;
+    const double t4 = mu_hinge_2 * upper_sin_phi;
+    const double t5 = mu_hinge_1 * upper_cos_phi;
+    const double t6 = t4 + t5;
+    const double t7 = mu_elbow_2 * upper_sin_phi;
+    const double t8 = t3 - t6 + t7;
+    jac[7] = t8;
+    jac[8] = t5 + t4 + t3 + t7;
+    const double lambda_elbow_1 = y[22];
+    const double lambda_hinge_2 = y[21];
+    const double lambda_hinge_1 = y[20];
+    const double lambda_elbow_2 = y[23];
     jac[9] = -(lambda_elbow_1 * upper_right_s_1 - (lambda_hinge_2 * upper_left_s_2
         + lambda_hinge_1 * upper_left_s_1)) - lambda_elbow_2 * upper_right_s_2;
-    const double t7 = lambda_elbow_1 * upper_cos_phi;
-    const double t8 = lambda_hinge_2 * upper_sin_phi;
-    const double t9 = lambda_hinge_1 * upper_cos_phi;
-    const double t10 = t8 + t9;
-    const double t11 = lambda_elbow_2 * upper_sin_phi;
-    const double t12 = t7 - t10 + t11;
-    jac[10] = -t12;
-    jac[11] = -(t9 + t8) - t7 - t11;
+    const double t9 = lambda_elbow_1 * upper_cos_phi;
+    const double t10 = lambda_hinge_2 * upper_sin_phi;
+    const double t11 = lambda_hinge_1 * upper_cos_phi;
+    const double t12 = t10 + t11;
+    const double t13 = lambda_elbow_2 * upper_sin_phi;
+    const double t14 = t9 - t12 + t13;
+    jac[10] = -t14;
+    jac[11] = -(t11 + t10) - t9 - t13;
+    const double upper_phidot = y[12];
     jac[12] = -(upper_left_sdot_2 + upper_phidot * upper_left_s_1);
     jac[13] = -(upper_left_rdot_2 * upper_sin_phi) - upper_phidot * upper_left_s_2;
     jac[14] = upper_phidot * upper_right_s_1 + upper_right_sdot_2;
     jac[15] = upper_right_rdot_2 * upper_sin_phi + upper_phidot * upper_right_s_2;
-    const double t13 = -upper_left_s_2;
-    jac[16] = t13;
+    const double t15 = -upper_left_s_2;
+    jac[16] = t15;
     jac[17] = upper_left_s_1;
     jac[18] = upper_right_s_2;
-    const double t14 = -upper_right_s_1;
-    jac[19] = t14;
-    jac[20] = t6;
+    const double t16 = -upper_right_s_1;
+    jac[19] = t16;
+    jac[20] = t8;
     jac[21] = cj;
-    const double t15 = 2.0 * upper_phidot;
-    jac[22] = t15 * ((98897337.0 / 5000000000.0) * upper_alpha1dot)
-        + upper_phiddot * (2.0 * upper_D2_1) - t12;
-    const double t16 = upper_phidot * upper_phidot;
-    jac[23] = (226194669.0 / 625000.0) - (98897337.0 / 5000000000.0) * t16;
-    const double t17 = upper_phidot * upper_cos_phi;
-    jac[24] = -t17;
-    const double t18 = upper_phidot * upper_sin_phi;
-    jac[25] = -t18;
-    jac[26] = t17;
-    jac[27] = t18;
-    const double t19 = -upper_sin_phi;
-    jac[28] = t19;
+    const double t17 = 2.0 * upper_phidot;
+    const double upper_phiddot = ydot[12];
+    jac[22] = t17 * ((98897337.0 / 5000000000.0) * upper_alpha1dot)
+        + upper_phiddot * (2.0 * upper_D2_1) - t14;
+    const double t18 = upper_phidot * upper_phidot;
+    jac[23] = (226194669.0 / 625000.0) - (98897337.0 / 5000000000.0) * t18;
+    const double t19 = upper_phidot * upper_cos_phi;
+    jac[24] = -t19;
+    const double t20 = upper_phidot * upper_sin_phi;
+    jac[25] = -t20;
+    jac[26] = t19;
+    jac[27] = t20;
+    const double t21 = -upper_sin_phi;
+    jac[28] = t21;
     jac[29] = upper_cos_phi;
     jac[30] = upper_sin_phi;
-    const double t20 = -upper_cos_phi;
-    jac[31] = t20;
-    jac[32] = t4 + t1 + t5;
+    const double t22 = -upper_cos_phi;
+    jac[31] = t22;
+    jac[32] = t6 + t3 + t7;
     jac[33] = cj;
-    jac[34] = t15 * ((14128191.0 / 1000000000.0) * upper_alpha2dot)
-        + upper_phiddot * (2.0 * upper_D2_2) - (t10 + t7 + t11);
-    jac[35] = (75398223.0 / 25000.0) - (14128191.0 / 1000000000.0) * t16;
-    jac[36] = t17;
-    jac[37] = t18;
-    jac[38] = t17;
-    jac[39] = t18;
+    jac[34] = t17 * ((14128191.0 / 1000000000.0) * upper_alpha2dot)
+        + upper_phiddot * (2.0 * upper_D2_2) - (t12 + t9 + t13);
+    jac[35] = (75398223.0 / 25000.0) - (14128191.0 / 1000000000.0) * t18;
+    jac[36] = t19;
+    jac[37] = t20;
+    jac[38] = t19;
+    jac[39] = t20;
     jac[40] = upper_sin_phi;
-    jac[41] = t20;
+    jac[41] = t22;
     jac[42] = upper_sin_phi;
-    jac[43] = t20;
+    jac[43] = t22;
     jac[44] = cj;
     jac[45] = 1.0;
     jac[46] = cj;
     jac[47] = 1.0;
-    jac[48] = cj - (mu_elbow_2 * lower_left_s_2 + mu_elbow_1 * lower_left_s_1);
-    const double t21 = mu_elbow_2 * lower_sin_phi;
-    const double t22 = mu_elbow_1 * lower_cos_phi;
-    const double t23 = t21 + t22;
-    const double t24 = -t23;
-    jac[49] = t24;
-    jac[50] = t22 + t21;
-    jac[51] = lambda_elbow_2 * lower_left_s_2 + lambda_elbow_1 * lower_left_s_1;
-    const double t25 = lambda_elbow_2 * lower_sin_phi;
-    const double t26 = lambda_elbow_1 * lower_cos_phi;
-    const double t27 = t25 + t26;
-    jac[52] = t27;
-    jac[53] = -(t26 + t25);
+    const double t23 = t2 + t1;
+    jac[48] = cj - (mu_elbow_2 * t23 + mu_elbow_1 * lower_left_s_1);
+    const double t24 = mu_elbow_2 * lower_sin_phi;
+    const double t25 = mu_elbow_1 * lower_cos_phi;
+    const double t26 = t24 + t25;
+    const double t27 = -t26;
+    jac[49] = t27;
+    jac[50] = t25 + t24;
+    jac[51] = lambda_elbow_2 * t23 + lambda_elbow_1 * lower_left_s_1;
+    const double t28 = lambda_elbow_2 * lower_sin_phi;
+    const double t29 = lambda_elbow_1 * lower_cos_phi;
+    const double t30 = t28 + t29;
+    jac[52] = t30;
+    jac[53] = -(t29 + t28);
+    const double lower_phidot = y[17];
     jac[54] = -(lower_left_sdot_2 + lower_phidot * lower_left_s_1);
-    jac[55] = -(lower_left_rdot_2 * lower_sin_phi) - lower_phidot * lower_left_s_2;
-    const double t28 = -lower_left_s_2;
-    jac[56] = t28;
+    jac[55] = -(lower_left_rdot_2 * lower_sin_phi) - lower_phidot * t23;
+    jac[56] = -t23;
     jac[57] = lower_left_s_1;
-    jac[58] = t24;
+    jac[58] = t27;
     jac[59] = cj;
-    const double t29 = 2.0 * lower_phidot;
-    jac[60] = t29 * ((98897337.0 / 5000000000.0) * lower_alpha1dot)
-        + lower_phiddot * (2.0 * lower_D2_1) + t27;
-    const double t30 = lower_phidot * lower_phidot;
-    jac[61] = (226194669.0 / 625000.0) - (98897337.0 / 5000000000.0) * t30;
-    const double t31 = lower_phidot * lower_cos_phi;
-    jac[62] = -t31;
-    const double t32 = lower_phidot * lower_sin_phi;
-    jac[63] = -t32;
-    const double t33 = -lower_sin_phi;
-    jac[64] = t33;
+    const double t31 = 2.0 * lower_phidot;
+    const double lower_phiddot = ydot[17];
+    jac[60] = t31 * ((98897337.0 / 5000000000.0) * lower_alpha1dot)
+        + lower_phiddot * (2.0 * lower_D2_1) + t30;
+    const double t32 = lower_phidot * lower_phidot;
+    jac[61] = (226194669.0 / 625000.0) - (98897337.0 / 5000000000.0) * t32;
+    const double t33 = lower_phidot * lower_cos_phi;
+    jac[62] = -t33;
+    const double t34 = lower_phidot * lower_sin_phi;
+    jac[63] = -t34;
+    const double t35 = -lower_sin_phi;
+    jac[64] = t35;
     jac[65] = lower_cos_phi;
-    jac[66] = t23;
+    jac[66] = t26;
     jac[67] = cj;
-    jac[68] = t29 * ((14128191.0 / 1000000000.0) * lower_alpha2dot)
-        + lower_phiddot * (2.0 * lower_D2_2) - t27;
-    jac[69] = (75398223.0 / 25000.0) - (14128191.0 / 1000000000.0) * t30;
-    jac[70] = t31;
-    jac[71] = t32;
+    jac[68] = t31 * ((14128191.0 / 1000000000.0) * lower_alpha2dot)
+        + lower_phiddot * (2.0 * lower_D2_2) - t30;
+    jac[69] = (75398223.0 / 25000.0) - (14128191.0 / 1000000000.0) * t32;
+    jac[70] = t33;
+    jac[71] = t34;
     jac[72] = lower_sin_phi;
-    const double t34 = -lower_cos_phi;
-    jac[73] = t34;
+    const double t36 = -lower_cos_phi;
+    jac[73] = t36;
     jac[74] = -1.0;
-    const double t35 = (98897337.0 / 1000000000.0) * cj;
-    jac[75] = t35;
+    const double t37 = (98897337.0 / 1000000000.0) * cj;
+    jac[75] = t37;
     jac[76] = 1.0;
     jac[77] = -1.0;
     jac[78] = -1.0;
-    jac[79] = t35;
+    jac[79] = t37;
     jac[80] = 1.0;
     jac[81] = -1.0;
     jac[82] = -1.0;
     jac[83] = 2.0 * upper_D2dot + cj * upper_J;
-    jac[84] = -(upper_D2_1 * t15);
-    jac[85] = -(upper_D2_2 * t15);
-    jac[86] = t13;
+    jac[84] = -(upper_D2_1 * t17);
+    jac[85] = -(upper_D2_2 * t17);
+    jac[86] = t15;
     jac[87] = upper_left_s_1;
     jac[88] = upper_right_s_2;
-    jac[89] = t14;
+    jac[89] = t16;
     jac[90] = -1.0;
-    jac[91] = t15 * upper_D2_1;
-    const double t36 = (98897337.0 / 5000000000.0) * cj;
-    jac[92] = t36;
-    jac[93] = t19;
+    jac[91] = t17 * upper_D2_1;
+    const double t38 = (98897337.0 / 5000000000.0) * cj;
+    jac[92] = t38;
+    jac[93] = t21;
     jac[94] = upper_cos_phi;
     jac[95] = upper_sin_phi;
-    jac[96] = t20;
+    jac[96] = t22;
     jac[97] = -1.0;
-    jac[98] = t15 * upper_D2_2;
-    const double t37 = (14128191.0 / 1000000000.0) * cj;
-    jac[99] = t37;
+    jac[98] = t17 * upper_D2_2;
+    const double t39 = (14128191.0 / 1000000000.0) * cj;
+    jac[99] = t39;
     jac[100] = upper_sin_phi;
-    jac[101] = t20;
+    jac[101] = t22;
     jac[102] = upper_sin_phi;
-    jac[103] = t20;
+    jac[103] = t22;
     jac[104] = -1.0;
-    jac[105] = t35;
+    jac[105] = t37;
     jac[106] = 1.0;
     jac[107] = -1.0;
-    jac[108] = t35;
+    jac[108] = t37;
     jac[109] = 1.0;
     jac[110] = -1.0;
     jac[111] = 2.0 * lower_D2dot + cj * lower_J;
-    jac[112] = -(lower_D2_1 * t29);
-    jac[113] = -(lower_D2_2 * t29);
-    jac[114] = t28;
+    jac[112] = -(lower_D2_1 * t31);
+    jac[113] = -(lower_D2_2 * t31);
+    const double t40 = -lower_left_s_2;
+    jac[114] = t40;
     jac[115] = lower_left_s_1;
     jac[116] = -1.0;
-    jac[117] = t29 * lower_D2_1;
-    jac[118] = t36;
-    jac[119] = t33;
+    jac[117] = t31 * lower_D2_1;
+    jac[118] = t38;
+    jac[119] = t35;
     jac[120] = lower_cos_phi;
     jac[121] = -1.0;
-    jac[122] = t29 * lower_D2_2;
-    jac[123] = t37;
+    jac[122] = t31 * lower_D2_2;
+    jac[123] = t39;
     jac[124] = lower_sin_phi;
-    jac[125] = t34;
+    jac[125] = t36;
     jac[126] = -1.0;
     jac[127] = upper_left_s_2;
     jac[128] = upper_sin_phi;
-    jac[129] = t19;
+    jac[129] = t21;
     jac[130] = 0.0;
     jac[131] = -1.0;
     jac[132] = -upper_left_s_1;
-    jac[133] = t20;
+    jac[133] = t22;
     jac[134] = upper_cos_phi;
     jac[135] = 0.0;
     jac[136] = 1.0;
     jac[137] = -upper_right_s_2;
-    jac[138] = t19;
-    jac[139] = t19;
+    jac[138] = t21;
+    jac[139] = t21;
     jac[140] = -1.0;
     jac[141] = lower_left_s_2;
     jac[142] = lower_sin_phi;
-    jac[143] = t33;
+    jac[143] = t35;
     jac[144] = 0.0;
     jac[145] = 1.0;
     jac[146] = upper_right_s_1;
@@ -2795,40 +2839,41 @@ int double_pendulum_jacobian_ggl(
     jac[148] = upper_cos_phi;
     jac[149] = -1.0;
     jac[150] = -lower_left_s_1;
-    jac[151] = t34;
+    jac[151] = t36;
     jac[152] = lower_cos_phi;
     jac[153] = 0.0;
     jac[154] = 1.0;
-    jac[155] = t13;
-    jac[156] = t19;
+    jac[155] = t15;
+    jac[156] = t21;
     jac[157] = upper_sin_phi;
     jac[158] = 0.0;
     jac[159] = 1.0;
     jac[160] = upper_left_s_1;
     jac[161] = upper_cos_phi;
-    jac[162] = t20;
+    jac[162] = t22;
     jac[163] = 0.0;
     jac[164] = -1.0;
     jac[165] = upper_right_s_2;
     jac[166] = upper_sin_phi;
     jac[167] = upper_sin_phi;
     jac[168] = 1.0;
-    jac[169] = t28;
-    jac[170] = t33;
+    jac[169] = t40;
+    jac[170] = t35;
     jac[171] = lower_sin_phi;
     jac[172] = 0.0;
     jac[173] = -1.0;
-    jac[174] = t14;
-    jac[175] = t20;
-    jac[176] = t20;
+    jac[174] = t16;
+    jac[175] = t22;
+    jac[176] = t22;
     jac[177] = 1.0;
     jac[178] = lower_left_s_1;
     jac[179] = lower_cos_phi;
-    jac[180] = t34;
+    jac[180] = t36;
     jac[181] = 0.0;
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_residual_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2837,57 +2882,20 @@ int double_pendulum_residual_index1(
     double *F)
 {
     (void) t;
-    const double upper_phi = y[2];
-    const double upper_alpha1 = y[3];
-    const double upper_alpha2 = y[4];
-    const double lower_phi = y[7];
-    const double lower_alpha1 = y[8];
-    const double lower_alpha2 = y[9];
-    const double upper_c1dot = y[10];
-    const double upper_c2dot = y[11];
-    const double upper_phidot = y[12];
-    const double upper_alpha1dot = y[13];
-    const double upper_alpha2dot = y[14];
-    const double lower_c1dot = y[15];
-    const double lower_c2dot = y[16];
-    const double lower_phidot = y[17];
-    const double lower_alpha1dot = y[18];
-    const double lower_alpha2dot = y[19];
-    const double lambda_hinge_1 = y[20];
-    const double lambda_hinge_2 = y[21];
-    const double lambda_elbow_1 = y[22];
-    const double lambda_elbow_2 = y[23];
-    const double upper_c1_t = ydot[0];
-    const double upper_c2_t = ydot[1];
-    const double upper_phi_t = ydot[2];
-    const double upper_alpha1_t = ydot[3];
-    const double upper_alpha2_t = ydot[4];
-    const double lower_c1_t = ydot[5];
-    const double lower_c2_t = ydot[6];
-    const double lower_phi_t = ydot[7];
-    const double lower_alpha1_t = ydot[8];
-    const double lower_alpha2_t = ydot[9];
-    const double upper_c1ddot = ydot[10];
-    const double upper_c2ddot = ydot[11];
-    const double upper_phiddot = ydot[12];
-    const double upper_alpha1ddot = ydot[13];
-    const double upper_alpha2ddot = ydot[14];
-    const double lower_c1ddot = ydot[15];
-    const double lower_c2ddot = ydot[16];
-    const double lower_phiddot = ydot[17];
-    const double lower_alpha1ddot = ydot[18];
-    const double lower_alpha2ddot = ydot[19];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = y[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = y[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = y[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper J (appendix): upper_J = int rho r . r */
@@ -2895,6 +2903,8 @@ int double_pendulum_residual_index1(
         + upper_D2_2 * upper_alpha2;
 
     /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
+    const double upper_alpha1dot = y[13];
+    const double upper_alpha2dot = y[14];
     const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
 
     /*
@@ -2921,11 +2931,14 @@ int double_pendulum_residual_index1(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = y[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = y[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = y[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower J (appendix): lower_J = int rho r . r */
@@ -2933,6 +2946,8 @@ int double_pendulum_residual_index1(
         + lower_D2_2 * lower_alpha2;
 
     /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
+    const double lower_alpha1dot = y[18];
+    const double lower_alpha2dot = y[19];
     const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
 
     /*
@@ -2942,24 +2957,47 @@ int double_pendulum_residual_index1(
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
     const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
     const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi;
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double upper_c1_t = ydot[0];
+    const double upper_c1dot = y[10];
     F[0] = upper_c1_t - upper_c1dot;
+    const double upper_c2_t = ydot[1];
+    const double upper_c2dot = y[11];
     F[1] = upper_c2_t - upper_c2dot;
+    const double upper_phi_t = ydot[2];
+    const double upper_phidot = y[12];
     F[2] = upper_phi_t - upper_phidot;
+    const double upper_alpha1_t = ydot[3];
     F[3] = upper_alpha1_t - upper_alpha1dot;
+    const double upper_alpha2_t = ydot[4];
     F[4] = upper_alpha2_t - upper_alpha2dot;
+    const double lower_c1_t = ydot[5];
+    const double lower_c1dot = y[15];
     F[5] = lower_c1_t - lower_c1dot;
+    const double lower_c2_t = ydot[6];
+    const double lower_c2dot = y[16];
     F[6] = lower_c2_t - lower_c2dot;
+    const double lower_phi_t = ydot[7];
+    const double lower_phidot = y[17];
     F[7] = lower_phi_t - lower_phidot;
+    const double lower_alpha1_t = ydot[8];
     F[8] = lower_alpha1_t - lower_alpha1dot;
+    const double lower_alpha2_t = ydot[9];
     F[9] = lower_alpha2_t - lower_alpha2dot;
+    const double upper_c1ddot = ydot[10];
+    const double lambda_hinge_1 = y[20];
+    const double lambda_elbow_1 = y[22];
     F[10] = (98897337.0 / 1000000000.0) * upper_c1ddot - (lambda_hinge_1 - lambda_elbow_1);
+    const double upper_c2ddot = ydot[11];
+    const double lambda_hinge_2 = y[21];
+    const double lambda_elbow_2 = y[23];
     F[11] = (98897337.0 / 1000000000.0) * upper_c2ddot - (-97018287597.0 / 100000000000.0)
         - (lambda_hinge_2 - lambda_elbow_2);
     const double t1 = 2.0 * upper_phidot;
+    const double upper_phiddot = ydot[12];
     F[12] = t1 * upper_D2dot + upper_J * upper_phiddot - (upper_left_s_1 * lambda_hinge_2
         - upper_left_s_2 * lambda_hinge_1 + upper_right_s_2 * lambda_elbow_1
         - upper_right_s_1 * lambda_elbow_2);
@@ -2968,21 +3006,28 @@ int double_pendulum_residual_index1(
     const double t4 = upper_sin_phi * lambda_hinge_1;
     const double t5 = upper_sin_phi * lambda_elbow_1;
     const double t6 = upper_cos_phi * lambda_elbow_2;
+    const double upper_alpha1ddot = ydot[13];
     F[13] = (226194669.0 / 625000.0) * upper_alpha1 + (98897337.0 / 5000000000.0) * upper_alpha1ddot
         - t2 * upper_D2_1 - (t3 - t4 + t5 - t6);
+    const double upper_alpha2ddot = ydot[14];
     F[14] = (75398223.0 / 25000.0) * upper_alpha2 + (14128191.0 / 1000000000.0) * upper_alpha2ddot
         - t2 * upper_D2_2 - (t4 - t3 + t5 - t6);
+    const double lower_c1ddot = ydot[15];
     F[15] = (98897337.0 / 1000000000.0) * lower_c1ddot - lambda_elbow_1;
+    const double lower_c2ddot = ydot[16];
     F[16] = (98897337.0 / 1000000000.0) * lower_c2ddot - (-97018287597.0 / 100000000000.0)
         - lambda_elbow_2;
     const double t7 = 2.0 * lower_phidot;
+    const double lower_phiddot = ydot[17];
     F[17] = t7 * lower_D2dot + lower_J * lower_phiddot - (lower_left_s_1 * lambda_elbow_2
         - lower_left_s_2 * lambda_elbow_1);
     const double t8 = lower_phidot * lower_phidot;
     const double t9 = lower_cos_phi * lambda_elbow_2;
     const double t10 = lower_sin_phi * lambda_elbow_1;
+    const double lower_alpha1ddot = ydot[18];
     F[18] = (226194669.0 / 625000.0) * lower_alpha1 + (98897337.0 / 5000000000.0) * lower_alpha1ddot
         - t8 * lower_D2_1 - (t9 - t10);
+    const double lower_alpha2ddot = ydot[19];
     F[19] = (75398223.0 / 25000.0) * lower_alpha2 + (14128191.0 / 1000000000.0) * lower_alpha2ddot
         - t8 * lower_D2_2 - (t10 - t9);
     const double t11 = upper_sin_phi * upper_alpha1ddot;
@@ -3004,6 +3049,7 @@ int double_pendulum_residual_index1(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_jacobian_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3013,39 +3059,20 @@ int double_pendulum_jacobian_index1(
     double *jac)
 {
     (void) t;
-    const double upper_phi = y[2];
-    const double upper_alpha1 = y[3];
-    const double upper_alpha2 = y[4];
-    const double lower_phi = y[7];
-    const double lower_alpha1 = y[8];
-    const double lower_alpha2 = y[9];
-    const double upper_phidot = y[12];
-    const double upper_alpha1dot = y[13];
-    const double upper_alpha2dot = y[14];
-    const double lower_phidot = y[17];
-    const double lower_alpha1dot = y[18];
-    const double lower_alpha2dot = y[19];
-    const double lambda_hinge_1 = y[20];
-    const double lambda_hinge_2 = y[21];
-    const double lambda_elbow_1 = y[22];
-    const double lambda_elbow_2 = y[23];
-    const double upper_phiddot = ydot[12];
-    const double upper_alpha1ddot = ydot[13];
-    const double upper_alpha2ddot = ydot[14];
-    const double lower_phiddot = ydot[17];
-    const double lower_alpha1ddot = ydot[18];
-    const double lower_alpha2ddot = ydot[19];
     (void) k;
 
     /*
      * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
      *     rotation angle
      */
+    const double upper_phi = y[2];
     const double upper_cos_phi = tisserand_cos(upper_phi);
     const double upper_sin_phi = tisserand_sin(upper_phi);
 
     /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = y[3];
     const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = y[4];
     const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
 
     /* upper J (appendix): upper_J = int rho r . r */
@@ -3053,6 +3080,8 @@ int double_pendulum_jacobian_index1(
         + upper_D2_2 * upper_alpha2;
 
     /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
+    const double upper_alpha1dot = y[13];
+    const double upper_alpha2dot = y[14];
     const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
 
     /*
@@ -3079,11 +3108,14 @@ int double_pendulum_jacobian_index1(
      * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
      *     rotation angle
      */
+    const double lower_phi = y[7];
     const double lower_cos_phi = tisserand_cos(lower_phi);
     const double lower_sin_phi = tisserand_sin(lower_phi);
 
     /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = y[8];
     const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = y[9];
     const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
 
     /* lower J (appendix): lower_J = int rho r . r */
@@ -3091,6 +3123,8 @@ int double_pendulum_jacobian_index1(
         + lower_D2_2 * lower_alpha2;
 
     /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
+    const double lower_alpha1dot = y[18];
+    const double lower_alpha2dot = y[19];
     const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
 
     /*
@@ -3100,156 +3134,171 @@ int double_pendulum_jacobian_index1(
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
     const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
-    const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
+    const double t1 = lower_left_r_2 * lower_cos_phi;
+    const double t2 = (-0.5) * lower_sin_phi;
+    const double lower_left_s_2 = t1 + t2;
     const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi;
 
     /* jacobian (15): derivatives of the residual */
     jac[0] = cj;
     jac[1] = cj;
     jac[2] = cj;
+    const double lambda_elbow_1 = y[22];
+    const double lambda_hinge_2 = y[21];
+    const double lambda_hinge_1 = y[20];
+    const double lambda_elbow_2 = y[23];
     jac[3] = -(lambda_elbow_1 * upper_right_s_1 - (lambda_hinge_2 * upper_left_s_2
         + lambda_hinge_1 * upper_left_s_1)) - lambda_elbow_2 * upper_right_s_2;
-    const double t1 = lambda_elbow_1 * upper_cos_phi;
-    const double t2 = lambda_hinge_2 * upper_sin_phi;
-    const double t3 = lambda_hinge_1 * upper_cos_phi;
-    const double t4 = t2 + t3;
-    const double t5 = lambda_elbow_2 * upper_sin_phi;
-    const double t6 = t1 - t4 + t5;
-    jac[4] = -t6;
-    jac[5] = -(t3 + t2) - t1 - t5;
-    const double t7 = upper_phidot * upper_phidot;
-    const double t8 = 2.0 * upper_phidot;
-    const double t9 = upper_left_rdot_2 * upper_sin_phi;
-    const double t10 = upper_alpha1ddot * upper_cos_phi;
-    const double t11 = upper_alpha2ddot * upper_cos_phi;
-    jac[6] = t7 * upper_left_s_2 + t8 * t9 - upper_phiddot * upper_left_s_1 - t10 + t11;
-    const double t12 = upper_alpha2ddot * upper_sin_phi;
-    const double t13 = upper_alpha1ddot * upper_sin_phi;
-    jac[7] = t12 - (t8 * upper_left_sdot_2 + t7 * upper_left_s_1 + upper_phiddot * upper_left_s_2
-        + t13);
-    const double t14 = upper_right_rdot_2 * upper_sin_phi;
-    jac[8] = upper_phiddot * upper_right_s_1 - (t8 * t14 + t7 * upper_right_s_2) + t10 + t11;
-    jac[9] = t7 * upper_right_s_1 + t8 * upper_right_sdot_2 + upper_phiddot * upper_right_s_2 + t13
-        + t12;
+    const double t3 = lambda_elbow_1 * upper_cos_phi;
+    const double t4 = lambda_hinge_2 * upper_sin_phi;
+    const double t5 = lambda_hinge_1 * upper_cos_phi;
+    const double t6 = t4 + t5;
+    const double t7 = lambda_elbow_2 * upper_sin_phi;
+    const double t8 = t3 - t6 + t7;
+    jac[4] = -t8;
+    jac[5] = -(t5 + t4) - t3 - t7;
+    const double upper_phidot = y[12];
+    const double t9 = upper_phidot * upper_phidot;
+    const double t10 = 2.0 * upper_phidot;
+    const double t11 = upper_left_rdot_2 * upper_sin_phi;
+    const double upper_alpha1ddot = ydot[13];
+    const double t12 = upper_alpha1ddot * upper_cos_phi;
+    const double upper_alpha2ddot = ydot[14];
+    const double t13 = upper_alpha2ddot * upper_cos_phi;
+    const double upper_phiddot = ydot[12];
+    jac[6] = t9 * upper_left_s_2 + t10 * t11 - upper_phiddot * upper_left_s_1 - t12 + t13;
+    const double t14 = upper_alpha2ddot * upper_sin_phi;
+    const double t15 = upper_alpha1ddot * upper_sin_phi;
+    jac[7] = t14 - (t10 * upper_left_sdot_2 + t9 * upper_left_s_1 + upper_phiddot * upper_left_s_2
+        + t15);
+    const double t16 = upper_right_rdot_2 * upper_sin_phi;
+    jac[8] = upper_phiddot * upper_right_s_1 - (t10 * t16 + t9 * upper_right_s_2) + t12 + t13;
+    jac[9] = t9 * upper_right_s_1 + t10 * upper_right_sdot_2 + upper_phiddot * upper_right_s_2 + t15
+        + t14;
     jac[10] = cj;
-    jac[11] = t8 * ((98897337.0 / 5000000000.0) * upper_alpha1dot)
-        + upper_phiddot * (2.0 * upper_D2_1) - t6;
-    jac[12] = (226194669.0 / 625000.0) - (98897337.0 / 5000000000.0) * t7;
-    const double t15 = t7 * upper_sin_phi;
-    const double t16 = upper_phiddot * upper_cos_phi;
-    jac[13] = t15 - t16;
-    const double t17 = t7 * upper_cos_phi + upper_phiddot * upper_sin_phi;
-    jac[14] = -t17;
-    const double t18 = t16 - t15;
-    jac[15] = t18;
-    jac[16] = t17;
+    jac[11] = t10 * ((98897337.0 / 5000000000.0) * upper_alpha1dot)
+        + upper_phiddot * (2.0 * upper_D2_1) - t8;
+    jac[12] = (226194669.0 / 625000.0) - (98897337.0 / 5000000000.0) * t9;
+    const double t17 = t9 * upper_sin_phi;
+    const double t18 = upper_phiddot * upper_cos_phi;
+    jac[13] = t17 - t18;
+    const double t19 = t9 * upper_cos_phi + upper_phiddot * upper_sin_phi;
+    jac[14] = -t19;
+    const double t20 = t18 - t17;
+    jac[15] = t20;
+    jac[16] = t19;
     jac[17] = cj;
-    jac[18] = t8 * ((14128191.0 / 1000000000.0) * upper_alpha2dot)
-        + upper_phiddot * (2.0 * upper_D2_2) - (t4 + t1 + t5);
-    jac[19] = (75398223.0 / 25000.0) - (14128191.0 / 1000000000.0) * t7;
-    jac[20] = t18;
-    jac[21] = t17;
-    jac[22] = t18;
-    jac[23] = t17;
+    jac[18] = t10 * ((14128191.0 / 1000000000.0) * upper_alpha2dot)
+        + upper_phiddot * (2.0 * upper_D2_2) - (t6 + t3 + t7);
+    jac[19] = (75398223.0 / 25000.0) - (14128191.0 / 1000000000.0) * t9;
+    jac[20] = t20;
+    jac[21] = t19;
+    jac[22] = t20;
+    jac[23] = t19;
     jac[24] = cj;
     jac[25] = cj;
     jac[26] = cj;
-    jac[27] = lambda_elbow_2 * lower_left_s_2 + lambda_elbow_1 * lower_left_s_1;
-    const double t19 = lambda_elbow_2 * lower_sin_phi;
-    const double t20 = lambda_elbow_1 * lower_cos_phi;
-    const double t21 = t19 + t20;
-    jac[28] = t21;
-    jac[29] = -(t20 + t19);
-    const double t22 = lower_phidot * lower_phidot;
-    const double t23 = 2.0 * lower_phidot;
-    const double t24 = lower_left_rdot_2 * lower_sin_phi;
-    jac[30] = t22 * lower_left_s_2 + t23 * t24 - lower_phiddot * lower_left_s_1
+    const double t21 = t2 + t1;
+    jac[27] = lambda_elbow_2 * t21 + lambda_elbow_1 * lower_left_s_1;
+    const double t22 = lambda_elbow_2 * lower_sin_phi;
+    const double t23 = lambda_elbow_1 * lower_cos_phi;
+    const double t24 = t22 + t23;
+    jac[28] = t24;
+    jac[29] = -(t23 + t22);
+    const double lower_phidot = y[17];
+    const double t25 = lower_phidot * lower_phidot;
+    const double t26 = 2.0 * lower_phidot;
+    const double t27 = lower_left_rdot_2 * lower_sin_phi;
+    const double lower_phiddot = ydot[17];
+    const double lower_alpha1ddot = ydot[18];
+    const double lower_alpha2ddot = ydot[19];
+    jac[30] = t25 * t21 + t26 * t27 - lower_phiddot * lower_left_s_1
         - lower_alpha1ddot * lower_cos_phi + lower_alpha2ddot * lower_cos_phi;
-    jac[31] = lower_alpha2ddot * lower_sin_phi - (t23 * lower_left_sdot_2 + t22 * lower_left_s_1
-        + lower_phiddot * lower_left_s_2 + lower_alpha1ddot * lower_sin_phi);
+    jac[31] = lower_alpha2ddot * lower_sin_phi - (t26 * lower_left_sdot_2 + t25 * lower_left_s_1
+        + lower_phiddot * t21 + lower_alpha1ddot * lower_sin_phi);
     jac[32] = cj;
-    jac[33] = t23 * ((98897337.0 / 5000000000.0) * lower_alpha1dot)
-        + lower_phiddot * (2.0 * lower_D2_1) + t21;
-    jac[34] = (226194669.0 / 625000.0) - (98897337.0 / 5000000000.0) * t22;
-    const double t25 = t22 * lower_sin_phi;
-    const double t26 = lower_phiddot * lower_cos_phi;
-    jac[35] = t25 - t26;
-    const double t27 = t22 * lower_cos_phi + lower_phiddot * lower_sin_phi;
-    jac[36] = -t27;
+    jac[33] = t26 * ((98897337.0 / 5000000000.0) * lower_alpha1dot)
+        + lower_phiddot * (2.0 * lower_D2_1) + t24;
+    jac[34] = (226194669.0 / 625000.0) - (98897337.0 / 5000000000.0) * t25;
+    const double t28 = t25 * lower_sin_phi;
+    const double t29 = lower_phiddot * lower_cos_phi;
+    jac[35] = t28 - t29;
+    const double t30 = t25 * lower_cos_phi + lower_phiddot * lower_sin_phi;
+    jac[36] = -t30;
     jac[37] = cj;
-    jac[38] = t23 * ((14128191.0 / 1000000000.0) * lower_alpha2dot)
-        + lower_phiddot * (2.0 * lower_D2_2) - t21;
-    jac[39] = (75398223.0 / 25000.0) - (14128191.0 / 1000000000.0) * t22;
-    jac[40] = t26 - t25;
-    jac[41] = t27;
+    jac[38] = t26 * ((14128191.0 / 1000000000.0) * lower_alpha2dot)
+        + lower_phiddot * (2.0 * lower_D2_2) - t24;
+    jac[39] = (75398223.0 / 25000.0) - (14128191.0 / 1000000000.0) * t25;
+    jac[40] = t29 - t28;
+    jac[41] = t30;
     jac[42] = -1.0;
-    const double t28 = (98897337.0 / 1000000000.0) * cj;
-    jac[43] = t28;
+    const double t31 = (98897337.0 / 1000000000.0) * cj;
+    jac[43] = t31;
     jac[44] = cj;
-    const double t29 = -cj;
-    jac[45] = t29;
+    const double t32 = -cj;
+    jac[45] = t32;
     jac[46] = -1.0;
-    jac[47] = t28;
+    jac[47] = t31;
     jac[48] = cj;
-    jac[49] = t29;
+    jac[49] = t32;
     jac[50] = -1.0;
     jac[51] = 2.0 * upper_D2dot + cj * upper_J;
-    jac[52] = -(upper_D2_1 * t8);
-    jac[53] = -(upper_D2_2 * t8);
-    jac[54] = -(upper_left_s_1 * t8) - 2.0 * upper_left_sdot_2 - cj * upper_left_s_2;
-    jac[55] = cj * upper_left_s_1 - (2.0 * t9 + upper_left_s_2 * t8);
-    jac[56] = 2.0 * upper_right_sdot_2 + upper_right_s_1 * t8 + cj * upper_right_s_2;
-    jac[57] = upper_right_s_2 * t8 + 2.0 * t14 - cj * upper_right_s_1;
+    jac[52] = -(upper_D2_1 * t10);
+    jac[53] = -(upper_D2_2 * t10);
+    jac[54] = -(upper_left_s_1 * t10) - 2.0 * upper_left_sdot_2 - cj * upper_left_s_2;
+    jac[55] = cj * upper_left_s_1 - (2.0 * t11 + upper_left_s_2 * t10);
+    jac[56] = 2.0 * upper_right_sdot_2 + upper_right_s_1 * t10 + cj * upper_right_s_2;
+    jac[57] = upper_right_s_2 * t10 + 2.0 * t16 - cj * upper_right_s_1;
     jac[58] = -1.0;
-    jac[59] = t8 * upper_D2_1;
-    const double t30 = (98897337.0 / 5000000000.0) * cj;
-    jac[60] = t30;
-    const double t31 = t8 * upper_cos_phi + cj * upper_sin_phi;
-    jac[61] = -t31;
-    const double t32 = cj * upper_cos_phi;
-    const double t33 = t8 * upper_sin_phi;
-    jac[62] = t32 - t33;
-    jac[63] = t31;
-    const double t34 = t33 - t32;
-    jac[64] = t34;
+    jac[59] = t10 * upper_D2_1;
+    const double t33 = (98897337.0 / 5000000000.0) * cj;
+    jac[60] = t33;
+    const double t34 = t10 * upper_cos_phi + cj * upper_sin_phi;
+    jac[61] = -t34;
+    const double t35 = cj * upper_cos_phi;
+    const double t36 = t10 * upper_sin_phi;
+    jac[62] = t35 - t36;
+    jac[63] = t34;
+    const double t37 = t36 - t35;
+    jac[64] = t37;
     jac[65] = -1.0;
-    jac[66] = t8 * upper_D2_2;
-    const double t35 = (14128191.0 / 1000000000.0) * cj;
-    jac[67] = t35;
-    jac[68] = t31;
-    jac[69] = t34;
-    jac[70] = t31;
-    jac[71] = t34;
+    jac[66] = t10 * upper_D2_2;
+    const double t38 = (14128191.0 / 1000000000.0) * cj;
+    jac[67] = t38;
+    jac[68] = t34;
+    jac[69] = t37;
+    jac[70] = t34;
+    jac[71] = t37;
     jac[72] = -1.0;
-    jac[73] = t28;
+    jac[73] = t31;
     jac[74] = cj;
     jac[75] = -1.0;
-    jac[76] = t28;
+    jac[76] = t31;
     jac[77] = cj;
     jac[78] = -1.0;
     jac[79] = 2.0 * lower_D2dot + cj * lower_J;
-    jac[80] = -(lower_D2_1 * t23);
-    jac[81] = -(lower_D2_2 * t23);
-    jac[82] = -(lower_left_s_1 * t23) - 2.0 * lower_left_sdot_2 - cj * lower_left_s_2;
-    jac[83] = cj * lower_left_s_1 - (2.0 * t24 + lower_left_s_2 * t23);
+    jac[80] = -(lower_D2_1 * t26);
+    jac[81] = -(lower_D2_2 * t26);
+    jac[82] = -(lower_left_s_1 * t26) - 2.0 * lower_left_sdot_2 - cj * lower_left_s_2;
+    jac[83] = cj * lower_left_s_1 - (2.0 * t27 + lower_left_s_2 * t26);
     jac[84] = -1.0;
-    jac[85] = t23 * lower_D2_1;
-    jac[86] = t30;
-    const double t36 = t23 * lower_cos_phi + cj * lower_sin_phi;
-    jac[87] = -t36;
-    const double t37 = cj * lower_cos_phi;
-    const double t38 = t23 * lower_sin_phi;
-    jac[88] = t37 - t38;
+    jac[85] = t26 * lower_D2_1;
+    jac[86] = t33;
+    const double t39 = t26 * lower_cos_phi + cj * lower_sin_phi;
+    jac[87] = -t39;
+    const double t40 = cj * lower_cos_phi;
+    const double t41 = t26 * lower_sin_phi;
+    jac[88] = t40 - t41;
     jac[89] = -1.0;
-    jac[90] = t23 * lower_D2_2;
-    jac[91] = t35;
-    jac[92] = t36;
-    jac[93] = t38 - t37;
+    jac[90] = t26 * lower_D2_2;
+    jac[91] = t38;
+    jac[92] = t39;
+    jac[93] = t41 - t40;
     jac[94] = -1.0;
     jac[95] = upper_left_s_2;
     jac[96] = upper_sin_phi;
-    const double t39 = -upper_sin_phi;
-    jac[97] = t39;
+    const double t42 = -upper_sin_phi;
+    jac[97] = t42;
     jac[98] = 0.0;
     jac[99] = -1.0;
     jac[100] = -upper_left_s_1;
@@ -3258,8 +3307,8 @@ int double_pendulum_jacobian_index1(
     jac[103] = 0.0;
     jac[104] = 1.0;
     jac[105] = -upper_right_s_2;
-    jac[106] = t39;
-    jac[107] = t39;
+    jac[106] = t42;
+    jac[107] = t42;
     jac[108] = -1.0;
     jac[109] = lower_left_s_2;
     jac[110] = lower_sin_phi;
@@ -3665,7 +3714,7 @@ TISSERAND_INLINE int double_pendulum_accel_states(
         const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
         const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
         const double lower_left_s_1 = (-0.5) * lower_cos_phi[b] - lower_left_r_2 * lower_sin_phi[b];
-        const double lower_left_s_2 = (-0.5) * lower_sin_phi[b] + lower_left_r_2 * lower_cos_phi[b];
+        const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi[b] + (-0.5) * lower_sin_phi[b];
         const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi[b];
         const double t1 = upper_cos_phi[b] / (98897337.0 / 5000000000.0);
         const double t2 = t1 * upper_sin_phi[b];
@@ -3912,13 +3961,13 @@ TISSERAND_INLINE void double_pendulum_energy_states(
             + (14128191.0 / 1000000000.0) * (lower_alpha2dot * lower_alpha2dot)
             + (98897337.0 / 1000000000.0) * (lower_c1dot * lower_c1dot)
             + (98897337.0 / 1000000000.0) * (lower_c2dot * lower_c2dot)
-            + upper_phidot * upper_phidot * upper_J
+            + (upper_phidot * upper_phidot * upper_J
             + (98897337.0 / 5000000000.0) * (upper_alpha1dot * upper_alpha1dot)
             + (14128191.0 / 1000000000.0) * (upper_alpha2dot * upper_alpha2dot)
             + (98897337.0 / 1000000000.0) * (upper_c1dot * upper_c1dot)
-            + (98897337.0 / 1000000000.0) * (upper_c2dot * upper_c2dot));
-        energy[all + b] = 0.5 * ((226194669.0 / 625000.0) * lower_alpha1 * lower_alpha1
-            + (75398223.0 / 25000.0) * lower_alpha2 * lower_alpha2
+            + (98897337.0 / 1000000000.0) * (upper_c2dot * upper_c2dot)));
+        energy[all + b] = 0.5 * ((226194669.0 / 625000.0) * (lower_alpha1 * lower_alpha1)
+            + (75398223.0 / 25000.0) * (lower_alpha2 * lower_alpha2)
             + (226194669.0 / 625000.0) * upper_alpha1 * upper_alpha1
             + (75398223.0 / 25000.0) * upper_alpha2 * upper_alpha2);
         energy[2 * all + b] = (-98897337.0 / 1000000000.0) * ((-981.0 / 100.0) * lower_c2)

@@ -158,7 +158,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "16c973655de8cbce"
+HASH = "d5e353cc48b36390"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",
@@ -678,7 +678,7 @@ def accel(t, q, v, k):
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi
     lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi
 
     # pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1, lower_phi,
@@ -876,15 +876,15 @@ def energy(q, v, k):
             + (14128191 / 1000000000) * (lower_alpha2dot * lower_alpha2dot)
             + (98897337 / 1000000000) * (lower_c1dot * lower_c1dot)
             + (98897337 / 1000000000) * (lower_c2dot * lower_c2dot)
-            + upper_phidot * upper_phidot * upper_J
+            + (upper_phidot * upper_phidot * upper_J
             + (98897337 / 5000000000) * (upper_alpha1dot * upper_alpha1dot)
             + (14128191 / 1000000000) * (upper_alpha2dot * upper_alpha2dot)
             + (98897337 / 1000000000) * (upper_c1dot * upper_c1dot)
-            + (98897337 / 1000000000) * (upper_c2dot * upper_c2dot))
+            + (98897337 / 1000000000) * (upper_c2dot * upper_c2dot)))
     )
     energy_1 = (
-        0.5 * ((226194669 / 625000) * lower_alpha1 * lower_alpha1
-            + (75398223 / 25000) * lower_alpha2 * lower_alpha2
+        0.5 * ((226194669 / 625000) * (lower_alpha1 * lower_alpha1)
+            + (75398223 / 25000) * (lower_alpha2 * lower_alpha2)
             + (226194669 / 625000) * upper_alpha1 * upper_alpha1
             + (75398223 / 25000) * upper_alpha2 * upper_alpha2)
     )
@@ -1239,8 +1239,8 @@ def marker_lower_left(q, v, k):
     lower_sin_phi = xp.sin(lower_phi)
     t2 = lower_left_r_2 * lower_sin_phi
     lower_left_s_1 = t1 - t2
-    t3 = (-0.5) * lower_sin_phi
-    t4 = lower_left_r_2 * lower_cos_phi
+    t3 = lower_left_r_2 * lower_cos_phi
+    t4 = (-0.5) * lower_sin_phi
     lower_left_s_2 = t3 + t4
 
     # marker (1): x = c + Q r, its time derivative and its Jacobian
@@ -1368,8 +1368,8 @@ def marker_lower_right(q, v, k):
     lower_sin_phi = xp.sin(lower_phi)
     t2 = lower_right_r_2 * lower_sin_phi
     lower_right_s_1 = t1 - t2
-    t3 = 0.5 * lower_sin_phi
-    t4 = lower_right_r_2 * lower_cos_phi
+    t3 = lower_right_r_2 * lower_cos_phi
+    t4 = 0.5 * lower_sin_phi
     lower_right_s_2 = t3 + t4
 
     # marker (1): x = c + Q r, its time derivative and its Jacobian
@@ -1764,7 +1764,7 @@ def constraints(t, q, k):
     #     left, along e2
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi
 
     # g (1): point of body 2 minus point of body 1, from x = c + Q r
     g_0 = upper_c1 + upper_left_s_1
@@ -1842,7 +1842,7 @@ def constraint_rates(t, q, v, k):
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi
     lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi
 
     # gdot (1): velocity of the point of body 2 minus that of body 1
@@ -1911,7 +1911,7 @@ def constraint_jacobian(t, q, k):
     #     left, along e2
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi
 
     # G (6): factors of the generalised velocities
     G_0 = 1
@@ -2007,7 +2007,7 @@ def constraint_bias(t, q, v, k):
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi
     lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi
 
     # gamma (5): centrifugal, Coriolis and prescribed parts
@@ -2109,7 +2109,7 @@ def solve(t, q, v, k):
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi
     lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi
 
     # pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1, lower_phi,
@@ -2333,7 +2333,7 @@ def project_velocity(t, q, k, r):
     #     left, along e2
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi
 
     # pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1, lower_phi,
     #     upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1, elbow_2;
@@ -2592,7 +2592,7 @@ def residual(t, y, ydot, k):
     #     at left, along e2
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi
 
     # residual (15): kinematics, equations of motion, constraints
     F_0 = upper_c1_t - upper_c1dot
@@ -2668,7 +2668,7 @@ def jacobian(t, y, ydot, cj, k):
     jac: values of the iteration matrix by columns, 24 x 24, 104 values
 
     From (26), appendix, (1), (15).
-    140 operations.
+    141 operations.
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (24,) and k.shape == (0,) and isinstance(t, float) and
@@ -2741,7 +2741,9 @@ def jacobian(t, y, ydot, cj, k):
     #     at left, along e2
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    t1 = lower_left_r_2 * lower_cos_phi
+    t2 = (-0.5) * lower_sin_phi
+    lower_left_s_2 = t1 + t2
 
     # jacobian (15): derivatives of the residual
     jac_0 = cj
@@ -2755,121 +2757,122 @@ def jacobian(t, y, ydot, cj, k):
         -(lambda_elbow_1 * upper_right_s_1 - (lambda_hinge_2 * upper_left_s_2
             + lambda_hinge_1 * upper_left_s_1)) - lambda_elbow_2 * upper_right_s_2
     )
-    t1 = lambda_elbow_1 * upper_cos_phi
-    t2 = lambda_hinge_2 * upper_sin_phi
-    t3 = lambda_hinge_1 * upper_cos_phi
-    t4 = t2 + t3
-    t5 = lambda_elbow_2 * upper_sin_phi
-    t6 = t1 - t4 + t5
-    jac_8 = -t6
-    jac_9 = -(t3 + t2) - t1 - t5
+    t3 = lambda_elbow_1 * upper_cos_phi
+    t4 = lambda_hinge_2 * upper_sin_phi
+    t5 = lambda_hinge_1 * upper_cos_phi
+    t6 = t4 + t5
+    t7 = lambda_elbow_2 * upper_sin_phi
+    t8 = t3 - t6 + t7
+    jac_8 = -t8
+    jac_9 = -(t5 + t4) - t3 - t7
     jac_10 = -upper_left_s_2
     jac_11 = upper_left_s_1
     jac_12 = upper_right_s_2
     jac_13 = -upper_right_s_1
     jac_14 = cj
-    t7 = 2 * upper_phidot
+    t9 = 2 * upper_phidot
     jac_15 = (
-        t7 * ((98897337 / 5000000000) * upper_alpha1dot) + upper_phiddot * (2 * upper_D2_1) - t6
+        t9 * ((98897337 / 5000000000) * upper_alpha1dot) + upper_phiddot * (2 * upper_D2_1) - t8
     )
-    t8 = upper_phidot * upper_phidot
-    jac_16 = (226194669 / 625000) - (98897337 / 5000000000) * t8
-    t9 = -upper_sin_phi
-    jac_17 = t9
+    t10 = upper_phidot * upper_phidot
+    jac_16 = (226194669 / 625000) - (98897337 / 5000000000) * t10
+    t11 = -upper_sin_phi
+    jac_17 = t11
     jac_18 = upper_cos_phi
     jac_19 = upper_sin_phi
-    t10 = -upper_cos_phi
-    jac_20 = t10
+    t12 = -upper_cos_phi
+    jac_20 = t12
     jac_21 = cj
     jac_22 = (
-        t7 * ((14128191 / 1000000000) * upper_alpha2dot) + upper_phiddot * (2 * upper_D2_2) - (t4
-            + t1 + t5)
+        t9 * ((14128191 / 1000000000) * upper_alpha2dot) + upper_phiddot * (2 * upper_D2_2) - (t6
+            + t3 + t7)
     )
-    jac_23 = (75398223 / 25000) - (14128191 / 1000000000) * t8
+    jac_23 = (75398223 / 25000) - (14128191 / 1000000000) * t10
     jac_24 = upper_sin_phi
-    jac_25 = t10
+    jac_25 = t12
     jac_26 = upper_sin_phi
-    jac_27 = t10
+    jac_27 = t12
     jac_28 = cj
     jac_29 = 1
     jac_30 = cj
     jac_31 = 1
     jac_32 = cj
-    jac_33 = lambda_elbow_2 * lower_left_s_2 + lambda_elbow_1 * lower_left_s_1
-    t11 = lambda_elbow_2 * lower_sin_phi
-    t12 = lambda_elbow_1 * lower_cos_phi
-    t13 = t11 + t12
-    jac_34 = t13
-    jac_35 = -(t12 + t11)
-    jac_36 = -lower_left_s_2
+    t13 = t2 + t1
+    jac_33 = lambda_elbow_2 * t13 + lambda_elbow_1 * lower_left_s_1
+    t14 = lambda_elbow_2 * lower_sin_phi
+    t15 = lambda_elbow_1 * lower_cos_phi
+    t16 = t14 + t15
+    jac_34 = t16
+    jac_35 = -(t15 + t14)
+    jac_36 = -t13
     jac_37 = lower_left_s_1
     jac_38 = cj
-    t14 = 2 * lower_phidot
+    t17 = 2 * lower_phidot
     jac_39 = (
-        t14 * ((98897337 / 5000000000) * lower_alpha1dot) + lower_phiddot * (2 * lower_D2_1) + t13
+        t17 * ((98897337 / 5000000000) * lower_alpha1dot) + lower_phiddot * (2 * lower_D2_1) + t16
     )
-    t15 = lower_phidot * lower_phidot
-    jac_40 = (226194669 / 625000) - (98897337 / 5000000000) * t15
-    t16 = -lower_sin_phi
-    jac_41 = t16
+    t18 = lower_phidot * lower_phidot
+    jac_40 = (226194669 / 625000) - (98897337 / 5000000000) * t18
+    t19 = -lower_sin_phi
+    jac_41 = t19
     jac_42 = lower_cos_phi
     jac_43 = cj
     jac_44 = (
-        t14 * ((14128191 / 1000000000) * lower_alpha2dot) + lower_phiddot * (2 * lower_D2_2) - t13
+        t17 * ((14128191 / 1000000000) * lower_alpha2dot) + lower_phiddot * (2 * lower_D2_2) - t16
     )
-    jac_45 = (75398223 / 25000) - (14128191 / 1000000000) * t15
+    jac_45 = (75398223 / 25000) - (14128191 / 1000000000) * t18
     jac_46 = lower_sin_phi
-    t17 = -lower_cos_phi
-    jac_47 = t17
+    t20 = -lower_cos_phi
+    jac_47 = t20
     jac_48 = -1
-    t18 = (98897337 / 1000000000) * cj
-    jac_49 = t18
+    t21 = (98897337 / 1000000000) * cj
+    jac_49 = t21
     jac_50 = -1
-    jac_51 = t18
+    jac_51 = t21
     jac_52 = -1
     jac_53 = 2 * upper_D2dot + cj * upper_J
-    jac_54 = -(upper_D2_1 * t7)
-    jac_55 = -(upper_D2_2 * t7)
+    jac_54 = -(upper_D2_1 * t9)
+    jac_55 = -(upper_D2_2 * t9)
     jac_56 = -1
-    jac_57 = t7 * upper_D2_1
-    t19 = (98897337 / 5000000000) * cj
-    jac_58 = t19
+    jac_57 = t9 * upper_D2_1
+    t22 = (98897337 / 5000000000) * cj
+    jac_58 = t22
     jac_59 = -1
-    jac_60 = t7 * upper_D2_2
-    t20 = (14128191 / 1000000000) * cj
-    jac_61 = t20
+    jac_60 = t9 * upper_D2_2
+    t23 = (14128191 / 1000000000) * cj
+    jac_61 = t23
     jac_62 = -1
-    jac_63 = t18
+    jac_63 = t21
     jac_64 = -1
-    jac_65 = t18
+    jac_65 = t21
     jac_66 = -1
     jac_67 = 2 * lower_D2dot + cj * lower_J
-    jac_68 = -(lower_D2_1 * t14)
-    jac_69 = -(lower_D2_2 * t14)
+    jac_68 = -(lower_D2_1 * t17)
+    jac_69 = -(lower_D2_2 * t17)
     jac_70 = -1
-    jac_71 = t14 * lower_D2_1
-    jac_72 = t19
+    jac_71 = t17 * lower_D2_1
+    jac_72 = t22
     jac_73 = -1
-    jac_74 = t14 * lower_D2_2
-    jac_75 = t20
+    jac_74 = t17 * lower_D2_2
+    jac_75 = t23
     jac_76 = -1
     jac_77 = upper_left_s_2
     jac_78 = upper_sin_phi
-    jac_79 = t9
+    jac_79 = t11
     jac_80 = 0
     jac_81 = -1
     jac_82 = -upper_left_s_1
-    jac_83 = t10
+    jac_83 = t12
     jac_84 = upper_cos_phi
     jac_85 = 0
     jac_86 = 1
     jac_87 = -upper_right_s_2
-    jac_88 = t9
-    jac_89 = t9
+    jac_88 = t11
+    jac_89 = t11
     jac_90 = -1
     jac_91 = lower_left_s_2
     jac_92 = lower_sin_phi
-    jac_93 = t16
+    jac_93 = t19
     jac_94 = 0
     jac_95 = 1
     jac_96 = upper_right_s_1
@@ -2877,7 +2880,7 @@ def jacobian(t, y, ydot, cj, k):
     jac_98 = upper_cos_phi
     jac_99 = -1
     jac_100 = -lower_left_s_1
-    jac_101 = t17
+    jac_101 = t20
     jac_102 = lower_cos_phi
     jac_103 = 0
 
@@ -3017,7 +3020,7 @@ def residual_ggl(t, y, ydot, k):
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi
     lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi
 
     # residual (15): kinematics, equations of motion, constraints
@@ -3113,7 +3116,7 @@ def jacobian_ggl(t, y, ydot, cj, k):
     jac: values of the iteration matrix by columns, 28 x 28, 182 values
 
     From (26), appendix, (1), (15).
-    202 operations.
+    204 operations.
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (28,) and k.shape == (0,) and isinstance(t, float) and
@@ -3195,7 +3198,9 @@ def jacobian_ggl(t, y, ydot, cj, k):
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    t1 = lower_left_r_2 * lower_cos_phi
+    t2 = (-0.5) * lower_sin_phi
+    lower_left_s_2 = t1 + t2
     lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi
 
     # jacobian (15): derivatives of the residual
@@ -3209,192 +3214,193 @@ def jacobian_ggl(t, y, ydot, cj, k):
         mu_elbow_1 * upper_right_s_1 - (mu_hinge_2 * upper_left_s_2 + mu_hinge_1 * upper_left_s_1)
             + mu_elbow_2 * upper_right_s_2 + cj
     )
-    t1 = mu_elbow_1 * upper_cos_phi
-    t2 = mu_hinge_2 * upper_sin_phi
-    t3 = mu_hinge_1 * upper_cos_phi
-    t4 = t2 + t3
-    t5 = mu_elbow_2 * upper_sin_phi
-    t6 = t1 - t4 + t5
-    jac_7 = t6
-    jac_8 = t3 + t2 + t1 + t5
+    t3 = mu_elbow_1 * upper_cos_phi
+    t4 = mu_hinge_2 * upper_sin_phi
+    t5 = mu_hinge_1 * upper_cos_phi
+    t6 = t4 + t5
+    t7 = mu_elbow_2 * upper_sin_phi
+    t8 = t3 - t6 + t7
+    jac_7 = t8
+    jac_8 = t5 + t4 + t3 + t7
     jac_9 = (
         -(lambda_elbow_1 * upper_right_s_1 - (lambda_hinge_2 * upper_left_s_2
             + lambda_hinge_1 * upper_left_s_1)) - lambda_elbow_2 * upper_right_s_2
     )
-    t7 = lambda_elbow_1 * upper_cos_phi
-    t8 = lambda_hinge_2 * upper_sin_phi
-    t9 = lambda_hinge_1 * upper_cos_phi
-    t10 = t8 + t9
-    t11 = lambda_elbow_2 * upper_sin_phi
-    t12 = t7 - t10 + t11
-    jac_10 = -t12
-    jac_11 = -(t9 + t8) - t7 - t11
+    t9 = lambda_elbow_1 * upper_cos_phi
+    t10 = lambda_hinge_2 * upper_sin_phi
+    t11 = lambda_hinge_1 * upper_cos_phi
+    t12 = t10 + t11
+    t13 = lambda_elbow_2 * upper_sin_phi
+    t14 = t9 - t12 + t13
+    jac_10 = -t14
+    jac_11 = -(t11 + t10) - t9 - t13
     jac_12 = -(upper_left_sdot_2 + upper_phidot * upper_left_s_1)
     jac_13 = -(upper_left_rdot_2 * upper_sin_phi) - upper_phidot * upper_left_s_2
     jac_14 = upper_phidot * upper_right_s_1 + upper_right_sdot_2
     jac_15 = upper_right_rdot_2 * upper_sin_phi + upper_phidot * upper_right_s_2
-    t13 = -upper_left_s_2
-    jac_16 = t13
+    t15 = -upper_left_s_2
+    jac_16 = t15
     jac_17 = upper_left_s_1
     jac_18 = upper_right_s_2
-    t14 = -upper_right_s_1
-    jac_19 = t14
-    jac_20 = t6
+    t16 = -upper_right_s_1
+    jac_19 = t16
+    jac_20 = t8
     jac_21 = cj
-    t15 = 2 * upper_phidot
+    t17 = 2 * upper_phidot
     jac_22 = (
-        t15 * ((98897337 / 5000000000) * upper_alpha1dot) + upper_phiddot * (2 * upper_D2_1) - t12
+        t17 * ((98897337 / 5000000000) * upper_alpha1dot) + upper_phiddot * (2 * upper_D2_1) - t14
     )
-    t16 = upper_phidot * upper_phidot
-    jac_23 = (226194669 / 625000) - (98897337 / 5000000000) * t16
-    t17 = upper_phidot * upper_cos_phi
-    jac_24 = -t17
-    t18 = upper_phidot * upper_sin_phi
-    jac_25 = -t18
-    jac_26 = t17
-    jac_27 = t18
-    t19 = -upper_sin_phi
-    jac_28 = t19
+    t18 = upper_phidot * upper_phidot
+    jac_23 = (226194669 / 625000) - (98897337 / 5000000000) * t18
+    t19 = upper_phidot * upper_cos_phi
+    jac_24 = -t19
+    t20 = upper_phidot * upper_sin_phi
+    jac_25 = -t20
+    jac_26 = t19
+    jac_27 = t20
+    t21 = -upper_sin_phi
+    jac_28 = t21
     jac_29 = upper_cos_phi
     jac_30 = upper_sin_phi
-    t20 = -upper_cos_phi
-    jac_31 = t20
-    jac_32 = t4 + t1 + t5
+    t22 = -upper_cos_phi
+    jac_31 = t22
+    jac_32 = t6 + t3 + t7
     jac_33 = cj
     jac_34 = (
-        t15 * ((14128191 / 1000000000) * upper_alpha2dot) + upper_phiddot * (2 * upper_D2_2) - (t10
-            + t7 + t11)
+        t17 * ((14128191 / 1000000000) * upper_alpha2dot) + upper_phiddot * (2 * upper_D2_2) - (t12
+            + t9 + t13)
     )
-    jac_35 = (75398223 / 25000) - (14128191 / 1000000000) * t16
-    jac_36 = t17
-    jac_37 = t18
-    jac_38 = t17
-    jac_39 = t18
+    jac_35 = (75398223 / 25000) - (14128191 / 1000000000) * t18
+    jac_36 = t19
+    jac_37 = t20
+    jac_38 = t19
+    jac_39 = t20
     jac_40 = upper_sin_phi
-    jac_41 = t20
+    jac_41 = t22
     jac_42 = upper_sin_phi
-    jac_43 = t20
+    jac_43 = t22
     jac_44 = cj
     jac_45 = 1
     jac_46 = cj
     jac_47 = 1
-    jac_48 = cj - (mu_elbow_2 * lower_left_s_2 + mu_elbow_1 * lower_left_s_1)
-    t21 = mu_elbow_2 * lower_sin_phi
-    t22 = mu_elbow_1 * lower_cos_phi
-    t23 = t21 + t22
-    t24 = -t23
-    jac_49 = t24
-    jac_50 = t22 + t21
-    jac_51 = lambda_elbow_2 * lower_left_s_2 + lambda_elbow_1 * lower_left_s_1
-    t25 = lambda_elbow_2 * lower_sin_phi
-    t26 = lambda_elbow_1 * lower_cos_phi
-    t27 = t25 + t26
-    jac_52 = t27
-    jac_53 = -(t26 + t25)
+    t23 = t2 + t1
+    jac_48 = cj - (mu_elbow_2 * t23 + mu_elbow_1 * lower_left_s_1)
+    t24 = mu_elbow_2 * lower_sin_phi
+    t25 = mu_elbow_1 * lower_cos_phi
+    t26 = t24 + t25
+    t27 = -t26
+    jac_49 = t27
+    jac_50 = t25 + t24
+    jac_51 = lambda_elbow_2 * t23 + lambda_elbow_1 * lower_left_s_1
+    t28 = lambda_elbow_2 * lower_sin_phi
+    t29 = lambda_elbow_1 * lower_cos_phi
+    t30 = t28 + t29
+    jac_52 = t30
+    jac_53 = -(t29 + t28)
     jac_54 = -(lower_left_sdot_2 + lower_phidot * lower_left_s_1)
-    jac_55 = -(lower_left_rdot_2 * lower_sin_phi) - lower_phidot * lower_left_s_2
-    t28 = -lower_left_s_2
-    jac_56 = t28
+    jac_55 = -(lower_left_rdot_2 * lower_sin_phi) - lower_phidot * t23
+    jac_56 = -t23
     jac_57 = lower_left_s_1
-    jac_58 = t24
+    jac_58 = t27
     jac_59 = cj
-    t29 = 2 * lower_phidot
+    t31 = 2 * lower_phidot
     jac_60 = (
-        t29 * ((98897337 / 5000000000) * lower_alpha1dot) + lower_phiddot * (2 * lower_D2_1) + t27
+        t31 * ((98897337 / 5000000000) * lower_alpha1dot) + lower_phiddot * (2 * lower_D2_1) + t30
     )
-    t30 = lower_phidot * lower_phidot
-    jac_61 = (226194669 / 625000) - (98897337 / 5000000000) * t30
-    t31 = lower_phidot * lower_cos_phi
-    jac_62 = -t31
-    t32 = lower_phidot * lower_sin_phi
-    jac_63 = -t32
-    t33 = -lower_sin_phi
-    jac_64 = t33
+    t32 = lower_phidot * lower_phidot
+    jac_61 = (226194669 / 625000) - (98897337 / 5000000000) * t32
+    t33 = lower_phidot * lower_cos_phi
+    jac_62 = -t33
+    t34 = lower_phidot * lower_sin_phi
+    jac_63 = -t34
+    t35 = -lower_sin_phi
+    jac_64 = t35
     jac_65 = lower_cos_phi
-    jac_66 = t23
+    jac_66 = t26
     jac_67 = cj
     jac_68 = (
-        t29 * ((14128191 / 1000000000) * lower_alpha2dot) + lower_phiddot * (2 * lower_D2_2) - t27
+        t31 * ((14128191 / 1000000000) * lower_alpha2dot) + lower_phiddot * (2 * lower_D2_2) - t30
     )
-    jac_69 = (75398223 / 25000) - (14128191 / 1000000000) * t30
-    jac_70 = t31
-    jac_71 = t32
+    jac_69 = (75398223 / 25000) - (14128191 / 1000000000) * t32
+    jac_70 = t33
+    jac_71 = t34
     jac_72 = lower_sin_phi
-    t34 = -lower_cos_phi
-    jac_73 = t34
+    t36 = -lower_cos_phi
+    jac_73 = t36
     jac_74 = -1
-    t35 = (98897337 / 1000000000) * cj
-    jac_75 = t35
+    t37 = (98897337 / 1000000000) * cj
+    jac_75 = t37
     jac_76 = 1
     jac_77 = -1
     jac_78 = -1
-    jac_79 = t35
+    jac_79 = t37
     jac_80 = 1
     jac_81 = -1
     jac_82 = -1
     jac_83 = 2 * upper_D2dot + cj * upper_J
-    jac_84 = -(upper_D2_1 * t15)
-    jac_85 = -(upper_D2_2 * t15)
-    jac_86 = t13
+    jac_84 = -(upper_D2_1 * t17)
+    jac_85 = -(upper_D2_2 * t17)
+    jac_86 = t15
     jac_87 = upper_left_s_1
     jac_88 = upper_right_s_2
-    jac_89 = t14
+    jac_89 = t16
     jac_90 = -1
-    jac_91 = t15 * upper_D2_1
-    t36 = (98897337 / 5000000000) * cj
-    jac_92 = t36
-    jac_93 = t19
+    jac_91 = t17 * upper_D2_1
+    t38 = (98897337 / 5000000000) * cj
+    jac_92 = t38
+    jac_93 = t21
     jac_94 = upper_cos_phi
     jac_95 = upper_sin_phi
-    jac_96 = t20
+    jac_96 = t22
     jac_97 = -1
-    jac_98 = t15 * upper_D2_2
-    t37 = (14128191 / 1000000000) * cj
-    jac_99 = t37
+    jac_98 = t17 * upper_D2_2
+    t39 = (14128191 / 1000000000) * cj
+    jac_99 = t39
     jac_100 = upper_sin_phi
-    jac_101 = t20
+    jac_101 = t22
     jac_102 = upper_sin_phi
-    jac_103 = t20
+    jac_103 = t22
     jac_104 = -1
-    jac_105 = t35
+    jac_105 = t37
     jac_106 = 1
     jac_107 = -1
-    jac_108 = t35
+    jac_108 = t37
     jac_109 = 1
     jac_110 = -1
     jac_111 = 2 * lower_D2dot + cj * lower_J
-    jac_112 = -(lower_D2_1 * t29)
-    jac_113 = -(lower_D2_2 * t29)
-    jac_114 = t28
+    jac_112 = -(lower_D2_1 * t31)
+    jac_113 = -(lower_D2_2 * t31)
+    t40 = -lower_left_s_2
+    jac_114 = t40
     jac_115 = lower_left_s_1
     jac_116 = -1
-    jac_117 = t29 * lower_D2_1
-    jac_118 = t36
-    jac_119 = t33
+    jac_117 = t31 * lower_D2_1
+    jac_118 = t38
+    jac_119 = t35
     jac_120 = lower_cos_phi
     jac_121 = -1
-    jac_122 = t29 * lower_D2_2
-    jac_123 = t37
+    jac_122 = t31 * lower_D2_2
+    jac_123 = t39
     jac_124 = lower_sin_phi
-    jac_125 = t34
+    jac_125 = t36
     jac_126 = -1
     jac_127 = upper_left_s_2
     jac_128 = upper_sin_phi
-    jac_129 = t19
+    jac_129 = t21
     jac_130 = 0
     jac_131 = -1
     jac_132 = -upper_left_s_1
-    jac_133 = t20
+    jac_133 = t22
     jac_134 = upper_cos_phi
     jac_135 = 0
     jac_136 = 1
     jac_137 = -upper_right_s_2
-    jac_138 = t19
-    jac_139 = t19
+    jac_138 = t21
+    jac_139 = t21
     jac_140 = -1
     jac_141 = lower_left_s_2
     jac_142 = lower_sin_phi
-    jac_143 = t33
+    jac_143 = t35
     jac_144 = 0
     jac_145 = 1
     jac_146 = upper_right_s_1
@@ -3402,36 +3408,36 @@ def jacobian_ggl(t, y, ydot, cj, k):
     jac_148 = upper_cos_phi
     jac_149 = -1
     jac_150 = -lower_left_s_1
-    jac_151 = t34
+    jac_151 = t36
     jac_152 = lower_cos_phi
     jac_153 = 0
     jac_154 = 1
-    jac_155 = t13
-    jac_156 = t19
+    jac_155 = t15
+    jac_156 = t21
     jac_157 = upper_sin_phi
     jac_158 = 0
     jac_159 = 1
     jac_160 = upper_left_s_1
     jac_161 = upper_cos_phi
-    jac_162 = t20
+    jac_162 = t22
     jac_163 = 0
     jac_164 = -1
     jac_165 = upper_right_s_2
     jac_166 = upper_sin_phi
     jac_167 = upper_sin_phi
     jac_168 = 1
-    jac_169 = t28
-    jac_170 = t33
+    jac_169 = t40
+    jac_170 = t35
     jac_171 = lower_sin_phi
     jac_172 = 0
     jac_173 = -1
-    jac_174 = t14
-    jac_175 = t20
-    jac_176 = t20
+    jac_174 = t16
+    jac_175 = t22
+    jac_176 = t22
     jac_177 = 1
     jac_178 = lower_left_s_1
     jac_179 = lower_cos_phi
-    jac_180 = t34
+    jac_180 = t36
     jac_181 = 0
 
     jac = _stack(xp, batch, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,
@@ -3569,7 +3575,7 @@ def residual_index1(t, y, ydot, k):
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi
     lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi
 
     # residual (15): kinematics, equations of motion, constraints
@@ -3669,7 +3675,7 @@ def jacobian_index1(t, y, ydot, cj, k):
     jac: values of the iteration matrix by columns, 24 x 24, 122 values
 
     From (26), appendix, (1), (15).
-    261 operations.
+    262 operations.
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (24,) and k.shape == (0,) and isinstance(t, float) and
@@ -3751,7 +3757,9 @@ def jacobian_index1(t, y, ydot, cj, k):
     lower_left_r_2 = lower_alpha1 - lower_alpha2
     lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
-    lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
+    t1 = lower_left_r_2 * lower_cos_phi
+    t2 = (-0.5) * lower_sin_phi
+    lower_left_s_2 = t1 + t2
     lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi
 
     # jacobian (15): derivatives of the residual
@@ -3762,158 +3770,160 @@ def jacobian_index1(t, y, ydot, cj, k):
         -(lambda_elbow_1 * upper_right_s_1 - (lambda_hinge_2 * upper_left_s_2
             + lambda_hinge_1 * upper_left_s_1)) - lambda_elbow_2 * upper_right_s_2
     )
-    t1 = lambda_elbow_1 * upper_cos_phi
-    t2 = lambda_hinge_2 * upper_sin_phi
-    t3 = lambda_hinge_1 * upper_cos_phi
-    t4 = t2 + t3
-    t5 = lambda_elbow_2 * upper_sin_phi
-    t6 = t1 - t4 + t5
-    jac_4 = -t6
-    jac_5 = -(t3 + t2) - t1 - t5
-    t7 = upper_phidot * upper_phidot
-    t8 = 2 * upper_phidot
-    t9 = upper_left_rdot_2 * upper_sin_phi
-    t10 = upper_alpha1ddot * upper_cos_phi
-    t11 = upper_alpha2ddot * upper_cos_phi
-    jac_6 = t7 * upper_left_s_2 + t8 * t9 - upper_phiddot * upper_left_s_1 - t10 + t11
-    t12 = upper_alpha2ddot * upper_sin_phi
-    t13 = upper_alpha1ddot * upper_sin_phi
+    t3 = lambda_elbow_1 * upper_cos_phi
+    t4 = lambda_hinge_2 * upper_sin_phi
+    t5 = lambda_hinge_1 * upper_cos_phi
+    t6 = t4 + t5
+    t7 = lambda_elbow_2 * upper_sin_phi
+    t8 = t3 - t6 + t7
+    jac_4 = -t8
+    jac_5 = -(t5 + t4) - t3 - t7
+    t9 = upper_phidot * upper_phidot
+    t10 = 2 * upper_phidot
+    t11 = upper_left_rdot_2 * upper_sin_phi
+    t12 = upper_alpha1ddot * upper_cos_phi
+    t13 = upper_alpha2ddot * upper_cos_phi
+    jac_6 = t9 * upper_left_s_2 + t10 * t11 - upper_phiddot * upper_left_s_1 - t12 + t13
+    t14 = upper_alpha2ddot * upper_sin_phi
+    t15 = upper_alpha1ddot * upper_sin_phi
     jac_7 = (
-        t12 - (t8 * upper_left_sdot_2 + t7 * upper_left_s_1 + upper_phiddot * upper_left_s_2 + t13)
+        t14 - (t10 * upper_left_sdot_2 + t9 * upper_left_s_1 + upper_phiddot * upper_left_s_2 + t15)
     )
-    t14 = upper_right_rdot_2 * upper_sin_phi
-    jac_8 = upper_phiddot * upper_right_s_1 - (t8 * t14 + t7 * upper_right_s_2) + t10 + t11
+    t16 = upper_right_rdot_2 * upper_sin_phi
+    jac_8 = upper_phiddot * upper_right_s_1 - (t10 * t16 + t9 * upper_right_s_2) + t12 + t13
     jac_9 = (
-        t7 * upper_right_s_1 + t8 * upper_right_sdot_2 + upper_phiddot * upper_right_s_2 + t13 + t12
+        t9 * upper_right_s_1 + t10 * upper_right_sdot_2 + upper_phiddot * upper_right_s_2 + t15
+            + t14
     )
     jac_10 = cj
     jac_11 = (
-        t8 * ((98897337 / 5000000000) * upper_alpha1dot) + upper_phiddot * (2 * upper_D2_1) - t6
+        t10 * ((98897337 / 5000000000) * upper_alpha1dot) + upper_phiddot * (2 * upper_D2_1) - t8
     )
-    jac_12 = (226194669 / 625000) - (98897337 / 5000000000) * t7
-    t15 = t7 * upper_sin_phi
-    t16 = upper_phiddot * upper_cos_phi
-    jac_13 = t15 - t16
-    t17 = t7 * upper_cos_phi + upper_phiddot * upper_sin_phi
-    jac_14 = -t17
-    t18 = t16 - t15
-    jac_15 = t18
-    jac_16 = t17
+    jac_12 = (226194669 / 625000) - (98897337 / 5000000000) * t9
+    t17 = t9 * upper_sin_phi
+    t18 = upper_phiddot * upper_cos_phi
+    jac_13 = t17 - t18
+    t19 = t9 * upper_cos_phi + upper_phiddot * upper_sin_phi
+    jac_14 = -t19
+    t20 = t18 - t17
+    jac_15 = t20
+    jac_16 = t19
     jac_17 = cj
     jac_18 = (
-        t8 * ((14128191 / 1000000000) * upper_alpha2dot) + upper_phiddot * (2 * upper_D2_2) - (t4
-            + t1 + t5)
+        t10 * ((14128191 / 1000000000) * upper_alpha2dot) + upper_phiddot * (2 * upper_D2_2) - (t6
+            + t3 + t7)
     )
-    jac_19 = (75398223 / 25000) - (14128191 / 1000000000) * t7
-    jac_20 = t18
-    jac_21 = t17
-    jac_22 = t18
-    jac_23 = t17
+    jac_19 = (75398223 / 25000) - (14128191 / 1000000000) * t9
+    jac_20 = t20
+    jac_21 = t19
+    jac_22 = t20
+    jac_23 = t19
     jac_24 = cj
     jac_25 = cj
     jac_26 = cj
-    jac_27 = lambda_elbow_2 * lower_left_s_2 + lambda_elbow_1 * lower_left_s_1
-    t19 = lambda_elbow_2 * lower_sin_phi
-    t20 = lambda_elbow_1 * lower_cos_phi
-    t21 = t19 + t20
-    jac_28 = t21
-    jac_29 = -(t20 + t19)
-    t22 = lower_phidot * lower_phidot
-    t23 = 2 * lower_phidot
-    t24 = lower_left_rdot_2 * lower_sin_phi
+    t21 = t2 + t1
+    jac_27 = lambda_elbow_2 * t21 + lambda_elbow_1 * lower_left_s_1
+    t22 = lambda_elbow_2 * lower_sin_phi
+    t23 = lambda_elbow_1 * lower_cos_phi
+    t24 = t22 + t23
+    jac_28 = t24
+    jac_29 = -(t23 + t22)
+    t25 = lower_phidot * lower_phidot
+    t26 = 2 * lower_phidot
+    t27 = lower_left_rdot_2 * lower_sin_phi
     jac_30 = (
-        t22 * lower_left_s_2 + t23 * t24 - lower_phiddot * lower_left_s_1
-            - lower_alpha1ddot * lower_cos_phi + lower_alpha2ddot * lower_cos_phi
+        t25 * t21 + t26 * t27 - lower_phiddot * lower_left_s_1 - lower_alpha1ddot * lower_cos_phi
+            + lower_alpha2ddot * lower_cos_phi
     )
     jac_31 = (
-        lower_alpha2ddot * lower_sin_phi - (t23 * lower_left_sdot_2 + t22 * lower_left_s_1
-            + lower_phiddot * lower_left_s_2 + lower_alpha1ddot * lower_sin_phi)
+        lower_alpha2ddot * lower_sin_phi - (t26 * lower_left_sdot_2 + t25 * lower_left_s_1
+            + lower_phiddot * t21 + lower_alpha1ddot * lower_sin_phi)
     )
     jac_32 = cj
     jac_33 = (
-        t23 * ((98897337 / 5000000000) * lower_alpha1dot) + lower_phiddot * (2 * lower_D2_1) + t21
+        t26 * ((98897337 / 5000000000) * lower_alpha1dot) + lower_phiddot * (2 * lower_D2_1) + t24
     )
-    jac_34 = (226194669 / 625000) - (98897337 / 5000000000) * t22
-    t25 = t22 * lower_sin_phi
-    t26 = lower_phiddot * lower_cos_phi
-    jac_35 = t25 - t26
-    t27 = t22 * lower_cos_phi + lower_phiddot * lower_sin_phi
-    jac_36 = -t27
+    jac_34 = (226194669 / 625000) - (98897337 / 5000000000) * t25
+    t28 = t25 * lower_sin_phi
+    t29 = lower_phiddot * lower_cos_phi
+    jac_35 = t28 - t29
+    t30 = t25 * lower_cos_phi + lower_phiddot * lower_sin_phi
+    jac_36 = -t30
     jac_37 = cj
     jac_38 = (
-        t23 * ((14128191 / 1000000000) * lower_alpha2dot) + lower_phiddot * (2 * lower_D2_2) - t21
+        t26 * ((14128191 / 1000000000) * lower_alpha2dot) + lower_phiddot * (2 * lower_D2_2) - t24
     )
-    jac_39 = (75398223 / 25000) - (14128191 / 1000000000) * t22
-    jac_40 = t26 - t25
-    jac_41 = t27
+    jac_39 = (75398223 / 25000) - (14128191 / 1000000000) * t25
+    jac_40 = t29 - t28
+    jac_41 = t30
     jac_42 = -1
-    t28 = (98897337 / 1000000000) * cj
-    jac_43 = t28
+    t31 = (98897337 / 1000000000) * cj
+    jac_43 = t31
     jac_44 = cj
-    t29 = -cj
-    jac_45 = t29
+    t32 = -cj
+    jac_45 = t32
     jac_46 = -1
-    jac_47 = t28
+    jac_47 = t31
     jac_48 = cj
-    jac_49 = t29
+    jac_49 = t32
     jac_50 = -1
     jac_51 = 2 * upper_D2dot + cj * upper_J
-    jac_52 = -(upper_D2_1 * t8)
-    jac_53 = -(upper_D2_2 * t8)
-    jac_54 = -(upper_left_s_1 * t8) - 2 * upper_left_sdot_2 - cj * upper_left_s_2
-    jac_55 = cj * upper_left_s_1 - (2 * t9 + upper_left_s_2 * t8)
-    jac_56 = 2 * upper_right_sdot_2 + upper_right_s_1 * t8 + cj * upper_right_s_2
-    jac_57 = upper_right_s_2 * t8 + 2 * t14 - cj * upper_right_s_1
+    jac_52 = -(upper_D2_1 * t10)
+    jac_53 = -(upper_D2_2 * t10)
+    jac_54 = -(upper_left_s_1 * t10) - 2 * upper_left_sdot_2 - cj * upper_left_s_2
+    jac_55 = cj * upper_left_s_1 - (2 * t11 + upper_left_s_2 * t10)
+    jac_56 = 2 * upper_right_sdot_2 + upper_right_s_1 * t10 + cj * upper_right_s_2
+    jac_57 = upper_right_s_2 * t10 + 2 * t16 - cj * upper_right_s_1
     jac_58 = -1
-    jac_59 = t8 * upper_D2_1
-    t30 = (98897337 / 5000000000) * cj
-    jac_60 = t30
-    t31 = t8 * upper_cos_phi + cj * upper_sin_phi
-    jac_61 = -t31
-    t32 = cj * upper_cos_phi
-    t33 = t8 * upper_sin_phi
-    jac_62 = t32 - t33
-    jac_63 = t31
-    t34 = t33 - t32
-    jac_64 = t34
+    jac_59 = t10 * upper_D2_1
+    t33 = (98897337 / 5000000000) * cj
+    jac_60 = t33
+    t34 = t10 * upper_cos_phi + cj * upper_sin_phi
+    jac_61 = -t34
+    t35 = cj * upper_cos_phi
+    t36 = t10 * upper_sin_phi
+    jac_62 = t35 - t36
+    jac_63 = t34
+    t37 = t36 - t35
+    jac_64 = t37
     jac_65 = -1
-    jac_66 = t8 * upper_D2_2
-    t35 = (14128191 / 1000000000) * cj
-    jac_67 = t35
-    jac_68 = t31
-    jac_69 = t34
-    jac_70 = t31
-    jac_71 = t34
+    jac_66 = t10 * upper_D2_2
+    t38 = (14128191 / 1000000000) * cj
+    jac_67 = t38
+    jac_68 = t34
+    jac_69 = t37
+    jac_70 = t34
+    jac_71 = t37
     jac_72 = -1
-    jac_73 = t28
+    jac_73 = t31
     jac_74 = cj
     jac_75 = -1
-    jac_76 = t28
+    jac_76 = t31
     jac_77 = cj
     jac_78 = -1
     jac_79 = 2 * lower_D2dot + cj * lower_J
-    jac_80 = -(lower_D2_1 * t23)
-    jac_81 = -(lower_D2_2 * t23)
-    jac_82 = -(lower_left_s_1 * t23) - 2 * lower_left_sdot_2 - cj * lower_left_s_2
-    jac_83 = cj * lower_left_s_1 - (2 * t24 + lower_left_s_2 * t23)
+    jac_80 = -(lower_D2_1 * t26)
+    jac_81 = -(lower_D2_2 * t26)
+    jac_82 = -(lower_left_s_1 * t26) - 2 * lower_left_sdot_2 - cj * lower_left_s_2
+    jac_83 = cj * lower_left_s_1 - (2 * t27 + lower_left_s_2 * t26)
     jac_84 = -1
-    jac_85 = t23 * lower_D2_1
-    jac_86 = t30
-    t36 = t23 * lower_cos_phi + cj * lower_sin_phi
-    jac_87 = -t36
-    t37 = cj * lower_cos_phi
-    t38 = t23 * lower_sin_phi
-    jac_88 = t37 - t38
+    jac_85 = t26 * lower_D2_1
+    jac_86 = t33
+    t39 = t26 * lower_cos_phi + cj * lower_sin_phi
+    jac_87 = -t39
+    t40 = cj * lower_cos_phi
+    t41 = t26 * lower_sin_phi
+    jac_88 = t40 - t41
     jac_89 = -1
-    jac_90 = t23 * lower_D2_2
-    jac_91 = t35
-    jac_92 = t36
-    jac_93 = t38 - t37
+    jac_90 = t26 * lower_D2_2
+    jac_91 = t38
+    jac_92 = t39
+    jac_93 = t41 - t40
     jac_94 = -1
     jac_95 = upper_left_s_2
     jac_96 = upper_sin_phi
-    t39 = -upper_sin_phi
-    jac_97 = t39
+    t42 = -upper_sin_phi
+    jac_97 = t42
     jac_98 = 0
     jac_99 = -1
     jac_100 = -upper_left_s_1
@@ -3922,8 +3932,8 @@ def jacobian_index1(t, y, ydot, cj, k):
     jac_103 = 0
     jac_104 = 1
     jac_105 = -upper_right_s_2
-    jac_106 = t39
-    jac_107 = t39
+    jac_106 = t42
+    jac_107 = t42
     jac_108 = -1
     jac_109 = lower_left_s_2
     jac_110 = lower_sin_phi

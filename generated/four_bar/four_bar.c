@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_ff22a4b31e924c1c
+#ifndef FOUR_BAR_HASH_683920c798c9f021
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,6 +21,13 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+
+/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
+#else
+#  define TISSERAND_SCALAR
+#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -114,13 +121,14 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
+TISSERAND_SCALAR
 int four_bar_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
 {
-    const double p_EI = p[0];
 
     /* integrals (appendix): shape integrals, stiffness, and constants computed from them */
+    const double p_EI = p[0];
     const double crank_K_1_1 = 2250.0 * p_EI;
     const double crank_K_2_2 = 18750.0 * p_EI;
     const double coupler_K_1_1 = (250.0 / 3.0) * p_EI;
@@ -148,21 +156,18 @@ int four_bar_setup(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
     (void) k;
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = q[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = q[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank J (appendix): crank_J = int rho r . r */
@@ -170,7 +175,9 @@ int four_bar_mass(
         + crank_D2_2 * crank_alpha2;
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = q[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = q[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler J (appendix): coupler_J = int rho r . r */
@@ -178,7 +185,9 @@ int four_bar_mass(
         + coupler_D2_2 * coupler_alpha2;
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = q[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = q[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker J (appendix): rocker_J = int rho r . r */
@@ -204,6 +213,7 @@ int four_bar_mass(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -212,72 +222,73 @@ int four_bar_force(
     double *h)
 {
     (void) t;
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
-    const double crank_phidot = v[2];
-    const double crank_alpha1dot = v[3];
-    const double crank_alpha2dot = v[4];
-    const double coupler_phidot = v[7];
-    const double coupler_alpha1dot = v[8];
-    const double coupler_alpha2dot = v[9];
-    const double rocker_phidot = v[12];
-    const double rocker_alpha1dot = v[13];
-    const double rocker_alpha2dot = v[14];
-    const double crank_K_1_1 = k[0];
-    const double crank_K_2_2 = k[1];
-    const double coupler_K_1_1 = k[2];
-    const double coupler_K_2_2 = k[3];
-    const double rocker_K_1_1 = k[4];
-    const double rocker_K_2_2 = k[5];
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = q[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = q[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank D2dot (appendix): crank_D2dot = int rho r . rdot */
+    const double crank_alpha1dot = v[3];
+    const double crank_alpha2dot = v[4];
     const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = q[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = q[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler D2dot (appendix): coupler_D2dot = int rho r . rdot */
+    const double coupler_alpha1dot = v[8];
+    const double coupler_alpha2dot = v[9];
     const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
         + coupler_alpha2dot * coupler_D2_2;
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = q[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = q[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker D2dot (appendix): rocker_D2dot = int rho r . rdot */
+    const double rocker_alpha1dot = v[13];
+    const double rocker_alpha2dot = v[14];
     const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
 
     /* h (15): centrifugal, Coriolis and elastic terms */
     h[0] = 0.0;
     h[1] = 0.0;
+    const double crank_phidot = v[2];
     h[2] = 2.0 * crank_phidot * crank_D2dot;
     const double t1 = crank_phidot * crank_phidot;
+    const double crank_K_1_1 = k[0];
     h[3] = crank_K_1_1 * crank_alpha1 - t1 * crank_D2_1;
+    const double crank_K_2_2 = k[1];
     h[4] = crank_K_2_2 * crank_alpha2 - t1 * crank_D2_2;
     h[5] = 0.0;
     h[6] = 0.0;
+    const double coupler_phidot = v[7];
     h[7] = 2.0 * coupler_phidot * coupler_D2dot;
     const double t2 = coupler_phidot * coupler_phidot;
+    const double coupler_K_1_1 = k[2];
     h[8] = coupler_K_1_1 * coupler_alpha1 - t2 * coupler_D2_1;
+    const double coupler_K_2_2 = k[3];
     h[9] = coupler_K_2_2 * coupler_alpha2 - t2 * coupler_D2_2;
     h[10] = 0.0;
     h[11] = 0.0;
+    const double rocker_phidot = v[12];
     h[12] = 2.0 * rocker_phidot * rocker_D2dot;
     const double t3 = rocker_phidot * rocker_phidot;
+    const double rocker_K_1_1 = k[4];
     h[13] = rocker_K_1_1 * rocker_alpha1 - t3 * rocker_D2_1;
+    const double rocker_K_2_2 = k[5];
     h[14] = rocker_K_2_2 * rocker_alpha2 - t3 * rocker_D2_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -287,38 +298,22 @@ int four_bar_mass_force(
     double *h)
 {
     (void) t;
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
-    const double crank_phidot = v[2];
-    const double crank_alpha1dot = v[3];
-    const double crank_alpha2dot = v[4];
-    const double coupler_phidot = v[7];
-    const double coupler_alpha1dot = v[8];
-    const double coupler_alpha2dot = v[9];
-    const double rocker_phidot = v[12];
-    const double rocker_alpha1dot = v[13];
-    const double rocker_alpha2dot = v[14];
-    const double crank_K_1_1 = k[0];
-    const double crank_K_2_2 = k[1];
-    const double coupler_K_1_1 = k[2];
-    const double coupler_K_2_2 = k[3];
-    const double rocker_K_1_1 = k[4];
-    const double rocker_K_2_2 = k[5];
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = q[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = q[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker_alpha2 (15): force and column of M of rocker_alpha2 */
+    const double rocker_phidot = v[12];
     const double t1 = rocker_phidot * rocker_phidot;
+    const double rocker_K_2_2 = k[5];
     h[14] = rocker_K_2_2 * rocker_alpha2 - t1 * rocker_D2_2;
     M[14] = (12362167.0 / 140000000.0);
 
     /* rocker_alpha1 (15): force and column of M of rocker_alpha1 */
+    const double rocker_K_1_1 = k[4];
     h[13] = rocker_K_1_1 * rocker_alpha1 - t1 * rocker_D2_1;
     M[13] = (12362167.0 / 100000000.0);
 
@@ -327,6 +322,8 @@ int four_bar_mass_force(
         + rocker_D2_2 * rocker_alpha2;
 
     /* rocker D2dot (appendix): rocker_D2dot = int rho r . rdot */
+    const double rocker_alpha1dot = v[13];
+    const double rocker_alpha2dot = v[14];
     const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
 
     /* rocker_phi (15): force and column of M of rocker_phi */
@@ -342,15 +339,20 @@ int four_bar_mass_force(
     M[10] = (12362167.0 / 20000000.0);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = q[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = q[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler_alpha2 (15): force and column of M of coupler_alpha2 */
+    const double coupler_phidot = v[7];
     const double t2 = coupler_phidot * coupler_phidot;
+    const double coupler_K_2_2 = k[3];
     h[9] = coupler_K_2_2 * coupler_alpha2 - t2 * coupler_D2_2;
     M[9] = (74173003.0 / 700000000.0);
 
     /* coupler_alpha1 (15): force and column of M of coupler_alpha1 */
+    const double coupler_K_1_1 = k[2];
     h[8] = coupler_K_1_1 * coupler_alpha1 - t2 * coupler_D2_1;
     M[8] = (74173003.0 / 500000000.0);
 
@@ -359,6 +361,8 @@ int four_bar_mass_force(
         + coupler_D2_2 * coupler_alpha2;
 
     /* coupler D2dot (appendix): coupler_D2dot = int rho r . rdot */
+    const double coupler_alpha1dot = v[8];
+    const double coupler_alpha2dot = v[9];
     const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
         + coupler_alpha2dot * coupler_D2_2;
 
@@ -375,15 +379,20 @@ int four_bar_mass_force(
     M[5] = (74173003.0 / 100000000.0);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = q[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = q[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank_alpha2 (15): force and column of M of crank_alpha2 */
+    const double crank_phidot = v[2];
     const double t3 = crank_phidot * crank_phidot;
+    const double crank_K_2_2 = k[1];
     h[4] = crank_K_2_2 * crank_alpha2 - t3 * crank_D2_2;
     M[4] = (12362167.0 / 350000000.0);
 
     /* crank_alpha1 (15): force and column of M of crank_alpha1 */
+    const double crank_K_1_1 = k[0];
     h[3] = crank_K_1_1 * crank_alpha1 - t3 * crank_D2_1;
     M[3] = (12362167.0 / 250000000.0);
 
@@ -392,6 +401,8 @@ int four_bar_mass_force(
         + crank_D2_2 * crank_alpha2;
 
     /* crank D2dot (appendix): crank_D2dot = int rho r . rdot */
+    const double crank_alpha1dot = v[3];
+    const double crank_alpha2dot = v[4];
     const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
 
     /* crank_phi (15): force and column of M of crank_phi */
@@ -408,6 +419,7 @@ int four_bar_mass_force(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -415,40 +427,19 @@ int four_bar_accel(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
-    const double crank_phidot = v[2];
-    const double crank_alpha1dot = v[3];
-    const double crank_alpha2dot = v[4];
-    const double coupler_phidot = v[7];
-    const double coupler_alpha1dot = v[8];
-    const double coupler_alpha2dot = v[9];
-    const double rocker_phidot = v[12];
-    const double rocker_alpha1dot = v[13];
-    const double rocker_alpha2dot = v[14];
-    const double crank_K_1_1 = k[0];
-    const double crank_K_2_2 = k[1];
-    const double coupler_K_1_1 = k[2];
-    const double coupler_K_2_2 = k[3];
-    const double rocker_K_1_1 = k[4];
-    const double rocker_K_2_2 = k[5];
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = q[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = q[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = q[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank J (appendix): crank_J = int rho r . r */
@@ -460,6 +451,8 @@ int four_bar_accel(
      *     at left, along e2
      */
     const double crank_left_r_2 = crank_alpha1 - crank_alpha2;
+    const double crank_alpha1dot = v[3];
+    const double crank_alpha2dot = v[4];
     const double crank_left_rdot_2 = crank_alpha1dot - crank_alpha2dot;
     const double crank_left_s_1 = (-1.0 / 5.0) * crank_cos_phi - crank_left_r_2 * crank_sin_phi;
     const double crank_left_s_2 = (-1.0 / 5.0) * crank_sin_phi + crank_left_r_2 * crank_cos_phi;
@@ -479,11 +472,14 @@ int four_bar_accel(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = q[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = q[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = q[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler J (appendix): coupler_J = int rho r . r */
@@ -495,6 +491,8 @@ int four_bar_accel(
      *     Q rdot at left, along e2
      */
     const double coupler_left_r_2 = coupler_alpha1 - coupler_alpha2;
+    const double coupler_alpha1dot = v[8];
+    const double coupler_alpha2dot = v[9];
     const double coupler_left_rdot_2 = coupler_alpha1dot - coupler_alpha2dot;
     const double coupler_left_s_1 = (-3.0 / 5.0) * coupler_cos_phi
         - coupler_left_r_2 * coupler_sin_phi;
@@ -518,11 +516,14 @@ int four_bar_accel(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = q[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = q[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = q[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker J (appendix): rocker_J = int rho r . r */
@@ -534,6 +535,8 @@ int four_bar_accel(
      *     rdot at left, along e2
      */
     const double rocker_left_r_2 = rocker_alpha1 - rocker_alpha2;
+    const double rocker_alpha1dot = v[13];
+    const double rocker_alpha2dot = v[14];
     const double rocker_left_rdot_2 = rocker_alpha1dot - rocker_alpha2dot;
     const double rocker_left_s_1 = (-0.5) * rocker_cos_phi - rocker_left_r_2 * rocker_sin_phi;
     const double rocker_left_s_2 = (-0.5) * rocker_sin_phi + rocker_left_r_2 * rocker_cos_phi;
@@ -714,11 +717,14 @@ int four_bar_accel(
     const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
+    const double crank_phidot = v[2];
     const double t99 = 2.0 * crank_phidot;
     const double t100 = t99 * crank_D2dot;
     const double t101 = crank_phidot * crank_phidot;
+    const double crank_K_1_1 = k[0];
     const double t102 = crank_K_1_1 * crank_alpha1 - t101 * crank_D2_1;
     const double t103 = t2 * t102;
+    const double crank_K_2_2 = k[1];
     const double t104 = crank_K_2_2 * crank_alpha2 - t101 * crank_D2_2;
     const double t105 = t4 * t104;
     const double t106 = t100 * inverse_crank_J;
@@ -731,11 +737,14 @@ int four_bar_accel(
     const double t110 = t15 * t102;
     const double t111 = t109 - (t99 * (crank_left_rdot_2 * crank_sin_phi) + t101 * crank_left_s_2
         + t14 * t100 + t110) - t18 * t107 - t22 * t108;
+    const double coupler_phidot = v[7];
     const double t112 = coupler_phidot * coupler_phidot;
     const double t113 = 2.0 * coupler_phidot;
+    const double coupler_K_2_2 = k[3];
     const double t114 = coupler_K_2_2 * coupler_alpha2 - t112 * coupler_D2_2;
     const double t115 = t52 * t114;
     const double t116 = t113 * coupler_D2dot;
+    const double coupler_K_1_1 = k[2];
     const double t117 = coupler_K_1_1 * coupler_alpha1 - t112 * coupler_D2_1;
     const double t118 = t55 * t117;
     const double t119 = t99 * crank_right_sdot_2 + t101 * crank_right_s_1 - t112 * coupler_left_s_1
@@ -746,10 +755,13 @@ int four_bar_accel(
     const double t122 = t101 * crank_right_s_2 - t113 * (coupler_left_rdot_2 * coupler_sin_phi)
         - t112 * coupler_left_s_2 + t99 * (crank_right_rdot_2 * crank_sin_phi) + t58 * t100 + t110
         + t109 - t60 * t107 - t62 * t108 - t64 * t111 + t120 - t67 * t116 - t121 - t71 * t119;
+    const double rocker_phidot = v[12];
     const double t123 = 2.0 * rocker_phidot;
     const double t124 = rocker_phidot * rocker_phidot;
+    const double rocker_K_1_1 = k[4];
     const double t125 = rocker_K_1_1 * rocker_alpha1 - t124 * rocker_D2_1;
     const double t126 = t33 * t125;
+    const double rocker_K_2_2 = k[5];
     const double t127 = rocker_K_2_2 * rocker_alpha2 - t124 * rocker_D2_2;
     const double t128 = t36 * t127;
     const double t129 = t123 * rocker_D2dot;
@@ -820,42 +832,18 @@ int four_bar_accel(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
-    const double crank_c1dot = v[0];
-    const double crank_c2dot = v[1];
-    const double crank_phidot = v[2];
-    const double crank_alpha1dot = v[3];
-    const double crank_alpha2dot = v[4];
-    const double coupler_c1dot = v[5];
-    const double coupler_c2dot = v[6];
-    const double coupler_phidot = v[7];
-    const double coupler_alpha1dot = v[8];
-    const double coupler_alpha2dot = v[9];
-    const double rocker_c1dot = v[10];
-    const double rocker_c2dot = v[11];
-    const double rocker_phidot = v[12];
-    const double rocker_alpha1dot = v[13];
-    const double rocker_alpha2dot = v[14];
-    const double crank_K_1_1 = k[0];
-    const double crank_K_2_2 = k[1];
-    const double coupler_K_1_1 = k[2];
-    const double coupler_K_2_2 = k[3];
-    const double rocker_K_1_1 = k[4];
-    const double rocker_K_2_2 = k[5];
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = q[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = q[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank J (appendix): crank_J = int rho r . r */
@@ -863,7 +851,9 @@ int four_bar_energy(
         + crank_D2_2 * crank_alpha2;
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = q[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = q[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler J (appendix): coupler_J = int rho r . r */
@@ -871,7 +861,9 @@ int four_bar_energy(
         + coupler_D2_2 * coupler_alpha2;
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = q[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = q[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker J (appendix): rocker_J = int rho r . r */
@@ -879,6 +871,21 @@ int four_bar_energy(
         + rocker_D2_2 * rocker_alpha2;
 
     /* energy (22): 1/2 int rho xdot . xdot and the strain energy */
+    const double coupler_phidot = v[7];
+    const double coupler_alpha1dot = v[8];
+    const double coupler_alpha2dot = v[9];
+    const double coupler_c1dot = v[5];
+    const double coupler_c2dot = v[6];
+    const double crank_phidot = v[2];
+    const double crank_alpha1dot = v[3];
+    const double crank_alpha2dot = v[4];
+    const double crank_c1dot = v[0];
+    const double crank_c2dot = v[1];
+    const double rocker_phidot = v[12];
+    const double rocker_alpha1dot = v[13];
+    const double rocker_alpha2dot = v[14];
+    const double rocker_c1dot = v[10];
+    const double rocker_c2dot = v[11];
     energy[0] = 0.5 * (coupler_phidot * coupler_phidot * coupler_J
         + (74173003.0 / 500000000.0) * (coupler_alpha1dot * coupler_alpha1dot)
         + (74173003.0 / 700000000.0) * (coupler_alpha2dot * coupler_alpha2dot)
@@ -887,13 +894,19 @@ int four_bar_energy(
         + crank_phidot * crank_phidot * crank_J
         + (12362167.0 / 250000000.0) * (crank_alpha1dot * crank_alpha1dot)
         + (12362167.0 / 350000000.0) * (crank_alpha2dot * crank_alpha2dot)
-        + (12362167.0 / 50000000.0) * (crank_c1dot * crank_c1dot)
+        + ((12362167.0 / 50000000.0) * (crank_c1dot * crank_c1dot)
         + (12362167.0 / 50000000.0) * (crank_c2dot * crank_c2dot)
         + rocker_phidot * rocker_phidot * rocker_J
         + (12362167.0 / 100000000.0) * (rocker_alpha1dot * rocker_alpha1dot)
         + (12362167.0 / 140000000.0) * (rocker_alpha2dot * rocker_alpha2dot)
         + (12362167.0 / 20000000.0) * (rocker_c1dot * rocker_c1dot)
-        + (12362167.0 / 20000000.0) * (rocker_c2dot * rocker_c2dot));
+        + (12362167.0 / 20000000.0) * (rocker_c2dot * rocker_c2dot)));
+    const double coupler_K_1_1 = k[2];
+    const double coupler_K_2_2 = k[3];
+    const double crank_K_1_1 = k[0];
+    const double crank_K_2_2 = k[1];
+    const double rocker_K_1_1 = k[4];
+    const double rocker_K_2_2 = k[5];
     energy[1] = 0.5 * (coupler_K_1_1 * coupler_alpha1 * coupler_alpha1
         + coupler_K_2_2 * coupler_alpha2 * coupler_alpha2
         + crank_K_1_1 * crank_alpha1 * crank_alpha1 + crank_K_2_2 * crank_alpha2 * crank_alpha2
@@ -902,37 +915,19 @@ int four_bar_energy(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-    const double crank_c1 = q[0];
-    const double crank_c2 = q[1];
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double coupler_c1 = q[5];
-    const double coupler_c2 = q[6];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double rocker_c1 = q[10];
-    const double rocker_c2 = q[11];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
-    const double crank_c1dot = v[0];
-    const double crank_c2dot = v[1];
-    const double crank_phidot = v[2];
-    const double coupler_c1dot = v[5];
-    const double coupler_c2dot = v[6];
-    const double coupler_phidot = v[7];
-    const double rocker_c1dot = v[10];
-    const double rocker_c2dot = v[11];
-    const double rocker_phidot = v[12];
     (void) k;
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = q[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = q[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank J (appendix): crank_J = int rho r . r */
@@ -940,7 +935,9 @@ int four_bar_momentum(
         + crank_D2_2 * crank_alpha2;
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = q[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = q[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler J (appendix): coupler_J = int rho r . r */
@@ -948,7 +945,9 @@ int four_bar_momentum(
         + coupler_D2_2 * coupler_alpha2;
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = q[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = q[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker J (appendix): rocker_J = int rho r . r */
@@ -956,20 +955,36 @@ int four_bar_momentum(
         + rocker_D2_2 * rocker_alpha2;
 
     /* momentum (1): int rho xdot and int rho x x xdot */
+    const double coupler_c1dot = v[5];
+    const double crank_c1dot = v[0];
+    const double rocker_c1dot = v[10];
     momentum[0] = (74173003.0 / 100000000.0) * coupler_c1dot
         + (12362167.0 / 50000000.0) * crank_c1dot + (12362167.0 / 20000000.0) * rocker_c1dot;
+    const double coupler_c2dot = v[6];
+    const double crank_c2dot = v[1];
+    const double rocker_c2dot = v[11];
     momentum[1] = (74173003.0 / 100000000.0) * coupler_c2dot
         + (12362167.0 / 50000000.0) * crank_c2dot + (12362167.0 / 20000000.0) * rocker_c2dot;
+    const double coupler_phidot = v[7];
+    const double crank_phidot = v[2];
+    const double rocker_phidot = v[12];
+    const double coupler_c1 = q[5];
+    const double crank_c1 = q[0];
+    const double rocker_c1 = q[10];
+    const double coupler_c2 = q[6];
+    const double crank_c2 = q[1];
+    const double rocker_c2 = q[11];
     momentum[2] = coupler_phidot * coupler_J + crank_phidot * crank_J + rocker_phidot * rocker_J
         + (74173003.0 / 100000000.0) * (coupler_c2dot * coupler_c1)
         + (12362167.0 / 50000000.0) * (crank_c2dot * crank_c1)
-        + (12362167.0 / 20000000.0) * (rocker_c2dot * rocker_c1)
+        + ((12362167.0 / 20000000.0) * (rocker_c2dot * rocker_c1)
         - (74173003.0 / 100000000.0) * (coupler_c1dot * coupler_c2)
         - (12362167.0 / 50000000.0) * (crank_c1dot * crank_c2)
-        - (12362167.0 / 20000000.0) * (rocker_c1dot * rocker_c2);
+        - (12362167.0 / 20000000.0) * (rocker_c1dot * rocker_c2));
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -977,42 +992,43 @@ int four_bar_rates(
     double *qdot)
 {
     (void) q;
-    const double crank_c1dot = v[0];
-    const double crank_c2dot = v[1];
-    const double crank_phidot = v[2];
-    const double crank_alpha1dot = v[3];
-    const double crank_alpha2dot = v[4];
-    const double coupler_c1dot = v[5];
-    const double coupler_c2dot = v[6];
-    const double coupler_phidot = v[7];
-    const double coupler_alpha1dot = v[8];
-    const double coupler_alpha2dot = v[9];
-    const double rocker_c1dot = v[10];
-    const double rocker_c2dot = v[11];
-    const double rocker_phidot = v[12];
-    const double rocker_alpha1dot = v[13];
-    const double rocker_alpha2dot = v[14];
     (void) k;
 
     /* rates (1): from Qdot = Q (omega x) */
+    const double crank_c1dot = v[0];
     qdot[0] = crank_c1dot;
+    const double crank_c2dot = v[1];
     qdot[1] = crank_c2dot;
+    const double crank_phidot = v[2];
     qdot[2] = crank_phidot;
+    const double crank_alpha1dot = v[3];
     qdot[3] = crank_alpha1dot;
+    const double crank_alpha2dot = v[4];
     qdot[4] = crank_alpha2dot;
+    const double coupler_c1dot = v[5];
     qdot[5] = coupler_c1dot;
+    const double coupler_c2dot = v[6];
     qdot[6] = coupler_c2dot;
+    const double coupler_phidot = v[7];
     qdot[7] = coupler_phidot;
+    const double coupler_alpha1dot = v[8];
     qdot[8] = coupler_alpha1dot;
+    const double coupler_alpha2dot = v[9];
     qdot[9] = coupler_alpha2dot;
+    const double rocker_c1dot = v[10];
     qdot[10] = rocker_c1dot;
+    const double rocker_c2dot = v[11];
     qdot[11] = rocker_c2dot;
+    const double rocker_phidot = v[12];
     qdot[12] = rocker_phidot;
+    const double rocker_alpha1dot = v[13];
     qdot[13] = rocker_alpha1dot;
+    const double rocker_alpha2dot = v[14];
     qdot[14] = rocker_alpha2dot;
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_marker_crank_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1021,24 +1037,19 @@ int four_bar_marker_crank_left(
     double *xdot,
     double *jacobian)
 {
-    const double crank_c1 = q[0];
-    const double crank_c2 = q[1];
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double crank_c1dot = v[0];
-    const double crank_c2dot = v[1];
-    const double crank_phidot = v[2];
-    const double crank_alpha1dot = v[3];
-    const double crank_alpha2dot = v[4];
     (void) k;
 
     /*
      * crank left (1): crank_left_r_2 = r = X + u at left, along e2; ...; crank_left_sdot_2 = Q rdot
      *     at left, along e2
      */
+    const double crank_alpha1 = q[3];
+    const double crank_alpha2 = q[4];
     const double crank_left_r_2 = crank_alpha1 - crank_alpha2;
+    const double crank_alpha1dot = v[3];
+    const double crank_alpha2dot = v[4];
     const double crank_left_rdot_2 = crank_alpha1dot - crank_alpha2dot;
+    const double crank_phi = q[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double t1 = (-1.0 / 5.0) * crank_cos_phi;
     const double crank_sin_phi = tisserand_sin(crank_phi);
@@ -1049,11 +1060,16 @@ int four_bar_marker_crank_left(
     const double crank_left_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double crank_c1 = q[0];
     x[0] = crank_c1 + t1 - t2;
+    const double crank_c2 = q[1];
     x[1] = crank_c2 + t3 + t4;
+    const double crank_phidot = v[2];
     const double t5 = crank_left_rdot_2 + (-1.0 / 5.0) * crank_phidot;
     const double t6 = crank_phidot * crank_left_r_2;
+    const double crank_c1dot = v[0];
     xdot[0] = crank_c1dot - t5 * crank_sin_phi - t6 * crank_cos_phi;
+    const double crank_c2dot = v[1];
     xdot[1] = crank_c2dot + t5 * crank_cos_phi - t6 * crank_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1066,6 +1082,7 @@ int four_bar_marker_crank_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_marker_crank_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1074,23 +1091,18 @@ int four_bar_marker_crank_middle(
     double *xdot,
     double *jacobian)
 {
-    const double crank_c1 = q[0];
-    const double crank_c2 = q[1];
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double crank_c1dot = v[0];
-    const double crank_c2dot = v[1];
-    const double crank_phidot = v[2];
-    const double crank_alpha1dot = v[3];
     (void) k;
 
     /*
      * crank middle (1): crank_middle_r_2 = r = X + u at middle, along e2; ...; crank_middle_sdot_2
      *     = Q rdot at middle, along e2
      */
+    const double crank_alpha1 = q[3];
     const double t1 = 0.5 * crank_alpha1;
+    const double crank_phi = q[2];
     const double crank_sin_phi = tisserand_sin(crank_phi);
     const double crank_middle_s_1 = t1 * crank_sin_phi;
+    const double crank_alpha1dot = v[3];
     const double t2 = 0.5 * crank_alpha1dot;
     const double crank_middle_sdot_1 = t2 * crank_sin_phi;
 
@@ -1101,11 +1113,16 @@ int four_bar_marker_crank_middle(
     const double crank_cos_phi = tisserand_cos(crank_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double crank_c1 = q[0];
     x[0] = crank_c1 + crank_middle_s_1;
     const double t3 = t1 * crank_cos_phi;
+    const double crank_c2 = q[1];
     x[1] = crank_c2 - t3;
+    const double crank_phidot = v[2];
     const double t4 = crank_phidot * t1;
+    const double crank_c1dot = v[0];
     xdot[0] = crank_c1dot + crank_middle_sdot_1 + t4 * crank_cos_phi;
+    const double crank_c2dot = v[1];
     xdot[1] = crank_c2dot - t2 * crank_cos_phi + t4 * crank_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1116,6 +1133,7 @@ int four_bar_marker_crank_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_marker_crank_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1124,24 +1142,19 @@ int four_bar_marker_crank_right(
     double *xdot,
     double *jacobian)
 {
-    const double crank_c1 = q[0];
-    const double crank_c2 = q[1];
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double crank_c1dot = v[0];
-    const double crank_c2dot = v[1];
-    const double crank_phidot = v[2];
-    const double crank_alpha1dot = v[3];
-    const double crank_alpha2dot = v[4];
     (void) k;
 
     /*
      * crank right (1): crank_right_r_2 = r = X + u at right, along e2; ...; crank_right_sdot_2 = Q
      *     rdot at right, along e2
      */
+    const double crank_alpha1 = q[3];
+    const double crank_alpha2 = q[4];
     const double crank_right_r_2 = crank_alpha1 + crank_alpha2;
+    const double crank_alpha1dot = v[3];
+    const double crank_alpha2dot = v[4];
     const double crank_right_rdot_2 = crank_alpha1dot + crank_alpha2dot;
+    const double crank_phi = q[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double t1 = (1.0 / 5.0) * crank_cos_phi;
     const double crank_sin_phi = tisserand_sin(crank_phi);
@@ -1152,11 +1165,16 @@ int four_bar_marker_crank_right(
     const double crank_right_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double crank_c1 = q[0];
     x[0] = crank_c1 + t1 - t2;
+    const double crank_c2 = q[1];
     x[1] = crank_c2 + t3 + t4;
+    const double crank_phidot = v[2];
     const double t5 = crank_right_rdot_2 + (1.0 / 5.0) * crank_phidot;
     const double t6 = crank_phidot * crank_right_r_2;
+    const double crank_c1dot = v[0];
     xdot[0] = crank_c1dot - t5 * crank_sin_phi - t6 * crank_cos_phi;
+    const double crank_c2dot = v[1];
     xdot[1] = crank_c2dot + t5 * crank_cos_phi - t6 * crank_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1170,6 +1188,7 @@ int four_bar_marker_crank_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_marker_coupler_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1178,24 +1197,19 @@ int four_bar_marker_coupler_left(
     double *xdot,
     double *jacobian)
 {
-    const double coupler_c1 = q[5];
-    const double coupler_c2 = q[6];
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double coupler_c1dot = v[5];
-    const double coupler_c2dot = v[6];
-    const double coupler_phidot = v[7];
-    const double coupler_alpha1dot = v[8];
-    const double coupler_alpha2dot = v[9];
     (void) k;
 
     /*
      * coupler left (1): coupler_left_r_2 = r = X + u at left, along e2; ...; coupler_left_sdot_2 =
      *     Q rdot at left, along e2
      */
+    const double coupler_alpha1 = q[8];
+    const double coupler_alpha2 = q[9];
     const double coupler_left_r_2 = coupler_alpha1 - coupler_alpha2;
+    const double coupler_alpha1dot = v[8];
+    const double coupler_alpha2dot = v[9];
     const double coupler_left_rdot_2 = coupler_alpha1dot - coupler_alpha2dot;
+    const double coupler_phi = q[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double t1 = (-3.0 / 5.0) * coupler_cos_phi;
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
@@ -1206,11 +1220,16 @@ int four_bar_marker_coupler_left(
     const double coupler_left_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double coupler_c1 = q[5];
     x[0] = coupler_c1 + t1 - t2;
+    const double coupler_c2 = q[6];
     x[1] = coupler_c2 + t3 + t4;
+    const double coupler_phidot = v[7];
     const double t5 = coupler_left_rdot_2 + (-3.0 / 5.0) * coupler_phidot;
     const double t6 = coupler_phidot * coupler_left_r_2;
+    const double coupler_c1dot = v[5];
     xdot[0] = coupler_c1dot - t5 * coupler_sin_phi - t6 * coupler_cos_phi;
+    const double coupler_c2dot = v[6];
     xdot[1] = coupler_c2dot + t5 * coupler_cos_phi - t6 * coupler_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1223,6 +1242,7 @@ int four_bar_marker_coupler_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_marker_coupler_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1231,23 +1251,18 @@ int four_bar_marker_coupler_middle(
     double *xdot,
     double *jacobian)
 {
-    const double coupler_c1 = q[5];
-    const double coupler_c2 = q[6];
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double coupler_c1dot = v[5];
-    const double coupler_c2dot = v[6];
-    const double coupler_phidot = v[7];
-    const double coupler_alpha1dot = v[8];
     (void) k;
 
     /*
      * coupler middle (1): coupler_middle_r_2 = r = X + u at middle, along e2; ...;
      *     coupler_middle_sdot_2 = Q rdot at middle, along e2
      */
+    const double coupler_alpha1 = q[8];
     const double t1 = 0.5 * coupler_alpha1;
+    const double coupler_phi = q[7];
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
     const double coupler_middle_s_1 = t1 * coupler_sin_phi;
+    const double coupler_alpha1dot = v[8];
     const double t2 = 0.5 * coupler_alpha1dot;
     const double coupler_middle_sdot_1 = t2 * coupler_sin_phi;
 
@@ -1258,11 +1273,16 @@ int four_bar_marker_coupler_middle(
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double coupler_c1 = q[5];
     x[0] = coupler_c1 + coupler_middle_s_1;
     const double t3 = t1 * coupler_cos_phi;
+    const double coupler_c2 = q[6];
     x[1] = coupler_c2 - t3;
+    const double coupler_phidot = v[7];
     const double t4 = coupler_phidot * t1;
+    const double coupler_c1dot = v[5];
     xdot[0] = coupler_c1dot + coupler_middle_sdot_1 + t4 * coupler_cos_phi;
+    const double coupler_c2dot = v[6];
     xdot[1] = coupler_c2dot - t2 * coupler_cos_phi + t4 * coupler_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1273,6 +1293,7 @@ int four_bar_marker_coupler_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_marker_coupler_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1281,24 +1302,19 @@ int four_bar_marker_coupler_right(
     double *xdot,
     double *jacobian)
 {
-    const double coupler_c1 = q[5];
-    const double coupler_c2 = q[6];
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double coupler_c1dot = v[5];
-    const double coupler_c2dot = v[6];
-    const double coupler_phidot = v[7];
-    const double coupler_alpha1dot = v[8];
-    const double coupler_alpha2dot = v[9];
     (void) k;
 
     /*
      * coupler right (1): coupler_right_r_2 = r = X + u at right, along e2; ...;
      *     coupler_right_sdot_2 = Q rdot at right, along e2
      */
+    const double coupler_alpha1 = q[8];
+    const double coupler_alpha2 = q[9];
     const double coupler_right_r_2 = coupler_alpha1 + coupler_alpha2;
+    const double coupler_alpha1dot = v[8];
+    const double coupler_alpha2dot = v[9];
     const double coupler_right_rdot_2 = coupler_alpha1dot + coupler_alpha2dot;
+    const double coupler_phi = q[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double t1 = (3.0 / 5.0) * coupler_cos_phi;
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
@@ -1309,11 +1325,16 @@ int four_bar_marker_coupler_right(
     const double coupler_right_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double coupler_c1 = q[5];
     x[0] = coupler_c1 + t1 - t2;
+    const double coupler_c2 = q[6];
     x[1] = coupler_c2 + t3 + t4;
+    const double coupler_phidot = v[7];
     const double t5 = coupler_right_rdot_2 + (3.0 / 5.0) * coupler_phidot;
     const double t6 = coupler_phidot * coupler_right_r_2;
+    const double coupler_c1dot = v[5];
     xdot[0] = coupler_c1dot - t5 * coupler_sin_phi - t6 * coupler_cos_phi;
+    const double coupler_c2dot = v[6];
     xdot[1] = coupler_c2dot + t5 * coupler_cos_phi - t6 * coupler_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1327,6 +1348,7 @@ int four_bar_marker_coupler_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_marker_rocker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1335,24 +1357,19 @@ int four_bar_marker_rocker_left(
     double *xdot,
     double *jacobian)
 {
-    const double rocker_c1 = q[10];
-    const double rocker_c2 = q[11];
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
-    const double rocker_c1dot = v[10];
-    const double rocker_c2dot = v[11];
-    const double rocker_phidot = v[12];
-    const double rocker_alpha1dot = v[13];
-    const double rocker_alpha2dot = v[14];
     (void) k;
 
     /*
      * rocker left (1): rocker_left_r_2 = r = X + u at left, along e2; ...; rocker_left_sdot_2 = Q
      *     rdot at left, along e2
      */
+    const double rocker_alpha1 = q[13];
+    const double rocker_alpha2 = q[14];
     const double rocker_left_r_2 = rocker_alpha1 - rocker_alpha2;
+    const double rocker_alpha1dot = v[13];
+    const double rocker_alpha2dot = v[14];
     const double rocker_left_rdot_2 = rocker_alpha1dot - rocker_alpha2dot;
+    const double rocker_phi = q[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double t1 = (-0.5) * rocker_cos_phi;
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
@@ -1363,11 +1380,16 @@ int four_bar_marker_rocker_left(
     const double rocker_left_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double rocker_c1 = q[10];
     x[0] = rocker_c1 + t1 - t2;
+    const double rocker_c2 = q[11];
     x[1] = rocker_c2 + t3 + t4;
+    const double rocker_phidot = v[12];
     const double t5 = rocker_left_rdot_2 + (-0.5) * rocker_phidot;
     const double t6 = rocker_phidot * rocker_left_r_2;
+    const double rocker_c1dot = v[10];
     xdot[0] = rocker_c1dot - t5 * rocker_sin_phi - t6 * rocker_cos_phi;
+    const double rocker_c2dot = v[11];
     xdot[1] = rocker_c2dot + t5 * rocker_cos_phi - t6 * rocker_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1380,6 +1402,7 @@ int four_bar_marker_rocker_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_marker_rocker_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1388,23 +1411,18 @@ int four_bar_marker_rocker_middle(
     double *xdot,
     double *jacobian)
 {
-    const double rocker_c1 = q[10];
-    const double rocker_c2 = q[11];
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double rocker_c1dot = v[10];
-    const double rocker_c2dot = v[11];
-    const double rocker_phidot = v[12];
-    const double rocker_alpha1dot = v[13];
     (void) k;
 
     /*
      * rocker middle (1): rocker_middle_r_2 = r = X + u at middle, along e2; ...;
      *     rocker_middle_sdot_2 = Q rdot at middle, along e2
      */
+    const double rocker_alpha1 = q[13];
     const double t1 = 0.5 * rocker_alpha1;
+    const double rocker_phi = q[12];
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
     const double rocker_middle_s_1 = t1 * rocker_sin_phi;
+    const double rocker_alpha1dot = v[13];
     const double t2 = 0.5 * rocker_alpha1dot;
     const double rocker_middle_sdot_1 = t2 * rocker_sin_phi;
 
@@ -1415,11 +1433,16 @@ int four_bar_marker_rocker_middle(
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double rocker_c1 = q[10];
     x[0] = rocker_c1 + rocker_middle_s_1;
     const double t3 = t1 * rocker_cos_phi;
+    const double rocker_c2 = q[11];
     x[1] = rocker_c2 - t3;
+    const double rocker_phidot = v[12];
     const double t4 = rocker_phidot * t1;
+    const double rocker_c1dot = v[10];
     xdot[0] = rocker_c1dot + rocker_middle_sdot_1 + t4 * rocker_cos_phi;
+    const double rocker_c2dot = v[11];
     xdot[1] = rocker_c2dot - t2 * rocker_cos_phi + t4 * rocker_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1430,6 +1453,7 @@ int four_bar_marker_rocker_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_marker_rocker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1438,24 +1462,19 @@ int four_bar_marker_rocker_right(
     double *xdot,
     double *jacobian)
 {
-    const double rocker_c1 = q[10];
-    const double rocker_c2 = q[11];
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
-    const double rocker_c1dot = v[10];
-    const double rocker_c2dot = v[11];
-    const double rocker_phidot = v[12];
-    const double rocker_alpha1dot = v[13];
-    const double rocker_alpha2dot = v[14];
     (void) k;
 
     /*
      * rocker right (1): rocker_right_r_2 = r = X + u at right, along e2; ...; rocker_right_sdot_2 =
      *     Q rdot at right, along e2
      */
+    const double rocker_alpha1 = q[13];
+    const double rocker_alpha2 = q[14];
     const double rocker_right_r_2 = rocker_alpha1 + rocker_alpha2;
+    const double rocker_alpha1dot = v[13];
+    const double rocker_alpha2dot = v[14];
     const double rocker_right_rdot_2 = rocker_alpha1dot + rocker_alpha2dot;
+    const double rocker_phi = q[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double t1 = 0.5 * rocker_cos_phi;
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
@@ -1466,11 +1485,16 @@ int four_bar_marker_rocker_right(
     const double rocker_right_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double rocker_c1 = q[10];
     x[0] = rocker_c1 + t1 - t2;
+    const double rocker_c2 = q[11];
     x[1] = rocker_c2 + t3 + t4;
+    const double rocker_phidot = v[12];
     const double t5 = rocker_right_rdot_2 + 0.5 * rocker_phidot;
     const double t6 = rocker_phidot * rocker_right_r_2;
+    const double rocker_c1dot = v[10];
     xdot[0] = rocker_c1dot - t5 * rocker_sin_phi - t6 * rocker_cos_phi;
+    const double rocker_c2dot = v[11];
     xdot[1] = rocker_c2dot + t5 * rocker_cos_phi - t6 * rocker_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1484,27 +1508,26 @@ int four_bar_marker_rocker_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_load_crank_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = q[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double crank_left_Fb_1 = F_1 * crank_cos_phi + F_2 * crank_sin_phi;
     const double crank_left_Fb_2 = F_2 * crank_cos_phi - F_1 * crank_sin_phi;
 
@@ -1512,6 +1535,8 @@ int four_bar_load_crank_left(
      * crank left (1): crank_left_r_2 = r = X + u at left, along e2; ...; crank_left_s_2 = Q r at
      *     left, along e2
      */
+    const double crank_alpha1 = q[3];
+    const double crank_alpha2 = q[4];
     const double crank_left_r_2 = crank_alpha1 - crank_alpha2;
 
     /* f (10): virtual work of the force */
@@ -1533,32 +1558,33 @@ int four_bar_load_crank_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_load_crank_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = q[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double crank_middle_Fb_1 = F_1 * crank_cos_phi + F_2 * crank_sin_phi;
     const double crank_middle_Fb_2 = F_2 * crank_cos_phi - F_1 * crank_sin_phi;
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
     f[1] = F_2;
+    const double crank_alpha1 = q[3];
     f[2] = crank_middle_Fb_1 * (0.5 * crank_alpha1);
     f[3] = (-0.5) * crank_middle_Fb_2;
     f[4] = 0.0;
@@ -1575,27 +1601,26 @@ int four_bar_load_crank_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_load_crank_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = q[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double crank_right_Fb_1 = F_1 * crank_cos_phi + F_2 * crank_sin_phi;
     const double crank_right_Fb_2 = F_2 * crank_cos_phi - F_1 * crank_sin_phi;
 
@@ -1603,6 +1628,8 @@ int four_bar_load_crank_right(
      * crank right (1): crank_right_r_2 = r = X + u at right, along e2; ...; crank_right_s_2 = Q r
      *     at right, along e2
      */
+    const double crank_alpha1 = q[3];
+    const double crank_alpha2 = q[4];
     const double crank_right_r_2 = crank_alpha1 + crank_alpha2;
 
     /* f (10): virtual work of the force */
@@ -1624,27 +1651,26 @@ int four_bar_load_crank_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_load_coupler_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = q[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double coupler_left_Fb_1 = F_1 * coupler_cos_phi + F_2 * coupler_sin_phi;
     const double coupler_left_Fb_2 = F_2 * coupler_cos_phi - F_1 * coupler_sin_phi;
 
@@ -1652,6 +1678,8 @@ int four_bar_load_coupler_left(
      * coupler left (1): coupler_left_r_2 = r = X + u at left, along e2; ...; coupler_left_s_2 = Q r
      *     at left, along e2
      */
+    const double coupler_alpha1 = q[8];
+    const double coupler_alpha2 = q[9];
     const double coupler_left_r_2 = coupler_alpha1 - coupler_alpha2;
 
     /* f (10): virtual work of the force */
@@ -1673,26 +1701,26 @@ int four_bar_load_coupler_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_load_coupler_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = q[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double coupler_middle_Fb_1 = F_1 * coupler_cos_phi + F_2 * coupler_sin_phi;
     const double coupler_middle_Fb_2 = F_2 * coupler_cos_phi - F_1 * coupler_sin_phi;
 
@@ -1704,6 +1732,7 @@ int four_bar_load_coupler_middle(
     f[4] = 0.0;
     f[5] = F_1;
     f[6] = F_2;
+    const double coupler_alpha1 = q[8];
     f[7] = coupler_middle_Fb_1 * (0.5 * coupler_alpha1);
     f[8] = (-0.5) * coupler_middle_Fb_2;
     f[9] = 0.0;
@@ -1715,27 +1744,26 @@ int four_bar_load_coupler_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_load_coupler_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = q[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double coupler_right_Fb_1 = F_1 * coupler_cos_phi + F_2 * coupler_sin_phi;
     const double coupler_right_Fb_2 = F_2 * coupler_cos_phi - F_1 * coupler_sin_phi;
 
@@ -1743,6 +1771,8 @@ int four_bar_load_coupler_right(
      * coupler right (1): coupler_right_r_2 = r = X + u at right, along e2; ...; coupler_right_s_2 =
      *     Q r at right, along e2
      */
+    const double coupler_alpha1 = q[8];
+    const double coupler_alpha2 = q[9];
     const double coupler_right_r_2 = coupler_alpha1 + coupler_alpha2;
 
     /* f (10): virtual work of the force */
@@ -1764,27 +1794,26 @@ int four_bar_load_coupler_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_load_rocker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = q[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double rocker_left_Fb_1 = F_1 * rocker_cos_phi + F_2 * rocker_sin_phi;
     const double rocker_left_Fb_2 = F_2 * rocker_cos_phi - F_1 * rocker_sin_phi;
 
@@ -1792,6 +1821,8 @@ int four_bar_load_rocker_left(
      * rocker left (1): rocker_left_r_2 = r = X + u at left, along e2; ...; rocker_left_s_2 = Q r at
      *     left, along e2
      */
+    const double rocker_alpha1 = q[13];
+    const double rocker_alpha2 = q[14];
     const double rocker_left_r_2 = rocker_alpha1 - rocker_alpha2;
 
     /* f (10): virtual work of the force */
@@ -1813,26 +1844,26 @@ int four_bar_load_rocker_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_load_rocker_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = q[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double rocker_middle_Fb_1 = F_1 * rocker_cos_phi + F_2 * rocker_sin_phi;
     const double rocker_middle_Fb_2 = F_2 * rocker_cos_phi - F_1 * rocker_sin_phi;
 
@@ -1849,33 +1880,33 @@ int four_bar_load_rocker_middle(
     f[9] = 0.0;
     f[10] = F_1;
     f[11] = F_2;
+    const double rocker_alpha1 = q[13];
     f[12] = rocker_middle_Fb_1 * (0.5 * rocker_alpha1);
     f[13] = (-0.5) * rocker_middle_Fb_2;
     f[14] = 0.0;
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_load_rocker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = q[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double rocker_right_Fb_1 = F_1 * rocker_cos_phi + F_2 * rocker_sin_phi;
     const double rocker_right_Fb_2 = F_2 * rocker_cos_phi - F_1 * rocker_sin_phi;
 
@@ -1883,6 +1914,8 @@ int four_bar_load_rocker_right(
      * rocker right (1): rocker_right_r_2 = r = X + u at right, along e2; ...; rocker_right_s_2 = Q
      *     r at right, along e2
      */
+    const double rocker_alpha1 = q[13];
+    const double rocker_alpha2 = q[14];
     const double rocker_right_r_2 = rocker_alpha1 + rocker_alpha2;
 
     /* f (10): virtual work of the force */
@@ -1904,33 +1937,20 @@ int four_bar_load_rocker_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_constraints(
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *g)
 {
-    const double crank_c1 = q[0];
-    const double crank_c2 = q[1];
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double coupler_c1 = q[5];
-    const double coupler_c2 = q[6];
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double rocker_c1 = q[10];
-    const double rocker_c2 = q[11];
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
     (void) k;
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = q[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
@@ -1938,6 +1958,8 @@ int four_bar_constraints(
      * crank left (1): crank_left_r_2 = r = X + u at left, along e2; ...; crank_left_s_2 = Q r at
      *     left, along e2
      */
+    const double crank_alpha1 = q[3];
+    const double crank_alpha2 = q[4];
     const double crank_left_r_2 = crank_alpha1 - crank_alpha2;
     const double crank_left_s_1 = (-1.0 / 5.0) * crank_cos_phi - crank_left_r_2 * crank_sin_phi;
     const double crank_left_s_2 = (-1.0 / 5.0) * crank_sin_phi + crank_left_r_2 * crank_cos_phi;
@@ -1954,6 +1976,7 @@ int four_bar_constraints(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = q[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
@@ -1961,6 +1984,8 @@ int four_bar_constraints(
      * coupler left (1): coupler_left_r_2 = r = X + u at left, along e2; ...; coupler_left_s_2 = Q r
      *     at left, along e2
      */
+    const double coupler_alpha1 = q[8];
+    const double coupler_alpha2 = q[9];
     const double coupler_left_r_2 = coupler_alpha1 - coupler_alpha2;
     const double coupler_left_s_1 = (-3.0 / 5.0) * coupler_cos_phi
         - coupler_left_r_2 * coupler_sin_phi;
@@ -1981,6 +2006,7 @@ int four_bar_constraints(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = q[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
@@ -1988,6 +2014,8 @@ int four_bar_constraints(
      * rocker left (1): rocker_left_r_2 = r = X + u at left, along e2; ...; rocker_left_s_2 = Q r at
      *     left, along e2
      */
+    const double rocker_alpha1 = q[13];
+    const double rocker_alpha2 = q[14];
     const double rocker_left_r_2 = rocker_alpha1 - rocker_alpha2;
     const double rocker_left_s_1 = (-0.5) * rocker_cos_phi - rocker_left_r_2 * rocker_sin_phi;
     const double rocker_left_s_2 = (-0.5) * rocker_sin_phi + rocker_left_r_2 * rocker_cos_phi;
@@ -2001,20 +2029,27 @@ int four_bar_constraints(
     const double rocker_right_s_2 = 0.5 * rocker_sin_phi + rocker_right_r_2 * rocker_cos_phi;
 
     /* g (1): point of body 2 minus point of body 1, from x = c + Q r */
+    const double crank_c1 = q[0];
     g[0] = crank_c1 + crank_left_s_1;
+    const double crank_c2 = q[1];
     g[1] = crank_c2 + crank_left_s_2;
     const double t1 = (884279719003555.0 / 211106232532992.0) * t;
     g[2] = crank_phi + (-15.0) * crank_alpha1 + 30.0 * crank_alpha2 + tisserand_sin(t1)
         - 1.5707963267948966 - t1;
+    const double coupler_c1 = q[5];
     g[3] = coupler_c1 + coupler_left_s_1 - crank_c1 - crank_right_s_1;
+    const double coupler_c2 = q[6];
     g[4] = coupler_c2 + coupler_left_s_2 - crank_c2 - crank_right_s_2;
+    const double rocker_c1 = q[10];
     g[5] = rocker_c1 + rocker_right_s_1 - coupler_c1 - coupler_right_s_1;
+    const double rocker_c2 = q[11];
     g[6] = rocker_c2 + rocker_right_s_2 - coupler_c2 - coupler_right_s_2;
     g[7] = rocker_c1 + rocker_left_s_1 - (6.0 / 5.0);
     g[8] = rocker_c2 + rocker_left_s_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_constraint_rates(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2022,36 +2057,13 @@ int four_bar_constraint_rates(
     const double *TISSERAND_RESTRICT k,
     double *gdot)
 {
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
-    const double crank_c1dot = v[0];
-    const double crank_c2dot = v[1];
-    const double crank_phidot = v[2];
-    const double crank_alpha1dot = v[3];
-    const double crank_alpha2dot = v[4];
-    const double coupler_c1dot = v[5];
-    const double coupler_c2dot = v[6];
-    const double coupler_phidot = v[7];
-    const double coupler_alpha1dot = v[8];
-    const double coupler_alpha2dot = v[9];
-    const double rocker_c1dot = v[10];
-    const double rocker_c2dot = v[11];
-    const double rocker_phidot = v[12];
-    const double rocker_alpha1dot = v[13];
-    const double rocker_alpha2dot = v[14];
     (void) k;
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = q[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
@@ -2059,7 +2071,11 @@ int four_bar_constraint_rates(
      * crank left (1): crank_left_r_2 = r = X + u at left, along e2; ...; crank_left_sdot_2 = Q rdot
      *     at left, along e2
      */
+    const double crank_alpha1 = q[3];
+    const double crank_alpha2 = q[4];
     const double crank_left_r_2 = crank_alpha1 - crank_alpha2;
+    const double crank_alpha1dot = v[3];
+    const double crank_alpha2dot = v[4];
     const double crank_left_rdot_2 = crank_alpha1dot - crank_alpha2dot;
     const double crank_left_s_1 = (-1.0 / 5.0) * crank_cos_phi - crank_left_r_2 * crank_sin_phi;
     const double crank_left_s_2 = (-1.0 / 5.0) * crank_sin_phi + crank_left_r_2 * crank_cos_phi;
@@ -2079,6 +2095,7 @@ int four_bar_constraint_rates(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = q[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
@@ -2086,7 +2103,11 @@ int four_bar_constraint_rates(
      * coupler left (1): coupler_left_r_2 = r = X + u at left, along e2; ...; coupler_left_sdot_2 =
      *     Q rdot at left, along e2
      */
+    const double coupler_alpha1 = q[8];
+    const double coupler_alpha2 = q[9];
     const double coupler_left_r_2 = coupler_alpha1 - coupler_alpha2;
+    const double coupler_alpha1dot = v[8];
+    const double coupler_alpha2dot = v[9];
     const double coupler_left_rdot_2 = coupler_alpha1dot - coupler_alpha2dot;
     const double coupler_left_s_1 = (-3.0 / 5.0) * coupler_cos_phi
         - coupler_left_r_2 * coupler_sin_phi;
@@ -2110,6 +2131,7 @@ int four_bar_constraint_rates(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = q[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
@@ -2117,7 +2139,11 @@ int four_bar_constraint_rates(
      * rocker left (1): rocker_left_r_2 = r = X + u at left, along e2; ...; rocker_left_sdot_2 = Q
      *     rdot at left, along e2
      */
+    const double rocker_alpha1 = q[13];
+    const double rocker_alpha2 = q[14];
     const double rocker_left_r_2 = rocker_alpha1 - rocker_alpha2;
+    const double rocker_alpha1dot = v[13];
+    const double rocker_alpha2dot = v[14];
     const double rocker_left_rdot_2 = rocker_alpha1dot - rocker_alpha2dot;
     const double rocker_left_s_1 = (-0.5) * rocker_cos_phi - rocker_left_r_2 * rocker_sin_phi;
     const double rocker_left_s_2 = (-0.5) * rocker_sin_phi + rocker_left_r_2 * rocker_cos_phi;
@@ -2134,18 +2160,27 @@ int four_bar_constraint_rates(
     const double rocker_right_sdot_2 = rocker_right_rdot_2 * rocker_cos_phi;
 
     /* gdot (1): velocity of the point of body 2 minus that of body 1 */
+    const double crank_c1dot = v[0];
+    const double crank_phidot = v[2];
     gdot[0] = crank_c1dot - crank_left_rdot_2 * crank_sin_phi - crank_phidot * crank_left_s_2;
+    const double crank_c2dot = v[1];
     gdot[1] = crank_c2dot + crank_left_sdot_2 + crank_phidot * crank_left_s_1;
     gdot[2] = crank_phidot + (-15.0) * crank_alpha1dot + 30.0 * crank_alpha2dot
         + (884279719003555.0 / 211106232532992.0) * tisserand_cos((884279719003555.0 / 211106232532992.0) * t)
         - (884279719003555.0 / 211106232532992.0);
+    const double coupler_c1dot = v[5];
+    const double coupler_phidot = v[7];
     gdot[3] = coupler_c1dot - coupler_left_rdot_2 * coupler_sin_phi + crank_phidot * crank_right_s_2
         - crank_c1dot + crank_right_rdot_2 * crank_sin_phi - coupler_phidot * coupler_left_s_2;
+    const double coupler_c2dot = v[6];
     gdot[4] = coupler_c2dot + coupler_left_sdot_2 + coupler_phidot * coupler_left_s_1 - crank_c2dot
         - crank_right_sdot_2 - crank_phidot * crank_right_s_1;
+    const double rocker_c1dot = v[10];
+    const double rocker_phidot = v[12];
     gdot[5] = rocker_c1dot - rocker_right_rdot_2 * rocker_sin_phi
         + coupler_phidot * coupler_right_s_2 - coupler_c1dot
         + coupler_right_rdot_2 * coupler_sin_phi - rocker_phidot * rocker_right_s_2;
+    const double rocker_c2dot = v[11];
     gdot[6] = rocker_c2dot + rocker_right_sdot_2 + rocker_phidot * rocker_right_s_1 - coupler_c2dot
         - coupler_right_sdot_2 - coupler_phidot * coupler_right_s_1;
     gdot[7] = rocker_c1dot - rocker_left_rdot_2 * rocker_sin_phi - rocker_phidot * rocker_left_s_2;
@@ -2153,6 +2188,7 @@ int four_bar_constraint_rates(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_constraint_jacobian(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2160,21 +2196,13 @@ int four_bar_constraint_jacobian(
     double *G)
 {
     (void) t;
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
     (void) k;
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = q[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
@@ -2182,6 +2210,8 @@ int four_bar_constraint_jacobian(
      * crank left (1): crank_left_r_2 = r = X + u at left, along e2; ...; crank_left_s_2 = Q r at
      *     left, along e2
      */
+    const double crank_alpha1 = q[3];
+    const double crank_alpha2 = q[4];
     const double crank_left_r_2 = crank_alpha1 - crank_alpha2;
     const double crank_left_s_1 = (-1.0 / 5.0) * crank_cos_phi - crank_left_r_2 * crank_sin_phi;
     const double crank_left_s_2 = (-1.0 / 5.0) * crank_sin_phi + crank_left_r_2 * crank_cos_phi;
@@ -2198,6 +2228,7 @@ int four_bar_constraint_jacobian(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = q[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
@@ -2205,6 +2236,8 @@ int four_bar_constraint_jacobian(
      * coupler left (1): coupler_left_r_2 = r = X + u at left, along e2; ...; coupler_left_s_2 = Q r
      *     at left, along e2
      */
+    const double coupler_alpha1 = q[8];
+    const double coupler_alpha2 = q[9];
     const double coupler_left_r_2 = coupler_alpha1 - coupler_alpha2;
     const double coupler_left_s_1 = (-3.0 / 5.0) * coupler_cos_phi
         - coupler_left_r_2 * coupler_sin_phi;
@@ -2225,6 +2258,7 @@ int four_bar_constraint_jacobian(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = q[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
@@ -2232,6 +2266,8 @@ int four_bar_constraint_jacobian(
      * rocker left (1): rocker_left_r_2 = r = X + u at left, along e2; ...; rocker_left_s_2 = Q r at
      *     left, along e2
      */
+    const double rocker_alpha1 = q[13];
+    const double rocker_alpha2 = q[14];
     const double rocker_left_r_2 = rocker_alpha1 - rocker_alpha2;
     const double rocker_left_s_1 = (-0.5) * rocker_cos_phi - rocker_left_r_2 * rocker_sin_phi;
     const double rocker_left_s_2 = (-0.5) * rocker_sin_phi + rocker_left_r_2 * rocker_cos_phi;
@@ -2302,6 +2338,7 @@ int four_bar_constraint_jacobian(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_constraint_bias(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2309,30 +2346,13 @@ int four_bar_constraint_bias(
     const double *TISSERAND_RESTRICT k,
     double *gamma)
 {
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
-    const double crank_phidot = v[2];
-    const double crank_alpha1dot = v[3];
-    const double crank_alpha2dot = v[4];
-    const double coupler_phidot = v[7];
-    const double coupler_alpha1dot = v[8];
-    const double coupler_alpha2dot = v[9];
-    const double rocker_phidot = v[12];
-    const double rocker_alpha1dot = v[13];
-    const double rocker_alpha2dot = v[14];
     (void) k;
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = q[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
@@ -2340,7 +2360,11 @@ int four_bar_constraint_bias(
      * crank left (1): crank_left_r_2 = r = X + u at left, along e2; ...; crank_left_sdot_2 = Q rdot
      *     at left, along e2
      */
+    const double crank_alpha1 = q[3];
+    const double crank_alpha2 = q[4];
     const double crank_left_r_2 = crank_alpha1 - crank_alpha2;
+    const double crank_alpha1dot = v[3];
+    const double crank_alpha2dot = v[4];
     const double crank_left_rdot_2 = crank_alpha1dot - crank_alpha2dot;
     const double crank_left_s_1 = (-1.0 / 5.0) * crank_cos_phi - crank_left_r_2 * crank_sin_phi;
     const double crank_left_s_2 = (-1.0 / 5.0) * crank_sin_phi + crank_left_r_2 * crank_cos_phi;
@@ -2360,6 +2384,7 @@ int four_bar_constraint_bias(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = q[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
@@ -2367,7 +2392,11 @@ int four_bar_constraint_bias(
      * coupler left (1): coupler_left_r_2 = r = X + u at left, along e2; ...; coupler_left_sdot_2 =
      *     Q rdot at left, along e2
      */
+    const double coupler_alpha1 = q[8];
+    const double coupler_alpha2 = q[9];
     const double coupler_left_r_2 = coupler_alpha1 - coupler_alpha2;
+    const double coupler_alpha1dot = v[8];
+    const double coupler_alpha2dot = v[9];
     const double coupler_left_rdot_2 = coupler_alpha1dot - coupler_alpha2dot;
     const double coupler_left_s_1 = (-3.0 / 5.0) * coupler_cos_phi
         - coupler_left_r_2 * coupler_sin_phi;
@@ -2391,6 +2420,7 @@ int four_bar_constraint_bias(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = q[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
@@ -2398,7 +2428,11 @@ int four_bar_constraint_bias(
      * rocker left (1): rocker_left_r_2 = r = X + u at left, along e2; ...; rocker_left_sdot_2 = Q
      *     rdot at left, along e2
      */
+    const double rocker_alpha1 = q[13];
+    const double rocker_alpha2 = q[14];
     const double rocker_left_r_2 = rocker_alpha1 - rocker_alpha2;
+    const double rocker_alpha1dot = v[13];
+    const double rocker_alpha2dot = v[14];
     const double rocker_left_rdot_2 = rocker_alpha1dot - rocker_alpha2dot;
     const double rocker_left_s_1 = (-0.5) * rocker_cos_phi - rocker_left_r_2 * rocker_sin_phi;
     const double rocker_left_s_2 = (-0.5) * rocker_sin_phi + rocker_left_r_2 * rocker_cos_phi;
@@ -2415,17 +2449,20 @@ int four_bar_constraint_bias(
     const double rocker_right_sdot_2 = rocker_right_rdot_2 * rocker_cos_phi;
 
     /* gamma (5): centrifugal, Coriolis and prescribed parts */
+    const double crank_phidot = v[2];
     const double t1 = crank_phidot * crank_phidot;
     const double t2 = 2.0 * crank_phidot;
     gamma[0] = t1 * crank_left_s_1 + t2 * crank_left_sdot_2;
     gamma[1] = t2 * (crank_left_rdot_2 * crank_sin_phi) + t1 * crank_left_s_2;
     gamma[2] = 17.545963379714415 * tisserand_sin((884279719003555.0 / 211106232532992.0) * t);
+    const double coupler_phidot = v[7];
     const double t3 = coupler_phidot * coupler_phidot;
     const double t4 = 2.0 * coupler_phidot;
     gamma[3] = -(t2 * crank_right_sdot_2 + t1 * crank_right_s_1 - t3 * coupler_left_s_1
         - t4 * coupler_left_sdot_2);
     gamma[4] = -(t1 * crank_right_s_2 - t4 * (coupler_left_rdot_2 * coupler_sin_phi)
         - t3 * coupler_left_s_2) - t2 * (crank_right_rdot_2 * crank_sin_phi);
+    const double rocker_phidot = v[12];
     const double t5 = 2.0 * rocker_phidot;
     const double t6 = rocker_phidot * rocker_phidot;
     gamma[5] = -(t4 * coupler_right_sdot_2 + t3 * coupler_right_s_1 - t5 * rocker_right_sdot_2
@@ -2437,6 +2474,7 @@ int four_bar_constraint_bias(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_solve(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2445,40 +2483,19 @@ int four_bar_solve(
     double *vdot,
     double *lam)
 {
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
-    const double crank_phidot = v[2];
-    const double crank_alpha1dot = v[3];
-    const double crank_alpha2dot = v[4];
-    const double coupler_phidot = v[7];
-    const double coupler_alpha1dot = v[8];
-    const double coupler_alpha2dot = v[9];
-    const double rocker_phidot = v[12];
-    const double rocker_alpha1dot = v[13];
-    const double rocker_alpha2dot = v[14];
-    const double crank_K_1_1 = k[0];
-    const double crank_K_2_2 = k[1];
-    const double coupler_K_1_1 = k[2];
-    const double coupler_K_2_2 = k[3];
-    const double rocker_K_1_1 = k[4];
-    const double rocker_K_2_2 = k[5];
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = q[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = q[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = q[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank J (appendix): crank_J = int rho r . r */
@@ -2490,6 +2507,8 @@ int four_bar_solve(
      *     at left, along e2
      */
     const double crank_left_r_2 = crank_alpha1 - crank_alpha2;
+    const double crank_alpha1dot = v[3];
+    const double crank_alpha2dot = v[4];
     const double crank_left_rdot_2 = crank_alpha1dot - crank_alpha2dot;
     const double crank_left_s_1 = (-1.0 / 5.0) * crank_cos_phi - crank_left_r_2 * crank_sin_phi;
     const double crank_left_s_2 = (-1.0 / 5.0) * crank_sin_phi + crank_left_r_2 * crank_cos_phi;
@@ -2509,11 +2528,14 @@ int four_bar_solve(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = q[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = q[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = q[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler J (appendix): coupler_J = int rho r . r */
@@ -2525,6 +2547,8 @@ int four_bar_solve(
      *     Q rdot at left, along e2
      */
     const double coupler_left_r_2 = coupler_alpha1 - coupler_alpha2;
+    const double coupler_alpha1dot = v[8];
+    const double coupler_alpha2dot = v[9];
     const double coupler_left_rdot_2 = coupler_alpha1dot - coupler_alpha2dot;
     const double coupler_left_s_1 = (-3.0 / 5.0) * coupler_cos_phi
         - coupler_left_r_2 * coupler_sin_phi;
@@ -2548,11 +2572,14 @@ int four_bar_solve(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = q[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = q[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = q[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker J (appendix): rocker_J = int rho r . r */
@@ -2564,6 +2591,8 @@ int four_bar_solve(
      *     rdot at left, along e2
      */
     const double rocker_left_r_2 = rocker_alpha1 - rocker_alpha2;
+    const double rocker_alpha1dot = v[13];
+    const double rocker_alpha2dot = v[14];
     const double rocker_left_rdot_2 = rocker_alpha1dot - rocker_alpha2dot;
     const double rocker_left_s_1 = (-0.5) * rocker_cos_phi - rocker_left_r_2 * rocker_sin_phi;
     const double rocker_left_s_2 = (-0.5) * rocker_sin_phi + rocker_left_r_2 * rocker_cos_phi;
@@ -2744,11 +2773,14 @@ int four_bar_solve(
     const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
+    const double crank_phidot = v[2];
     const double t99 = 2.0 * crank_phidot;
     const double t100 = t99 * crank_D2dot;
     const double t101 = crank_phidot * crank_phidot;
+    const double crank_K_1_1 = k[0];
     const double t102 = crank_K_1_1 * crank_alpha1 - t101 * crank_D2_1;
     const double t103 = t2 * t102;
+    const double crank_K_2_2 = k[1];
     const double t104 = crank_K_2_2 * crank_alpha2 - t101 * crank_D2_2;
     const double t105 = t4 * t104;
     const double t106 = t100 * inverse_crank_J;
@@ -2761,11 +2793,14 @@ int four_bar_solve(
     const double t110 = t15 * t102;
     const double t111 = t109 - (t99 * (crank_left_rdot_2 * crank_sin_phi) + t101 * crank_left_s_2
         + t14 * t100 + t110) - t18 * t107 - t22 * t108;
+    const double coupler_phidot = v[7];
     const double t112 = coupler_phidot * coupler_phidot;
     const double t113 = 2.0 * coupler_phidot;
+    const double coupler_K_2_2 = k[3];
     const double t114 = coupler_K_2_2 * coupler_alpha2 - t112 * coupler_D2_2;
     const double t115 = t52 * t114;
     const double t116 = t113 * coupler_D2dot;
+    const double coupler_K_1_1 = k[2];
     const double t117 = coupler_K_1_1 * coupler_alpha1 - t112 * coupler_D2_1;
     const double t118 = t55 * t117;
     const double t119 = t99 * crank_right_sdot_2 + t101 * crank_right_s_1 - t112 * coupler_left_s_1
@@ -2776,10 +2811,13 @@ int four_bar_solve(
     const double t122 = t101 * crank_right_s_2 - t113 * (coupler_left_rdot_2 * coupler_sin_phi)
         - t112 * coupler_left_s_2 + t99 * (crank_right_rdot_2 * crank_sin_phi) + t58 * t100 + t110
         + t109 - t60 * t107 - t62 * t108 - t64 * t111 + t120 - t67 * t116 - t121 - t71 * t119;
+    const double rocker_phidot = v[12];
     const double t123 = 2.0 * rocker_phidot;
     const double t124 = rocker_phidot * rocker_phidot;
+    const double rocker_K_1_1 = k[4];
     const double t125 = rocker_K_1_1 * rocker_alpha1 - t124 * rocker_D2_1;
     const double t126 = t33 * t125;
+    const double rocker_K_2_2 = k[5];
     const double t127 = rocker_K_2_2 * rocker_alpha2 - t124 * rocker_D2_2;
     const double t128 = t36 * t127;
     const double t129 = t123 * rocker_D2dot;
@@ -2860,6 +2898,7 @@ int four_bar_solve(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2868,35 +2907,20 @@ int four_bar_project_velocity(
     double *dv)
 {
     (void) t;
-    const double crank_phi = q[2];
-    const double crank_alpha1 = q[3];
-    const double crank_alpha2 = q[4];
-    const double coupler_phi = q[7];
-    const double coupler_alpha1 = q[8];
-    const double coupler_alpha2 = q[9];
-    const double rocker_phi = q[12];
-    const double rocker_alpha1 = q[13];
-    const double rocker_alpha2 = q[14];
     (void) k;
-    const double r_shaft_1 = r[0];
-    const double r_shaft_2 = r[1];
-    const double r_motor = r[2];
-    const double r_crank_pin_1 = r[3];
-    const double r_crank_pin_2 = r[4];
-    const double r_rocker_pin_1 = r[5];
-    const double r_rocker_pin_2 = r[6];
-    const double r_pivot_1 = r[7];
-    const double r_pivot_2 = r[8];
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = q[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = q[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = q[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank J (appendix): crank_J = int rho r . r */
@@ -2923,11 +2947,14 @@ int four_bar_project_velocity(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = q[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = q[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = q[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler J (appendix): coupler_J = int rho r . r */
@@ -2958,11 +2985,14 @@ int four_bar_project_velocity(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = q[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = q[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = q[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker J (appendix): rocker_J = int rho r . r */
@@ -3140,12 +3170,21 @@ int four_bar_project_velocity(
         + 5.684341886080802e-14 * t98) > 0.0)) return 1; /* the pivot of rocker_pin_2 vanished */
 
     /* solution (LDL^T): forward, diagonal and back substitution */
+    const double r_shaft_1 = r[0];
+    const double r_motor = r[2];
     const double t99 = r_shaft_1 + t8 * r_motor;
+    const double r_shaft_2 = r[1];
     const double t100 = t22 * t99 - (r_shaft_2 + t18 * r_motor);
+    const double r_crank_pin_1 = r[3];
     const double t101 = t47 * r_motor - r_crank_pin_1 + t49 * t99 - t51 * t100;
+    const double r_crank_pin_2 = r[4];
     const double t102 = t62 * t99 - (r_crank_pin_2 + t60 * r_motor) - t64 * t100 - t71 * t101;
+    const double r_pivot_2 = r[8];
+    const double r_pivot_1 = r[7];
     const double t103 = r_pivot_2 + t40 * r_pivot_1;
+    const double r_rocker_pin_1 = r[5];
     const double t104 = t79 * t103 - (r_rocker_pin_1 + t77 * r_pivot_1) - t82 * t101 - t84 * t102;
+    const double r_rocker_pin_2 = r[6];
     const double t105 = (t90 * t103 - (r_rocker_pin_2 + t88 * r_pivot_1) - t93 * t101 - t95 * t102
         - t97 * t104) / pivot_rocker_pin_2;
     const double t106 = t104 * inverse_pivot_rocker_pin_1 - t97 * t105;
@@ -3195,6 +3234,7 @@ int four_bar_project_velocity(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_poses(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3202,30 +3242,31 @@ int four_bar_poses(
     double *pose)
 {
     (void) t;
-    const double crank_c1 = q[0];
-    const double crank_c2 = q[1];
-    const double crank_phi = q[2];
-    const double coupler_c1 = q[5];
-    const double coupler_c2 = q[6];
-    const double coupler_phi = q[7];
-    const double rocker_c1 = q[10];
-    const double rocker_c2 = q[11];
-    const double rocker_phi = q[12];
     (void) k;
 
     /* poses (1): bodies in the order of the specification */
+    const double crank_c1 = q[0];
     pose[0] = crank_c1;
+    const double crank_c2 = q[1];
     pose[1] = crank_c2;
+    const double crank_phi = q[2];
     pose[2] = crank_phi;
+    const double coupler_c1 = q[5];
     pose[3] = coupler_c1;
+    const double coupler_c2 = q[6];
     pose[4] = coupler_c2;
+    const double coupler_phi = q[7];
     pose[5] = coupler_phi;
+    const double rocker_c1 = q[10];
     pose[6] = rocker_c1;
+    const double rocker_c2 = q[11];
     pose[7] = rocker_c2;
+    const double rocker_phi = q[12];
     pose[8] = rocker_phi;
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3233,91 +3274,19 @@ int four_bar_residual(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-    const double crank_c1 = y[0];
-    const double crank_c2 = y[1];
-    const double crank_phi = y[2];
-    const double crank_alpha1 = y[3];
-    const double crank_alpha2 = y[4];
-    const double coupler_c1 = y[5];
-    const double coupler_c2 = y[6];
-    const double coupler_phi = y[7];
-    const double coupler_alpha1 = y[8];
-    const double coupler_alpha2 = y[9];
-    const double rocker_c1 = y[10];
-    const double rocker_c2 = y[11];
-    const double rocker_phi = y[12];
-    const double rocker_alpha1 = y[13];
-    const double rocker_alpha2 = y[14];
-    const double crank_c1dot = y[15];
-    const double crank_c2dot = y[16];
-    const double crank_phidot = y[17];
-    const double crank_alpha1dot = y[18];
-    const double crank_alpha2dot = y[19];
-    const double coupler_c1dot = y[20];
-    const double coupler_c2dot = y[21];
-    const double coupler_phidot = y[22];
-    const double coupler_alpha1dot = y[23];
-    const double coupler_alpha2dot = y[24];
-    const double rocker_c1dot = y[25];
-    const double rocker_c2dot = y[26];
-    const double rocker_phidot = y[27];
-    const double rocker_alpha1dot = y[28];
-    const double rocker_alpha2dot = y[29];
-    const double lambda_shaft_1 = y[30];
-    const double lambda_shaft_2 = y[31];
-    const double lambda_motor = y[32];
-    const double lambda_crank_pin_1 = y[33];
-    const double lambda_crank_pin_2 = y[34];
-    const double lambda_rocker_pin_1 = y[35];
-    const double lambda_rocker_pin_2 = y[36];
-    const double lambda_pivot_1 = y[37];
-    const double lambda_pivot_2 = y[38];
-    const double crank_c1_t = ydot[0];
-    const double crank_c2_t = ydot[1];
-    const double crank_phi_t = ydot[2];
-    const double crank_alpha1_t = ydot[3];
-    const double crank_alpha2_t = ydot[4];
-    const double coupler_c1_t = ydot[5];
-    const double coupler_c2_t = ydot[6];
-    const double coupler_phi_t = ydot[7];
-    const double coupler_alpha1_t = ydot[8];
-    const double coupler_alpha2_t = ydot[9];
-    const double rocker_c1_t = ydot[10];
-    const double rocker_c2_t = ydot[11];
-    const double rocker_phi_t = ydot[12];
-    const double rocker_alpha1_t = ydot[13];
-    const double rocker_alpha2_t = ydot[14];
-    const double crank_c1ddot = ydot[15];
-    const double crank_c2ddot = ydot[16];
-    const double crank_phiddot = ydot[17];
-    const double crank_alpha1ddot = ydot[18];
-    const double crank_alpha2ddot = ydot[19];
-    const double coupler_c1ddot = ydot[20];
-    const double coupler_c2ddot = ydot[21];
-    const double coupler_phiddot = ydot[22];
-    const double coupler_alpha1ddot = ydot[23];
-    const double coupler_alpha2ddot = ydot[24];
-    const double rocker_c1ddot = ydot[25];
-    const double rocker_c2ddot = ydot[26];
-    const double rocker_phiddot = ydot[27];
-    const double rocker_alpha1ddot = ydot[28];
-    const double rocker_alpha2ddot = ydot[29];
-    const double crank_K_1_1 = k[0];
-    const double crank_K_2_2 = k[1];
-    const double coupler_K_1_1 = k[2];
-    const double coupler_K_2_2 = k[3];
-    const double rocker_K_1_1 = k[4];
-    const double rocker_K_2_2 = k[5];
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = y[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = y[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = y[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank J (appendix): crank_J = int rho r . r */
@@ -3325,6 +3294,8 @@ int four_bar_residual(
         + crank_D2_2 * crank_alpha2;
 
     /* crank D2dot (appendix): crank_D2dot = int rho r . rdot */
+    const double crank_alpha1dot = y[18];
+    const double crank_alpha2dot = y[19];
     const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
 
     /*
@@ -3347,11 +3318,14 @@ int four_bar_residual(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = y[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = y[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = y[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler J (appendix): coupler_J = int rho r . r */
@@ -3359,6 +3333,8 @@ int four_bar_residual(
         + coupler_D2_2 * coupler_alpha2;
 
     /* coupler D2dot (appendix): coupler_D2dot = int rho r . rdot */
+    const double coupler_alpha1dot = y[23];
+    const double coupler_alpha2dot = y[24];
     const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
         + coupler_alpha2dot * coupler_D2_2;
 
@@ -3386,11 +3362,14 @@ int four_bar_residual(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = y[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = y[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = y[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker J (appendix): rocker_J = int rho r . r */
@@ -3398,6 +3377,8 @@ int four_bar_residual(
         + rocker_D2_2 * rocker_alpha2;
 
     /* rocker D2dot (appendix): rocker_D2dot = int rho r . rdot */
+    const double rocker_alpha1dot = y[28];
+    const double rocker_alpha2dot = y[29];
     const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
 
     /*
@@ -3417,23 +3398,55 @@ int four_bar_residual(
     const double rocker_right_s_2 = 0.5 * rocker_sin_phi + rocker_right_r_2 * rocker_cos_phi;
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double crank_c1_t = ydot[0];
+    const double crank_c1dot = y[15];
     F[0] = crank_c1_t - crank_c1dot;
+    const double crank_c2_t = ydot[1];
+    const double crank_c2dot = y[16];
     F[1] = crank_c2_t - crank_c2dot;
+    const double crank_phi_t = ydot[2];
+    const double crank_phidot = y[17];
     F[2] = crank_phi_t - crank_phidot;
+    const double crank_alpha1_t = ydot[3];
     F[3] = crank_alpha1_t - crank_alpha1dot;
+    const double crank_alpha2_t = ydot[4];
     F[4] = crank_alpha2_t - crank_alpha2dot;
+    const double coupler_c1_t = ydot[5];
+    const double coupler_c1dot = y[20];
     F[5] = coupler_c1_t - coupler_c1dot;
+    const double coupler_c2_t = ydot[6];
+    const double coupler_c2dot = y[21];
     F[6] = coupler_c2_t - coupler_c2dot;
+    const double coupler_phi_t = ydot[7];
+    const double coupler_phidot = y[22];
     F[7] = coupler_phi_t - coupler_phidot;
+    const double coupler_alpha1_t = ydot[8];
     F[8] = coupler_alpha1_t - coupler_alpha1dot;
+    const double coupler_alpha2_t = ydot[9];
     F[9] = coupler_alpha2_t - coupler_alpha2dot;
+    const double rocker_c1_t = ydot[10];
+    const double rocker_c1dot = y[25];
     F[10] = rocker_c1_t - rocker_c1dot;
+    const double rocker_c2_t = ydot[11];
+    const double rocker_c2dot = y[26];
     F[11] = rocker_c2_t - rocker_c2dot;
+    const double rocker_phi_t = ydot[12];
+    const double rocker_phidot = y[27];
     F[12] = rocker_phi_t - rocker_phidot;
+    const double rocker_alpha1_t = ydot[13];
     F[13] = rocker_alpha1_t - rocker_alpha1dot;
+    const double rocker_alpha2_t = ydot[14];
     F[14] = rocker_alpha2_t - rocker_alpha2dot;
+    const double crank_c1ddot = ydot[15];
+    const double lambda_shaft_1 = y[30];
+    const double lambda_crank_pin_1 = y[33];
     F[15] = (12362167.0 / 50000000.0) * crank_c1ddot - (lambda_shaft_1 - lambda_crank_pin_1);
+    const double crank_c2ddot = ydot[16];
+    const double lambda_shaft_2 = y[31];
+    const double lambda_crank_pin_2 = y[34];
     F[16] = (12362167.0 / 50000000.0) * crank_c2ddot - (lambda_shaft_2 - lambda_crank_pin_2);
+    const double crank_phiddot = ydot[17];
+    const double lambda_motor = y[32];
     F[17] = 2.0 * crank_phidot * crank_D2dot + crank_J * crank_phiddot
         - (crank_left_s_1 * lambda_shaft_2 - crank_left_s_2 * lambda_shaft_1 + lambda_motor
         + crank_right_s_2 * lambda_crank_pin_1 - crank_right_s_1 * lambda_crank_pin_2);
@@ -3442,14 +3455,23 @@ int four_bar_residual(
     const double t3 = crank_sin_phi * lambda_shaft_1;
     const double t4 = crank_sin_phi * lambda_crank_pin_1;
     const double t5 = crank_cos_phi * lambda_crank_pin_2;
+    const double crank_K_1_1 = k[0];
+    const double crank_alpha1ddot = ydot[18];
     F[18] = crank_K_1_1 * crank_alpha1 + (12362167.0 / 250000000.0) * crank_alpha1ddot
         - t1 * crank_D2_1 - (t2 - t3 + (-15.0) * lambda_motor + t4 - t5);
+    const double crank_K_2_2 = k[1];
+    const double crank_alpha2ddot = ydot[19];
     F[19] = crank_K_2_2 * crank_alpha2 + (12362167.0 / 350000000.0) * crank_alpha2ddot
         - t1 * crank_D2_2 - (t3 - t2 + 30.0 * lambda_motor + t4 - t5);
+    const double coupler_c1ddot = ydot[20];
+    const double lambda_rocker_pin_1 = y[35];
     F[20] = (74173003.0 / 100000000.0) * coupler_c1ddot - (lambda_crank_pin_1
         - lambda_rocker_pin_1);
+    const double coupler_c2ddot = ydot[21];
+    const double lambda_rocker_pin_2 = y[36];
     F[21] = (74173003.0 / 100000000.0) * coupler_c2ddot - (lambda_crank_pin_2
         - lambda_rocker_pin_2);
+    const double coupler_phiddot = ydot[22];
     F[22] = 2.0 * coupler_phidot * coupler_D2dot + coupler_J * coupler_phiddot
         - (coupler_left_s_1 * lambda_crank_pin_2 - coupler_left_s_2 * lambda_crank_pin_1
         + coupler_right_s_2 * lambda_rocker_pin_1 - coupler_right_s_1 * lambda_rocker_pin_2);
@@ -3458,12 +3480,21 @@ int four_bar_residual(
     const double t8 = coupler_sin_phi * lambda_crank_pin_1;
     const double t9 = coupler_sin_phi * lambda_rocker_pin_1;
     const double t10 = coupler_cos_phi * lambda_rocker_pin_2;
+    const double coupler_K_1_1 = k[2];
+    const double coupler_alpha1ddot = ydot[23];
     F[23] = coupler_K_1_1 * coupler_alpha1 + (74173003.0 / 500000000.0) * coupler_alpha1ddot
         - t6 * coupler_D2_1 - (t7 - t8 + t9 - t10);
+    const double coupler_K_2_2 = k[3];
+    const double coupler_alpha2ddot = ydot[24];
     F[24] = coupler_K_2_2 * coupler_alpha2 + (74173003.0 / 700000000.0) * coupler_alpha2ddot
         - t6 * coupler_D2_2 - (t8 - t7 + t9 - t10);
+    const double rocker_c1ddot = ydot[25];
+    const double lambda_pivot_1 = y[37];
     F[25] = (12362167.0 / 20000000.0) * rocker_c1ddot - (lambda_rocker_pin_1 + lambda_pivot_1);
+    const double rocker_c2ddot = ydot[26];
+    const double lambda_pivot_2 = y[38];
     F[26] = (12362167.0 / 20000000.0) * rocker_c2ddot - (lambda_rocker_pin_2 + lambda_pivot_2);
+    const double rocker_phiddot = ydot[27];
     F[27] = 2.0 * rocker_phidot * rocker_D2dot + rocker_J * rocker_phiddot
         - (rocker_right_s_1 * lambda_rocker_pin_2 - rocker_right_s_2 * lambda_rocker_pin_1
         - rocker_left_s_2 * lambda_pivot_1 + rocker_left_s_1 * lambda_pivot_2);
@@ -3471,24 +3502,35 @@ int four_bar_residual(
     const double t12 = rocker_cos_phi * lambda_rocker_pin_2 - rocker_sin_phi * lambda_rocker_pin_1;
     const double t13 = rocker_sin_phi * lambda_pivot_1;
     const double t14 = rocker_cos_phi * lambda_pivot_2;
+    const double rocker_K_1_1 = k[4];
+    const double rocker_alpha1ddot = ydot[28];
     F[28] = rocker_K_1_1 * rocker_alpha1 + (12362167.0 / 100000000.0) * rocker_alpha1ddot
         - t11 * rocker_D2_1 - (t12 - t13 + t14);
+    const double rocker_K_2_2 = k[5];
+    const double rocker_alpha2ddot = ydot[29];
     F[29] = rocker_K_2_2 * rocker_alpha2 + (12362167.0 / 140000000.0) * rocker_alpha2ddot
         - t11 * rocker_D2_2 - (t12 + t13 - t14);
+    const double crank_c1 = y[0];
     F[30] = crank_c1 + crank_left_s_1;
+    const double crank_c2 = y[1];
     F[31] = crank_c2 + crank_left_s_2;
     const double t15 = (884279719003555.0 / 211106232532992.0) * t;
     F[32] = crank_phi + (-15.0) * crank_alpha1 + 30.0 * crank_alpha2 + tisserand_sin(t15)
         - 1.5707963267948966 - t15;
+    const double coupler_c1 = y[5];
     F[33] = coupler_c1 + coupler_left_s_1 - crank_c1 - crank_right_s_1;
+    const double coupler_c2 = y[6];
     F[34] = coupler_c2 + coupler_left_s_2 - crank_c2 - crank_right_s_2;
+    const double rocker_c1 = y[10];
     F[35] = rocker_c1 + rocker_right_s_1 - coupler_c1 - coupler_right_s_1;
+    const double rocker_c2 = y[11];
     F[36] = rocker_c2 + rocker_right_s_2 - coupler_c2 - coupler_right_s_2;
     F[37] = rocker_c1 + rocker_left_s_1 - (6.0 / 5.0);
     F[38] = rocker_c2 + rocker_left_s_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3498,51 +3540,19 @@ int four_bar_jacobian(
     double *jac)
 {
     (void) t;
-    const double crank_phi = y[2];
-    const double crank_alpha1 = y[3];
-    const double crank_alpha2 = y[4];
-    const double coupler_phi = y[7];
-    const double coupler_alpha1 = y[8];
-    const double coupler_alpha2 = y[9];
-    const double rocker_phi = y[12];
-    const double rocker_alpha1 = y[13];
-    const double rocker_alpha2 = y[14];
-    const double crank_phidot = y[17];
-    const double crank_alpha1dot = y[18];
-    const double crank_alpha2dot = y[19];
-    const double coupler_phidot = y[22];
-    const double coupler_alpha1dot = y[23];
-    const double coupler_alpha2dot = y[24];
-    const double rocker_phidot = y[27];
-    const double rocker_alpha1dot = y[28];
-    const double rocker_alpha2dot = y[29];
-    const double lambda_shaft_1 = y[30];
-    const double lambda_shaft_2 = y[31];
-    const double lambda_crank_pin_1 = y[33];
-    const double lambda_crank_pin_2 = y[34];
-    const double lambda_rocker_pin_1 = y[35];
-    const double lambda_rocker_pin_2 = y[36];
-    const double lambda_pivot_1 = y[37];
-    const double lambda_pivot_2 = y[38];
-    const double crank_phiddot = ydot[17];
-    const double coupler_phiddot = ydot[22];
-    const double rocker_phiddot = ydot[27];
-    const double crank_K_1_1 = k[0];
-    const double crank_K_2_2 = k[1];
-    const double coupler_K_1_1 = k[2];
-    const double coupler_K_2_2 = k[3];
-    const double rocker_K_1_1 = k[4];
-    const double rocker_K_2_2 = k[5];
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = y[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = y[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = y[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank J (appendix): crank_J = int rho r . r */
@@ -3550,6 +3560,8 @@ int four_bar_jacobian(
         + crank_D2_2 * crank_alpha2;
 
     /* crank D2dot (appendix): crank_D2dot = int rho r . rdot */
+    const double crank_alpha1dot = y[18];
+    const double crank_alpha2dot = y[19];
     const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
 
     /*
@@ -3572,11 +3584,14 @@ int four_bar_jacobian(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = y[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = y[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = y[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler J (appendix): coupler_J = int rho r . r */
@@ -3584,6 +3599,8 @@ int four_bar_jacobian(
         + coupler_D2_2 * coupler_alpha2;
 
     /* coupler D2dot (appendix): coupler_D2dot = int rho r . rdot */
+    const double coupler_alpha1dot = y[23];
+    const double coupler_alpha2dot = y[24];
     const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
         + coupler_alpha2dot * coupler_D2_2;
 
@@ -3611,11 +3628,14 @@ int four_bar_jacobian(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = y[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = y[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = y[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker J (appendix): rocker_J = int rho r . r */
@@ -3623,6 +3643,8 @@ int four_bar_jacobian(
         + rocker_D2_2 * rocker_alpha2;
 
     /* rocker D2dot (appendix): rocker_D2dot = int rho r . rdot */
+    const double rocker_alpha1dot = y[28];
+    const double rocker_alpha2dot = y[29];
     const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
 
     /*
@@ -3649,6 +3671,10 @@ int four_bar_jacobian(
     jac[4] = 1.0;
     jac[5] = -1.0;
     jac[6] = cj;
+    const double lambda_crank_pin_1 = y[33];
+    const double lambda_shaft_2 = y[31];
+    const double lambda_shaft_1 = y[30];
+    const double lambda_crank_pin_2 = y[34];
     jac[7] = -(lambda_crank_pin_1 * crank_right_s_1 - (lambda_shaft_2 * crank_left_s_2
         + lambda_shaft_1 * crank_left_s_1)) - lambda_crank_pin_2 * crank_right_s_2;
     const double t1 = lambda_crank_pin_1 * crank_cos_phi;
@@ -3665,10 +3691,13 @@ int four_bar_jacobian(
     jac[13] = crank_right_s_2;
     jac[14] = -crank_right_s_1;
     jac[15] = cj;
+    const double crank_phidot = y[17];
     const double t7 = 2.0 * crank_phidot;
+    const double crank_phiddot = ydot[17];
     jac[16] = t7 * ((12362167.0 / 250000000.0) * crank_alpha1dot)
         + crank_phiddot * (2.0 * crank_D2_1) - t6;
     const double t8 = crank_phidot * crank_phidot;
+    const double crank_K_1_1 = k[0];
     jac[17] = crank_K_1_1 - (12362167.0 / 250000000.0) * t8;
     const double t9 = -crank_sin_phi;
     jac[18] = t9;
@@ -3680,6 +3709,7 @@ int four_bar_jacobian(
     jac[23] = cj;
     jac[24] = t7 * ((12362167.0 / 350000000.0) * crank_alpha2dot)
         + crank_phiddot * (2.0 * crank_D2_2) - (t4 + t1 + t5);
+    const double crank_K_2_2 = k[1];
     jac[25] = crank_K_2_2 - (12362167.0 / 350000000.0) * t8;
     jac[26] = crank_sin_phi;
     jac[27] = t10;
@@ -3693,6 +3723,8 @@ int four_bar_jacobian(
     jac[35] = 1.0;
     jac[36] = -1.0;
     jac[37] = cj;
+    const double lambda_rocker_pin_1 = y[35];
+    const double lambda_rocker_pin_2 = y[36];
     jac[38] = -(lambda_rocker_pin_1 * coupler_right_s_1 - (lambda_crank_pin_2 * coupler_left_s_2
         + lambda_crank_pin_1 * coupler_left_s_1)) - lambda_rocker_pin_2 * coupler_right_s_2;
     const double t11 = lambda_rocker_pin_1 * coupler_cos_phi;
@@ -3708,10 +3740,13 @@ int four_bar_jacobian(
     jac[43] = coupler_right_s_2;
     jac[44] = -coupler_right_s_1;
     jac[45] = cj;
+    const double coupler_phidot = y[22];
     const double t17 = 2.0 * coupler_phidot;
+    const double coupler_phiddot = ydot[22];
     jac[46] = t17 * ((74173003.0 / 500000000.0) * coupler_alpha1dot)
         + coupler_phiddot * (2.0 * coupler_D2_1) - t16;
     const double t18 = coupler_phidot * coupler_phidot;
+    const double coupler_K_1_1 = k[2];
     jac[47] = coupler_K_1_1 - (74173003.0 / 500000000.0) * t18;
     const double t19 = -coupler_sin_phi;
     jac[48] = t19;
@@ -3722,6 +3757,7 @@ int four_bar_jacobian(
     jac[52] = cj;
     jac[53] = t17 * ((74173003.0 / 700000000.0) * coupler_alpha2dot)
         + coupler_phiddot * (2.0 * coupler_D2_2) - (t14 + t11 + t15);
+    const double coupler_K_2_2 = k[3];
     jac[54] = coupler_K_2_2 - (74173003.0 / 700000000.0) * t18;
     jac[55] = coupler_sin_phi;
     jac[56] = t20;
@@ -3734,6 +3770,8 @@ int four_bar_jacobian(
     jac[63] = 1.0;
     jac[64] = 1.0;
     jac[65] = cj;
+    const double lambda_pivot_1 = y[37];
+    const double lambda_pivot_2 = y[38];
     jac[66] = lambda_rocker_pin_2 * rocker_right_s_2 + lambda_rocker_pin_1 * rocker_right_s_1
         + lambda_pivot_1 * rocker_left_s_1 + lambda_pivot_2 * rocker_left_s_2;
     const double t21 = lambda_rocker_pin_2 * rocker_sin_phi + lambda_rocker_pin_1 * rocker_cos_phi;
@@ -3748,10 +3786,13 @@ int four_bar_jacobian(
     jac[71] = -rocker_left_s_2;
     jac[72] = rocker_left_s_1;
     jac[73] = cj;
+    const double rocker_phidot = y[27];
     const double t26 = 2.0 * rocker_phidot;
+    const double rocker_phiddot = ydot[27];
     jac[74] = t26 * ((12362167.0 / 100000000.0) * rocker_alpha1dot)
         + rocker_phiddot * (2.0 * rocker_D2_1) + t24;
     const double t27 = rocker_phidot * rocker_phidot;
+    const double rocker_K_1_1 = k[4];
     jac[75] = rocker_K_1_1 - (12362167.0 / 100000000.0) * t27;
     const double t28 = -rocker_sin_phi;
     jac[76] = t28;
@@ -3761,6 +3802,7 @@ int four_bar_jacobian(
     jac[80] = cj;
     jac[81] = t26 * ((12362167.0 / 140000000.0) * rocker_alpha2dot)
         + rocker_phiddot * (2.0 * rocker_D2_2) - t25;
+    const double rocker_K_2_2 = k[5];
     jac[82] = rocker_K_2_2 - (12362167.0 / 140000000.0) * t27;
     jac[83] = t28;
     jac[84] = rocker_cos_phi;
@@ -3877,6 +3919,7 @@ int four_bar_jacobian(
 
 #ifndef TISSERAND_WITHOUT_REDUCED_FORMS
 
+TISSERAND_SCALAR
 int four_bar_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3884,100 +3927,19 @@ int four_bar_residual_ggl(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-    const double crank_c1 = y[0];
-    const double crank_c2 = y[1];
-    const double crank_phi = y[2];
-    const double crank_alpha1 = y[3];
-    const double crank_alpha2 = y[4];
-    const double coupler_c1 = y[5];
-    const double coupler_c2 = y[6];
-    const double coupler_phi = y[7];
-    const double coupler_alpha1 = y[8];
-    const double coupler_alpha2 = y[9];
-    const double rocker_c1 = y[10];
-    const double rocker_c2 = y[11];
-    const double rocker_phi = y[12];
-    const double rocker_alpha1 = y[13];
-    const double rocker_alpha2 = y[14];
-    const double crank_c1dot = y[15];
-    const double crank_c2dot = y[16];
-    const double crank_phidot = y[17];
-    const double crank_alpha1dot = y[18];
-    const double crank_alpha2dot = y[19];
-    const double coupler_c1dot = y[20];
-    const double coupler_c2dot = y[21];
-    const double coupler_phidot = y[22];
-    const double coupler_alpha1dot = y[23];
-    const double coupler_alpha2dot = y[24];
-    const double rocker_c1dot = y[25];
-    const double rocker_c2dot = y[26];
-    const double rocker_phidot = y[27];
-    const double rocker_alpha1dot = y[28];
-    const double rocker_alpha2dot = y[29];
-    const double lambda_shaft_1 = y[30];
-    const double lambda_shaft_2 = y[31];
-    const double lambda_motor = y[32];
-    const double lambda_crank_pin_1 = y[33];
-    const double lambda_crank_pin_2 = y[34];
-    const double lambda_rocker_pin_1 = y[35];
-    const double lambda_rocker_pin_2 = y[36];
-    const double lambda_pivot_1 = y[37];
-    const double lambda_pivot_2 = y[38];
-    const double mu_shaft_1 = y[39];
-    const double mu_shaft_2 = y[40];
-    const double mu_motor = y[41];
-    const double mu_crank_pin_1 = y[42];
-    const double mu_crank_pin_2 = y[43];
-    const double mu_rocker_pin_1 = y[44];
-    const double mu_rocker_pin_2 = y[45];
-    const double mu_pivot_1 = y[46];
-    const double mu_pivot_2 = y[47];
-    const double crank_c1_t = ydot[0];
-    const double crank_c2_t = ydot[1];
-    const double crank_phi_t = ydot[2];
-    const double crank_alpha1_t = ydot[3];
-    const double crank_alpha2_t = ydot[4];
-    const double coupler_c1_t = ydot[5];
-    const double coupler_c2_t = ydot[6];
-    const double coupler_phi_t = ydot[7];
-    const double coupler_alpha1_t = ydot[8];
-    const double coupler_alpha2_t = ydot[9];
-    const double rocker_c1_t = ydot[10];
-    const double rocker_c2_t = ydot[11];
-    const double rocker_phi_t = ydot[12];
-    const double rocker_alpha1_t = ydot[13];
-    const double rocker_alpha2_t = ydot[14];
-    const double crank_c1ddot = ydot[15];
-    const double crank_c2ddot = ydot[16];
-    const double crank_phiddot = ydot[17];
-    const double crank_alpha1ddot = ydot[18];
-    const double crank_alpha2ddot = ydot[19];
-    const double coupler_c1ddot = ydot[20];
-    const double coupler_c2ddot = ydot[21];
-    const double coupler_phiddot = ydot[22];
-    const double coupler_alpha1ddot = ydot[23];
-    const double coupler_alpha2ddot = ydot[24];
-    const double rocker_c1ddot = ydot[25];
-    const double rocker_c2ddot = ydot[26];
-    const double rocker_phiddot = ydot[27];
-    const double rocker_alpha1ddot = ydot[28];
-    const double rocker_alpha2ddot = ydot[29];
-    const double crank_K_1_1 = k[0];
-    const double crank_K_2_2 = k[1];
-    const double coupler_K_1_1 = k[2];
-    const double coupler_K_2_2 = k[3];
-    const double rocker_K_1_1 = k[4];
-    const double rocker_K_2_2 = k[5];
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = y[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = y[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = y[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank J (appendix): crank_J = int rho r . r */
@@ -3985,6 +3947,8 @@ int four_bar_residual_ggl(
         + crank_D2_2 * crank_alpha2;
 
     /* crank D2dot (appendix): crank_D2dot = int rho r . rdot */
+    const double crank_alpha1dot = y[18];
+    const double crank_alpha2dot = y[19];
     const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
 
     /*
@@ -4011,11 +3975,14 @@ int four_bar_residual_ggl(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = y[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = y[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = y[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler J (appendix): coupler_J = int rho r . r */
@@ -4023,6 +3990,8 @@ int four_bar_residual_ggl(
         + coupler_D2_2 * coupler_alpha2;
 
     /* coupler D2dot (appendix): coupler_D2dot = int rho r . rdot */
+    const double coupler_alpha1dot = y[23];
+    const double coupler_alpha2dot = y[24];
     const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
         + coupler_alpha2dot * coupler_D2_2;
 
@@ -4054,11 +4023,14 @@ int four_bar_residual_ggl(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = y[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = y[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = y[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker J (appendix): rocker_J = int rho r . r */
@@ -4066,6 +4038,8 @@ int four_bar_residual_ggl(
         + rocker_D2_2 * rocker_alpha2;
 
     /* rocker D2dot (appendix): rocker_D2dot = int rho r . rdot */
+    const double rocker_alpha1dot = y[28];
+    const double rocker_alpha2dot = y[29];
     const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
 
     /*
@@ -4089,18 +4063,39 @@ int four_bar_residual_ggl(
     const double rocker_right_sdot_2 = rocker_right_rdot_2 * rocker_cos_phi;
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double crank_c1_t = ydot[0];
+    const double crank_c1dot = y[15];
+    const double mu_shaft_1 = y[39];
+    const double mu_crank_pin_1 = y[42];
     F[0] = crank_c1_t - crank_c1dot + (mu_shaft_1 - mu_crank_pin_1);
+    const double crank_c2_t = ydot[1];
+    const double crank_c2dot = y[16];
+    const double mu_shaft_2 = y[40];
+    const double mu_crank_pin_2 = y[43];
     F[1] = crank_c2_t - crank_c2dot + (mu_shaft_2 - mu_crank_pin_2);
+    const double crank_phi_t = ydot[2];
+    const double crank_phidot = y[17];
+    const double mu_motor = y[41];
     F[2] = crank_phi_t - crank_phidot + (crank_left_s_1 * mu_shaft_2 - crank_left_s_2 * mu_shaft_1
         + mu_motor + crank_right_s_2 * mu_crank_pin_1 - crank_right_s_1 * mu_crank_pin_2);
     const double t1 = crank_cos_phi * mu_shaft_2;
     const double t2 = crank_sin_phi * mu_shaft_1;
     const double t3 = crank_sin_phi * mu_crank_pin_1;
     const double t4 = crank_cos_phi * mu_crank_pin_2;
+    const double crank_alpha1_t = ydot[3];
     F[3] = crank_alpha1_t - crank_alpha1dot + (t1 - t2 + (-15.0) * mu_motor + t3 - t4);
+    const double crank_alpha2_t = ydot[4];
     F[4] = crank_alpha2_t - crank_alpha2dot + (t2 - t1 + 30.0 * mu_motor + t3 - t4);
+    const double coupler_c1_t = ydot[5];
+    const double coupler_c1dot = y[20];
+    const double mu_rocker_pin_1 = y[44];
     F[5] = coupler_c1_t - coupler_c1dot + (mu_crank_pin_1 - mu_rocker_pin_1);
+    const double coupler_c2_t = ydot[6];
+    const double coupler_c2dot = y[21];
+    const double mu_rocker_pin_2 = y[45];
     F[6] = coupler_c2_t - coupler_c2dot + (mu_crank_pin_2 - mu_rocker_pin_2);
+    const double coupler_phi_t = ydot[7];
+    const double coupler_phidot = y[22];
     F[7] = coupler_phi_t - coupler_phidot + (coupler_left_s_1 * mu_crank_pin_2
         - coupler_left_s_2 * mu_crank_pin_1 + coupler_right_s_2 * mu_rocker_pin_1
         - coupler_right_s_1 * mu_rocker_pin_2);
@@ -4108,20 +4103,40 @@ int four_bar_residual_ggl(
     const double t6 = coupler_sin_phi * mu_crank_pin_1;
     const double t7 = coupler_sin_phi * mu_rocker_pin_1;
     const double t8 = coupler_cos_phi * mu_rocker_pin_2;
+    const double coupler_alpha1_t = ydot[8];
     F[8] = coupler_alpha1_t - coupler_alpha1dot + (t5 - t6 + t7 - t8);
+    const double coupler_alpha2_t = ydot[9];
     F[9] = coupler_alpha2_t - coupler_alpha2dot + (t6 - t5 + t7 - t8);
+    const double rocker_c1_t = ydot[10];
+    const double rocker_c1dot = y[25];
+    const double mu_pivot_1 = y[46];
     F[10] = rocker_c1_t - rocker_c1dot + (mu_rocker_pin_1 + mu_pivot_1);
+    const double rocker_c2_t = ydot[11];
+    const double rocker_c2dot = y[26];
+    const double mu_pivot_2 = y[47];
     F[11] = rocker_c2_t - rocker_c2dot + (mu_rocker_pin_2 + mu_pivot_2);
+    const double rocker_phi_t = ydot[12];
+    const double rocker_phidot = y[27];
     F[12] = rocker_phi_t - rocker_phidot + (rocker_right_s_1 * mu_rocker_pin_2
         - rocker_right_s_2 * mu_rocker_pin_1 - rocker_left_s_2 * mu_pivot_1
         + rocker_left_s_1 * mu_pivot_2);
     const double t9 = rocker_cos_phi * mu_rocker_pin_2 - rocker_sin_phi * mu_rocker_pin_1;
     const double t10 = rocker_sin_phi * mu_pivot_1;
     const double t11 = rocker_cos_phi * mu_pivot_2;
+    const double rocker_alpha1_t = ydot[13];
     F[13] = rocker_alpha1_t - rocker_alpha1dot + (t9 - t10 + t11);
+    const double rocker_alpha2_t = ydot[14];
     F[14] = rocker_alpha2_t - rocker_alpha2dot + (t9 + t10 - t11);
+    const double crank_c1ddot = ydot[15];
+    const double lambda_shaft_1 = y[30];
+    const double lambda_crank_pin_1 = y[33];
     F[15] = (12362167.0 / 50000000.0) * crank_c1ddot - (lambda_shaft_1 - lambda_crank_pin_1);
+    const double crank_c2ddot = ydot[16];
+    const double lambda_shaft_2 = y[31];
+    const double lambda_crank_pin_2 = y[34];
     F[16] = (12362167.0 / 50000000.0) * crank_c2ddot - (lambda_shaft_2 - lambda_crank_pin_2);
+    const double crank_phiddot = ydot[17];
+    const double lambda_motor = y[32];
     F[17] = 2.0 * crank_phidot * crank_D2dot + crank_J * crank_phiddot
         - (crank_left_s_1 * lambda_shaft_2 - crank_left_s_2 * lambda_shaft_1 + lambda_motor
         + crank_right_s_2 * lambda_crank_pin_1 - crank_right_s_1 * lambda_crank_pin_2);
@@ -4130,14 +4145,23 @@ int four_bar_residual_ggl(
     const double t14 = crank_sin_phi * lambda_shaft_1;
     const double t15 = crank_sin_phi * lambda_crank_pin_1;
     const double t16 = crank_cos_phi * lambda_crank_pin_2;
+    const double crank_K_1_1 = k[0];
+    const double crank_alpha1ddot = ydot[18];
     F[18] = crank_K_1_1 * crank_alpha1 + (12362167.0 / 250000000.0) * crank_alpha1ddot
         - t12 * crank_D2_1 - (t13 - t14 + (-15.0) * lambda_motor + t15 - t16);
+    const double crank_K_2_2 = k[1];
+    const double crank_alpha2ddot = ydot[19];
     F[19] = crank_K_2_2 * crank_alpha2 + (12362167.0 / 350000000.0) * crank_alpha2ddot
         - t12 * crank_D2_2 - (t14 - t13 + 30.0 * lambda_motor + t15 - t16);
+    const double coupler_c1ddot = ydot[20];
+    const double lambda_rocker_pin_1 = y[35];
     F[20] = (74173003.0 / 100000000.0) * coupler_c1ddot - (lambda_crank_pin_1
         - lambda_rocker_pin_1);
+    const double coupler_c2ddot = ydot[21];
+    const double lambda_rocker_pin_2 = y[36];
     F[21] = (74173003.0 / 100000000.0) * coupler_c2ddot - (lambda_crank_pin_2
         - lambda_rocker_pin_2);
+    const double coupler_phiddot = ydot[22];
     F[22] = 2.0 * coupler_phidot * coupler_D2dot + coupler_J * coupler_phiddot
         - (coupler_left_s_1 * lambda_crank_pin_2 - coupler_left_s_2 * lambda_crank_pin_1
         + coupler_right_s_2 * lambda_rocker_pin_1 - coupler_right_s_1 * lambda_rocker_pin_2);
@@ -4146,12 +4170,21 @@ int four_bar_residual_ggl(
     const double t19 = coupler_sin_phi * lambda_crank_pin_1;
     const double t20 = coupler_sin_phi * lambda_rocker_pin_1;
     const double t21 = coupler_cos_phi * lambda_rocker_pin_2;
+    const double coupler_K_1_1 = k[2];
+    const double coupler_alpha1ddot = ydot[23];
     F[23] = coupler_K_1_1 * coupler_alpha1 + (74173003.0 / 500000000.0) * coupler_alpha1ddot
         - t17 * coupler_D2_1 - (t18 - t19 + t20 - t21);
+    const double coupler_K_2_2 = k[3];
+    const double coupler_alpha2ddot = ydot[24];
     F[24] = coupler_K_2_2 * coupler_alpha2 + (74173003.0 / 700000000.0) * coupler_alpha2ddot
         - t17 * coupler_D2_2 - (t19 - t18 + t20 - t21);
+    const double rocker_c1ddot = ydot[25];
+    const double lambda_pivot_1 = y[37];
     F[25] = (12362167.0 / 20000000.0) * rocker_c1ddot - (lambda_rocker_pin_1 + lambda_pivot_1);
+    const double rocker_c2ddot = ydot[26];
+    const double lambda_pivot_2 = y[38];
     F[26] = (12362167.0 / 20000000.0) * rocker_c2ddot - (lambda_rocker_pin_2 + lambda_pivot_2);
+    const double rocker_phiddot = ydot[27];
     F[27] = 2.0 * rocker_phidot * rocker_D2dot + rocker_J * rocker_phiddot
         - (rocker_right_s_1 * lambda_rocker_pin_2 - rocker_right_s_2 * lambda_rocker_pin_1
         - rocker_left_s_2 * lambda_pivot_1 + rocker_left_s_1 * lambda_pivot_2);
@@ -4159,8 +4192,12 @@ int four_bar_residual_ggl(
     const double t23 = rocker_cos_phi * lambda_rocker_pin_2 - rocker_sin_phi * lambda_rocker_pin_1;
     const double t24 = rocker_sin_phi * lambda_pivot_1;
     const double t25 = rocker_cos_phi * lambda_pivot_2;
+    const double rocker_K_1_1 = k[4];
+    const double rocker_alpha1ddot = ydot[28];
     F[28] = rocker_K_1_1 * rocker_alpha1 + (12362167.0 / 100000000.0) * rocker_alpha1ddot
         - t22 * rocker_D2_1 - (t23 - t24 + t25);
+    const double rocker_K_2_2 = k[5];
+    const double rocker_alpha2ddot = ydot[29];
     F[29] = rocker_K_2_2 * rocker_alpha2 + (12362167.0 / 140000000.0) * rocker_alpha2ddot
         - t22 * rocker_D2_2 - (t23 + t24 - t25);
     F[30] = crank_c1dot - crank_left_rdot_2 * crank_sin_phi - crank_phidot * crank_left_s_2;
@@ -4179,19 +4216,26 @@ int four_bar_residual_ggl(
         - coupler_right_sdot_2 - coupler_phidot * coupler_right_s_1;
     F[37] = rocker_c1dot - rocker_left_rdot_2 * rocker_sin_phi - rocker_phidot * rocker_left_s_2;
     F[38] = rocker_c2dot + rocker_left_sdot_2 + rocker_phidot * rocker_left_s_1;
+    const double crank_c1 = y[0];
     F[39] = crank_c1 + crank_left_s_1;
+    const double crank_c2 = y[1];
     F[40] = crank_c2 + crank_left_s_2;
     F[41] = crank_phi + (-15.0) * crank_alpha1 + 30.0 * crank_alpha2 + tisserand_sin(t26)
         - 1.5707963267948966 - t26;
+    const double coupler_c1 = y[5];
     F[42] = coupler_c1 + coupler_left_s_1 - crank_c1 - crank_right_s_1;
+    const double coupler_c2 = y[6];
     F[43] = coupler_c2 + coupler_left_s_2 - crank_c2 - crank_right_s_2;
+    const double rocker_c1 = y[10];
     F[44] = rocker_c1 + rocker_right_s_1 - coupler_c1 - coupler_right_s_1;
+    const double rocker_c2 = y[11];
     F[45] = rocker_c2 + rocker_right_s_2 - coupler_c2 - coupler_right_s_2;
     F[46] = rocker_c1 + rocker_left_s_1 - (6.0 / 5.0);
     F[47] = rocker_c2 + rocker_left_s_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_jacobian_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -4201,59 +4245,19 @@ int four_bar_jacobian_ggl(
     double *jac)
 {
     (void) t;
-    const double crank_phi = y[2];
-    const double crank_alpha1 = y[3];
-    const double crank_alpha2 = y[4];
-    const double coupler_phi = y[7];
-    const double coupler_alpha1 = y[8];
-    const double coupler_alpha2 = y[9];
-    const double rocker_phi = y[12];
-    const double rocker_alpha1 = y[13];
-    const double rocker_alpha2 = y[14];
-    const double crank_phidot = y[17];
-    const double crank_alpha1dot = y[18];
-    const double crank_alpha2dot = y[19];
-    const double coupler_phidot = y[22];
-    const double coupler_alpha1dot = y[23];
-    const double coupler_alpha2dot = y[24];
-    const double rocker_phidot = y[27];
-    const double rocker_alpha1dot = y[28];
-    const double rocker_alpha2dot = y[29];
-    const double lambda_shaft_1 = y[30];
-    const double lambda_shaft_2 = y[31];
-    const double lambda_crank_pin_1 = y[33];
-    const double lambda_crank_pin_2 = y[34];
-    const double lambda_rocker_pin_1 = y[35];
-    const double lambda_rocker_pin_2 = y[36];
-    const double lambda_pivot_1 = y[37];
-    const double lambda_pivot_2 = y[38];
-    const double mu_shaft_1 = y[39];
-    const double mu_shaft_2 = y[40];
-    const double mu_crank_pin_1 = y[42];
-    const double mu_crank_pin_2 = y[43];
-    const double mu_rocker_pin_1 = y[44];
-    const double mu_rocker_pin_2 = y[45];
-    const double mu_pivot_1 = y[46];
-    const double mu_pivot_2 = y[47];
-    const double crank_phiddot = ydot[17];
-    const double coupler_phiddot = ydot[22];
-    const double rocker_phiddot = ydot[27];
-    const double crank_K_1_1 = k[0];
-    const double crank_K_2_2 = k[1];
-    const double coupler_K_1_1 = k[2];
-    const double coupler_K_2_2 = k[3];
-    const double rocker_K_1_1 = k[4];
-    const double rocker_K_2_2 = k[5];
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = y[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = y[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = y[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank J (appendix): crank_J = int rho r . r */
@@ -4261,6 +4265,8 @@ int four_bar_jacobian_ggl(
         + crank_D2_2 * crank_alpha2;
 
     /* crank D2dot (appendix): crank_D2dot = int rho r . rdot */
+    const double crank_alpha1dot = y[18];
+    const double crank_alpha2dot = y[19];
     const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
 
     /*
@@ -4287,11 +4293,14 @@ int four_bar_jacobian_ggl(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = y[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = y[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = y[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler J (appendix): coupler_J = int rho r . r */
@@ -4299,6 +4308,8 @@ int four_bar_jacobian_ggl(
         + coupler_D2_2 * coupler_alpha2;
 
     /* coupler D2dot (appendix): coupler_D2dot = int rho r . rdot */
+    const double coupler_alpha1dot = y[23];
+    const double coupler_alpha2dot = y[24];
     const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
         + coupler_alpha2dot * coupler_D2_2;
 
@@ -4330,11 +4341,14 @@ int four_bar_jacobian_ggl(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = y[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = y[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = y[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker J (appendix): rocker_J = int rho r . r */
@@ -4342,6 +4356,8 @@ int four_bar_jacobian_ggl(
         + rocker_D2_2 * rocker_alpha2;
 
     /* rocker D2dot (appendix): rocker_D2dot = int rho r . rdot */
+    const double rocker_alpha1dot = y[28];
+    const double rocker_alpha2dot = y[29];
     const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
 
     /*
@@ -4371,6 +4387,10 @@ int four_bar_jacobian_ggl(
     jac[3] = cj;
     jac[4] = 1.0;
     jac[5] = -1.0;
+    const double mu_crank_pin_1 = y[42];
+    const double mu_shaft_2 = y[40];
+    const double mu_shaft_1 = y[39];
+    const double mu_crank_pin_2 = y[43];
     jac[6] = mu_crank_pin_1 * crank_right_s_1 - (mu_shaft_2 * crank_left_s_2
         + mu_shaft_1 * crank_left_s_1) + mu_crank_pin_2 * crank_right_s_2 + cj;
     const double t1 = mu_crank_pin_1 * crank_cos_phi;
@@ -4381,6 +4401,10 @@ int four_bar_jacobian_ggl(
     const double t6 = t1 - t4 + t5;
     jac[7] = t6;
     jac[8] = t3 + t2 + t1 + t5;
+    const double lambda_crank_pin_1 = y[33];
+    const double lambda_shaft_2 = y[31];
+    const double lambda_shaft_1 = y[30];
+    const double lambda_crank_pin_2 = y[34];
     jac[9] = -(lambda_crank_pin_1 * crank_right_s_1 - (lambda_shaft_2 * crank_left_s_2
         + lambda_shaft_1 * crank_left_s_1)) - lambda_crank_pin_2 * crank_right_s_2;
     const double t7 = lambda_crank_pin_1 * crank_cos_phi;
@@ -4391,6 +4415,7 @@ int four_bar_jacobian_ggl(
     const double t12 = t7 - t10 + t11;
     jac[10] = -t12;
     jac[11] = -(t9 + t8) - t7 - t11;
+    const double crank_phidot = y[17];
     jac[12] = -(crank_left_sdot_2 + crank_phidot * crank_left_s_1);
     jac[13] = -(crank_left_rdot_2 * crank_sin_phi) - crank_phidot * crank_left_s_2;
     jac[14] = crank_phidot * crank_right_s_1 + crank_right_sdot_2;
@@ -4405,9 +4430,11 @@ int four_bar_jacobian_ggl(
     jac[21] = t6;
     jac[22] = cj;
     const double t15 = 2.0 * crank_phidot;
+    const double crank_phiddot = ydot[17];
     jac[23] = t15 * ((12362167.0 / 250000000.0) * crank_alpha1dot)
         + crank_phiddot * (2.0 * crank_D2_1) - t12;
     const double t16 = crank_phidot * crank_phidot;
+    const double crank_K_1_1 = k[0];
     jac[24] = crank_K_1_1 - (12362167.0 / 250000000.0) * t16;
     const double t17 = crank_phidot * crank_cos_phi;
     jac[25] = -t17;
@@ -4426,6 +4453,7 @@ int four_bar_jacobian_ggl(
     jac[35] = cj;
     jac[36] = t15 * ((12362167.0 / 350000000.0) * crank_alpha2dot)
         + crank_phiddot * (2.0 * crank_D2_2) - (t10 + t7 + t11);
+    const double crank_K_2_2 = k[1];
     jac[37] = crank_K_2_2 - (12362167.0 / 350000000.0) * t16;
     jac[38] = t17;
     jac[39] = t18;
@@ -4442,6 +4470,8 @@ int four_bar_jacobian_ggl(
     jac[50] = cj;
     jac[51] = 1.0;
     jac[52] = -1.0;
+    const double mu_rocker_pin_1 = y[44];
+    const double mu_rocker_pin_2 = y[45];
     jac[53] = mu_rocker_pin_1 * coupler_right_s_1 - (mu_crank_pin_2 * coupler_left_s_2
         + mu_crank_pin_1 * coupler_left_s_1) + mu_rocker_pin_2 * coupler_right_s_2 + cj;
     const double t21 = mu_rocker_pin_1 * coupler_cos_phi;
@@ -4452,6 +4482,8 @@ int four_bar_jacobian_ggl(
     const double t26 = t21 - t24 + t25;
     jac[54] = t26;
     jac[55] = t23 + t22 + t21 + t25;
+    const double lambda_rocker_pin_1 = y[35];
+    const double lambda_rocker_pin_2 = y[36];
     jac[56] = -(lambda_rocker_pin_1 * coupler_right_s_1 - (lambda_crank_pin_2 * coupler_left_s_2
         + lambda_crank_pin_1 * coupler_left_s_1)) - lambda_rocker_pin_2 * coupler_right_s_2;
     const double t27 = lambda_rocker_pin_1 * coupler_cos_phi;
@@ -4462,6 +4494,7 @@ int four_bar_jacobian_ggl(
     const double t32 = t27 - t30 + t31;
     jac[57] = -t32;
     jac[58] = -(t29 + t28) - t27 - t31;
+    const double coupler_phidot = y[22];
     jac[59] = -(coupler_left_sdot_2 + coupler_phidot * coupler_left_s_1);
     jac[60] = -(coupler_left_rdot_2 * coupler_sin_phi) - coupler_phidot * coupler_left_s_2;
     jac[61] = coupler_phidot * coupler_right_s_1 + coupler_right_sdot_2;
@@ -4475,9 +4508,11 @@ int four_bar_jacobian_ggl(
     jac[67] = t26;
     jac[68] = cj;
     const double t35 = 2.0 * coupler_phidot;
+    const double coupler_phiddot = ydot[22];
     jac[69] = t35 * ((74173003.0 / 500000000.0) * coupler_alpha1dot)
         + coupler_phiddot * (2.0 * coupler_D2_1) - t32;
     const double t36 = coupler_phidot * coupler_phidot;
+    const double coupler_K_1_1 = k[2];
     jac[70] = coupler_K_1_1 - (74173003.0 / 500000000.0) * t36;
     const double t37 = coupler_phidot * coupler_cos_phi;
     jac[71] = -t37;
@@ -4495,6 +4530,7 @@ int four_bar_jacobian_ggl(
     jac[80] = cj;
     jac[81] = t35 * ((74173003.0 / 700000000.0) * coupler_alpha2dot)
         + coupler_phiddot * (2.0 * coupler_D2_2) - (t30 + t27 + t31);
+    const double coupler_K_2_2 = k[3];
     jac[82] = coupler_K_2_2 - (74173003.0 / 700000000.0) * t36;
     jac[83] = t37;
     jac[84] = t38;
@@ -4510,6 +4546,8 @@ int four_bar_jacobian_ggl(
     jac[94] = cj;
     jac[95] = 1.0;
     jac[96] = 1.0;
+    const double mu_pivot_1 = y[46];
+    const double mu_pivot_2 = y[47];
     jac[97] = cj - (mu_rocker_pin_2 * rocker_right_s_2 + mu_rocker_pin_1 * rocker_right_s_1
         + mu_pivot_1 * rocker_left_s_1 + mu_pivot_2 * rocker_left_s_2);
     const double t41 = mu_rocker_pin_2 * rocker_sin_phi + mu_rocker_pin_1 * rocker_cos_phi;
@@ -4519,6 +4557,8 @@ int four_bar_jacobian_ggl(
     jac[98] = t44;
     const double t45 = t42 - t41 + t43;
     jac[99] = t45;
+    const double lambda_pivot_1 = y[37];
+    const double lambda_pivot_2 = y[38];
     jac[100] = lambda_rocker_pin_2 * rocker_right_s_2 + lambda_rocker_pin_1 * rocker_right_s_1
         + lambda_pivot_1 * rocker_left_s_1 + lambda_pivot_2 * rocker_left_s_2;
     const double t46 = lambda_rocker_pin_2 * rocker_sin_phi + lambda_rocker_pin_1 * rocker_cos_phi;
@@ -4528,6 +4568,7 @@ int four_bar_jacobian_ggl(
     jac[101] = t49;
     const double t50 = t47 - t46 + t48;
     jac[102] = -t50;
+    const double rocker_phidot = y[27];
     jac[103] = -(rocker_right_sdot_2 + rocker_phidot * rocker_right_s_1);
     jac[104] = -(rocker_right_rdot_2 * rocker_sin_phi) - rocker_phidot * rocker_right_s_2;
     jac[105] = -(rocker_left_sdot_2 + rocker_phidot * rocker_left_s_1);
@@ -4541,9 +4582,11 @@ int four_bar_jacobian_ggl(
     jac[111] = t44;
     jac[112] = cj;
     const double t53 = 2.0 * rocker_phidot;
+    const double rocker_phiddot = ydot[27];
     jac[113] = t53 * ((12362167.0 / 100000000.0) * rocker_alpha1dot)
         + rocker_phiddot * (2.0 * rocker_D2_1) + t49;
     const double t54 = rocker_phidot * rocker_phidot;
+    const double rocker_K_1_1 = k[4];
     jac[114] = rocker_K_1_1 - (12362167.0 / 100000000.0) * t54;
     const double t55 = rocker_phidot * rocker_cos_phi;
     const double t56 = -t55;
@@ -4562,6 +4605,7 @@ int four_bar_jacobian_ggl(
     jac[124] = cj;
     jac[125] = t53 * ((12362167.0 / 140000000.0) * rocker_alpha2dot)
         + rocker_phiddot * (2.0 * rocker_D2_2) - t50;
+    const double rocker_K_2_2 = k[5];
     jac[126] = rocker_K_2_2 - (12362167.0 / 140000000.0) * t54;
     jac[127] = t56;
     jac[128] = t58;
@@ -4791,6 +4835,7 @@ int four_bar_jacobian_ggl(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_residual_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -4798,85 +4843,19 @@ int four_bar_residual_index1(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-    const double crank_phi = y[2];
-    const double crank_alpha1 = y[3];
-    const double crank_alpha2 = y[4];
-    const double coupler_phi = y[7];
-    const double coupler_alpha1 = y[8];
-    const double coupler_alpha2 = y[9];
-    const double rocker_phi = y[12];
-    const double rocker_alpha1 = y[13];
-    const double rocker_alpha2 = y[14];
-    const double crank_c1dot = y[15];
-    const double crank_c2dot = y[16];
-    const double crank_phidot = y[17];
-    const double crank_alpha1dot = y[18];
-    const double crank_alpha2dot = y[19];
-    const double coupler_c1dot = y[20];
-    const double coupler_c2dot = y[21];
-    const double coupler_phidot = y[22];
-    const double coupler_alpha1dot = y[23];
-    const double coupler_alpha2dot = y[24];
-    const double rocker_c1dot = y[25];
-    const double rocker_c2dot = y[26];
-    const double rocker_phidot = y[27];
-    const double rocker_alpha1dot = y[28];
-    const double rocker_alpha2dot = y[29];
-    const double lambda_shaft_1 = y[30];
-    const double lambda_shaft_2 = y[31];
-    const double lambda_motor = y[32];
-    const double lambda_crank_pin_1 = y[33];
-    const double lambda_crank_pin_2 = y[34];
-    const double lambda_rocker_pin_1 = y[35];
-    const double lambda_rocker_pin_2 = y[36];
-    const double lambda_pivot_1 = y[37];
-    const double lambda_pivot_2 = y[38];
-    const double crank_c1_t = ydot[0];
-    const double crank_c2_t = ydot[1];
-    const double crank_phi_t = ydot[2];
-    const double crank_alpha1_t = ydot[3];
-    const double crank_alpha2_t = ydot[4];
-    const double coupler_c1_t = ydot[5];
-    const double coupler_c2_t = ydot[6];
-    const double coupler_phi_t = ydot[7];
-    const double coupler_alpha1_t = ydot[8];
-    const double coupler_alpha2_t = ydot[9];
-    const double rocker_c1_t = ydot[10];
-    const double rocker_c2_t = ydot[11];
-    const double rocker_phi_t = ydot[12];
-    const double rocker_alpha1_t = ydot[13];
-    const double rocker_alpha2_t = ydot[14];
-    const double crank_c1ddot = ydot[15];
-    const double crank_c2ddot = ydot[16];
-    const double crank_phiddot = ydot[17];
-    const double crank_alpha1ddot = ydot[18];
-    const double crank_alpha2ddot = ydot[19];
-    const double coupler_c1ddot = ydot[20];
-    const double coupler_c2ddot = ydot[21];
-    const double coupler_phiddot = ydot[22];
-    const double coupler_alpha1ddot = ydot[23];
-    const double coupler_alpha2ddot = ydot[24];
-    const double rocker_c1ddot = ydot[25];
-    const double rocker_c2ddot = ydot[26];
-    const double rocker_phiddot = ydot[27];
-    const double rocker_alpha1ddot = ydot[28];
-    const double rocker_alpha2ddot = ydot[29];
-    const double crank_K_1_1 = k[0];
-    const double crank_K_2_2 = k[1];
-    const double coupler_K_1_1 = k[2];
-    const double coupler_K_2_2 = k[3];
-    const double rocker_K_1_1 = k[4];
-    const double rocker_K_2_2 = k[5];
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = y[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = y[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = y[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank J (appendix): crank_J = int rho r . r */
@@ -4884,6 +4863,8 @@ int four_bar_residual_index1(
         + crank_D2_2 * crank_alpha2;
 
     /* crank D2dot (appendix): crank_D2dot = int rho r . rdot */
+    const double crank_alpha1dot = y[18];
+    const double crank_alpha2dot = y[19];
     const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
 
     /*
@@ -4910,11 +4891,14 @@ int four_bar_residual_index1(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = y[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = y[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = y[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler J (appendix): coupler_J = int rho r . r */
@@ -4922,6 +4906,8 @@ int four_bar_residual_index1(
         + coupler_D2_2 * coupler_alpha2;
 
     /* coupler D2dot (appendix): coupler_D2dot = int rho r . rdot */
+    const double coupler_alpha1dot = y[23];
+    const double coupler_alpha2dot = y[24];
     const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
         + coupler_alpha2dot * coupler_D2_2;
 
@@ -4953,11 +4939,14 @@ int four_bar_residual_index1(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = y[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = y[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = y[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker J (appendix): rocker_J = int rho r . r */
@@ -4965,6 +4954,8 @@ int four_bar_residual_index1(
         + rocker_D2_2 * rocker_alpha2;
 
     /* rocker D2dot (appendix): rocker_D2dot = int rho r . rdot */
+    const double rocker_alpha1dot = y[28];
+    const double rocker_alpha2dot = y[29];
     const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
 
     /*
@@ -4988,24 +4979,56 @@ int four_bar_residual_index1(
     const double rocker_right_sdot_2 = rocker_right_rdot_2 * rocker_cos_phi;
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double crank_c1_t = ydot[0];
+    const double crank_c1dot = y[15];
     F[0] = crank_c1_t - crank_c1dot;
+    const double crank_c2_t = ydot[1];
+    const double crank_c2dot = y[16];
     F[1] = crank_c2_t - crank_c2dot;
+    const double crank_phi_t = ydot[2];
+    const double crank_phidot = y[17];
     F[2] = crank_phi_t - crank_phidot;
+    const double crank_alpha1_t = ydot[3];
     F[3] = crank_alpha1_t - crank_alpha1dot;
+    const double crank_alpha2_t = ydot[4];
     F[4] = crank_alpha2_t - crank_alpha2dot;
+    const double coupler_c1_t = ydot[5];
+    const double coupler_c1dot = y[20];
     F[5] = coupler_c1_t - coupler_c1dot;
+    const double coupler_c2_t = ydot[6];
+    const double coupler_c2dot = y[21];
     F[6] = coupler_c2_t - coupler_c2dot;
+    const double coupler_phi_t = ydot[7];
+    const double coupler_phidot = y[22];
     F[7] = coupler_phi_t - coupler_phidot;
+    const double coupler_alpha1_t = ydot[8];
     F[8] = coupler_alpha1_t - coupler_alpha1dot;
+    const double coupler_alpha2_t = ydot[9];
     F[9] = coupler_alpha2_t - coupler_alpha2dot;
+    const double rocker_c1_t = ydot[10];
+    const double rocker_c1dot = y[25];
     F[10] = rocker_c1_t - rocker_c1dot;
+    const double rocker_c2_t = ydot[11];
+    const double rocker_c2dot = y[26];
     F[11] = rocker_c2_t - rocker_c2dot;
+    const double rocker_phi_t = ydot[12];
+    const double rocker_phidot = y[27];
     F[12] = rocker_phi_t - rocker_phidot;
+    const double rocker_alpha1_t = ydot[13];
     F[13] = rocker_alpha1_t - rocker_alpha1dot;
+    const double rocker_alpha2_t = ydot[14];
     F[14] = rocker_alpha2_t - rocker_alpha2dot;
+    const double crank_c1ddot = ydot[15];
+    const double lambda_shaft_1 = y[30];
+    const double lambda_crank_pin_1 = y[33];
     F[15] = (12362167.0 / 50000000.0) * crank_c1ddot - (lambda_shaft_1 - lambda_crank_pin_1);
+    const double crank_c2ddot = ydot[16];
+    const double lambda_shaft_2 = y[31];
+    const double lambda_crank_pin_2 = y[34];
     F[16] = (12362167.0 / 50000000.0) * crank_c2ddot - (lambda_shaft_2 - lambda_crank_pin_2);
     const double t1 = 2.0 * crank_phidot;
+    const double crank_phiddot = ydot[17];
+    const double lambda_motor = y[32];
     F[17] = t1 * crank_D2dot + crank_J * crank_phiddot - (crank_left_s_1 * lambda_shaft_2
         - crank_left_s_2 * lambda_shaft_1 + lambda_motor + crank_right_s_2 * lambda_crank_pin_1
         - crank_right_s_1 * lambda_crank_pin_2);
@@ -5014,15 +5037,24 @@ int four_bar_residual_index1(
     const double t4 = crank_sin_phi * lambda_shaft_1;
     const double t5 = crank_sin_phi * lambda_crank_pin_1;
     const double t6 = crank_cos_phi * lambda_crank_pin_2;
+    const double crank_K_1_1 = k[0];
+    const double crank_alpha1ddot = ydot[18];
     F[18] = crank_K_1_1 * crank_alpha1 + (12362167.0 / 250000000.0) * crank_alpha1ddot
         - t2 * crank_D2_1 - (t3 - t4 + (-15.0) * lambda_motor + t5 - t6);
+    const double crank_K_2_2 = k[1];
+    const double crank_alpha2ddot = ydot[19];
     F[19] = crank_K_2_2 * crank_alpha2 + (12362167.0 / 350000000.0) * crank_alpha2ddot
         - t2 * crank_D2_2 - (t4 - t3 + 30.0 * lambda_motor + t5 - t6);
+    const double coupler_c1ddot = ydot[20];
+    const double lambda_rocker_pin_1 = y[35];
     F[20] = (74173003.0 / 100000000.0) * coupler_c1ddot - (lambda_crank_pin_1
         - lambda_rocker_pin_1);
+    const double coupler_c2ddot = ydot[21];
+    const double lambda_rocker_pin_2 = y[36];
     F[21] = (74173003.0 / 100000000.0) * coupler_c2ddot - (lambda_crank_pin_2
         - lambda_rocker_pin_2);
     const double t7 = 2.0 * coupler_phidot;
+    const double coupler_phiddot = ydot[22];
     F[22] = t7 * coupler_D2dot + coupler_J * coupler_phiddot
         - (coupler_left_s_1 * lambda_crank_pin_2 - coupler_left_s_2 * lambda_crank_pin_1
         + coupler_right_s_2 * lambda_rocker_pin_1 - coupler_right_s_1 * lambda_rocker_pin_2);
@@ -5031,13 +5063,22 @@ int four_bar_residual_index1(
     const double t10 = coupler_sin_phi * lambda_crank_pin_1;
     const double t11 = coupler_sin_phi * lambda_rocker_pin_1;
     const double t12 = coupler_cos_phi * lambda_rocker_pin_2;
+    const double coupler_K_1_1 = k[2];
+    const double coupler_alpha1ddot = ydot[23];
     F[23] = coupler_K_1_1 * coupler_alpha1 + (74173003.0 / 500000000.0) * coupler_alpha1ddot
         - t8 * coupler_D2_1 - (t9 - t10 + t11 - t12);
+    const double coupler_K_2_2 = k[3];
+    const double coupler_alpha2ddot = ydot[24];
     F[24] = coupler_K_2_2 * coupler_alpha2 + (74173003.0 / 700000000.0) * coupler_alpha2ddot
         - t8 * coupler_D2_2 - (t10 - t9 + t11 - t12);
+    const double rocker_c1ddot = ydot[25];
+    const double lambda_pivot_1 = y[37];
     F[25] = (12362167.0 / 20000000.0) * rocker_c1ddot - (lambda_rocker_pin_1 + lambda_pivot_1);
+    const double rocker_c2ddot = ydot[26];
+    const double lambda_pivot_2 = y[38];
     F[26] = (12362167.0 / 20000000.0) * rocker_c2ddot - (lambda_rocker_pin_2 + lambda_pivot_2);
     const double t13 = 2.0 * rocker_phidot;
+    const double rocker_phiddot = ydot[27];
     F[27] = t13 * rocker_D2dot + rocker_J * rocker_phiddot - (rocker_right_s_1 * lambda_rocker_pin_2
         - rocker_right_s_2 * lambda_rocker_pin_1 - rocker_left_s_2 * lambda_pivot_1
         + rocker_left_s_1 * lambda_pivot_2);
@@ -5045,8 +5086,12 @@ int four_bar_residual_index1(
     const double t15 = rocker_cos_phi * lambda_rocker_pin_2 - rocker_sin_phi * lambda_rocker_pin_1;
     const double t16 = rocker_sin_phi * lambda_pivot_1;
     const double t17 = rocker_cos_phi * lambda_pivot_2;
+    const double rocker_K_1_1 = k[4];
+    const double rocker_alpha1ddot = ydot[28];
     F[28] = rocker_K_1_1 * rocker_alpha1 + (12362167.0 / 100000000.0) * rocker_alpha1ddot
         - t14 * rocker_D2_1 - (t15 - t16 + t17);
+    const double rocker_K_2_2 = k[5];
+    const double rocker_alpha2ddot = ydot[29];
     F[29] = rocker_K_2_2 * rocker_alpha2 + (12362167.0 / 140000000.0) * rocker_alpha2ddot
         - t14 * rocker_D2_2 - (t15 + t16 - t17);
     const double t18 = crank_sin_phi * crank_alpha1ddot;
@@ -5089,6 +5134,7 @@ int four_bar_residual_index1(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_jacobian_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -5098,57 +5144,19 @@ int four_bar_jacobian_index1(
     double *jac)
 {
     (void) t;
-    const double crank_phi = y[2];
-    const double crank_alpha1 = y[3];
-    const double crank_alpha2 = y[4];
-    const double coupler_phi = y[7];
-    const double coupler_alpha1 = y[8];
-    const double coupler_alpha2 = y[9];
-    const double rocker_phi = y[12];
-    const double rocker_alpha1 = y[13];
-    const double rocker_alpha2 = y[14];
-    const double crank_phidot = y[17];
-    const double crank_alpha1dot = y[18];
-    const double crank_alpha2dot = y[19];
-    const double coupler_phidot = y[22];
-    const double coupler_alpha1dot = y[23];
-    const double coupler_alpha2dot = y[24];
-    const double rocker_phidot = y[27];
-    const double rocker_alpha1dot = y[28];
-    const double rocker_alpha2dot = y[29];
-    const double lambda_shaft_1 = y[30];
-    const double lambda_shaft_2 = y[31];
-    const double lambda_crank_pin_1 = y[33];
-    const double lambda_crank_pin_2 = y[34];
-    const double lambda_rocker_pin_1 = y[35];
-    const double lambda_rocker_pin_2 = y[36];
-    const double lambda_pivot_1 = y[37];
-    const double lambda_pivot_2 = y[38];
-    const double crank_phiddot = ydot[17];
-    const double crank_alpha1ddot = ydot[18];
-    const double crank_alpha2ddot = ydot[19];
-    const double coupler_phiddot = ydot[22];
-    const double coupler_alpha1ddot = ydot[23];
-    const double coupler_alpha2ddot = ydot[24];
-    const double rocker_phiddot = ydot[27];
-    const double rocker_alpha1ddot = ydot[28];
-    const double rocker_alpha2ddot = ydot[29];
-    const double crank_K_1_1 = k[0];
-    const double crank_K_2_2 = k[1];
-    const double coupler_K_1_1 = k[2];
-    const double coupler_K_2_2 = k[3];
-    const double rocker_K_1_1 = k[4];
-    const double rocker_K_2_2 = k[5];
 
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
      */
+    const double crank_phi = y[2];
     const double crank_cos_phi = tisserand_cos(crank_phi);
     const double crank_sin_phi = tisserand_sin(crank_phi);
 
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
+    const double crank_alpha1 = y[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
+    const double crank_alpha2 = y[4];
     const double crank_D2_2 = (12362167.0 / 350000000.0) * crank_alpha2;
 
     /* crank J (appendix): crank_J = int rho r . r */
@@ -5156,6 +5164,8 @@ int four_bar_jacobian_index1(
         + crank_D2_2 * crank_alpha2;
 
     /* crank D2dot (appendix): crank_D2dot = int rho r . rdot */
+    const double crank_alpha1dot = y[18];
+    const double crank_alpha2dot = y[19];
     const double crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2;
 
     /*
@@ -5182,11 +5192,14 @@ int four_bar_jacobian_index1(
      * coupler Q (26): coupler_cos_phi = cosine of the rotation angle; coupler_sin_phi = sine of the
      *     rotation angle
      */
+    const double coupler_phi = y[7];
     const double coupler_cos_phi = tisserand_cos(coupler_phi);
     const double coupler_sin_phi = tisserand_sin(coupler_phi);
 
     /* coupler D2 (appendix): coupler_D2_1 = int rho r . Phi_1; coupler_D2_2 = int rho r . Phi_2 */
+    const double coupler_alpha1 = y[8];
     const double coupler_D2_1 = (74173003.0 / 500000000.0) * coupler_alpha1;
+    const double coupler_alpha2 = y[9];
     const double coupler_D2_2 = (74173003.0 / 700000000.0) * coupler_alpha2;
 
     /* coupler J (appendix): coupler_J = int rho r . r */
@@ -5194,6 +5207,8 @@ int four_bar_jacobian_index1(
         + coupler_D2_2 * coupler_alpha2;
 
     /* coupler D2dot (appendix): coupler_D2dot = int rho r . rdot */
+    const double coupler_alpha1dot = y[23];
+    const double coupler_alpha2dot = y[24];
     const double coupler_D2dot = coupler_alpha1dot * coupler_D2_1
         + coupler_alpha2dot * coupler_D2_2;
 
@@ -5225,11 +5240,14 @@ int four_bar_jacobian_index1(
      * rocker Q (26): rocker_cos_phi = cosine of the rotation angle; rocker_sin_phi = sine of the
      *     rotation angle
      */
+    const double rocker_phi = y[12];
     const double rocker_cos_phi = tisserand_cos(rocker_phi);
     const double rocker_sin_phi = tisserand_sin(rocker_phi);
 
     /* rocker D2 (appendix): rocker_D2_1 = int rho r . Phi_1; rocker_D2_2 = int rho r . Phi_2 */
+    const double rocker_alpha1 = y[13];
     const double rocker_D2_1 = (12362167.0 / 100000000.0) * rocker_alpha1;
+    const double rocker_alpha2 = y[14];
     const double rocker_D2_2 = (12362167.0 / 140000000.0) * rocker_alpha2;
 
     /* rocker J (appendix): rocker_J = int rho r . r */
@@ -5237,6 +5255,8 @@ int four_bar_jacobian_index1(
         + rocker_D2_2 * rocker_alpha2;
 
     /* rocker D2dot (appendix): rocker_D2dot = int rho r . rdot */
+    const double rocker_alpha1dot = y[28];
+    const double rocker_alpha2dot = y[29];
     const double rocker_D2dot = rocker_alpha1dot * rocker_D2_1 + rocker_alpha2dot * rocker_D2_2;
 
     /*
@@ -5263,6 +5283,10 @@ int four_bar_jacobian_index1(
     jac[0] = cj;
     jac[1] = cj;
     jac[2] = cj;
+    const double lambda_crank_pin_1 = y[33];
+    const double lambda_shaft_2 = y[31];
+    const double lambda_shaft_1 = y[30];
+    const double lambda_crank_pin_2 = y[34];
     jac[3] = -(lambda_crank_pin_1 * crank_right_s_1 - (lambda_shaft_2 * crank_left_s_2
         + lambda_shaft_1 * crank_left_s_1)) - lambda_crank_pin_2 * crank_right_s_2;
     const double t1 = lambda_crank_pin_1 * crank_cos_phi;
@@ -5273,11 +5297,15 @@ int four_bar_jacobian_index1(
     const double t6 = t1 - t4 + t5;
     jac[4] = -t6;
     jac[5] = -(t3 + t2) - t1 - t5;
+    const double crank_phidot = y[17];
     const double t7 = crank_phidot * crank_phidot;
     const double t8 = 2.0 * crank_phidot;
     const double t9 = crank_left_rdot_2 * crank_sin_phi;
+    const double crank_alpha1ddot = ydot[18];
     const double t10 = crank_alpha1ddot * crank_cos_phi;
+    const double crank_alpha2ddot = ydot[19];
     const double t11 = crank_alpha2ddot * crank_cos_phi;
+    const double crank_phiddot = ydot[17];
     jac[6] = t7 * crank_left_s_2 + t8 * t9 - crank_phiddot * crank_left_s_1 - t10 + t11;
     const double t12 = crank_alpha2ddot * crank_sin_phi;
     const double t13 = crank_alpha1ddot * crank_sin_phi;
@@ -5290,6 +5318,7 @@ int four_bar_jacobian_index1(
     jac[10] = cj;
     jac[11] = t8 * ((12362167.0 / 250000000.0) * crank_alpha1dot)
         + crank_phiddot * (2.0 * crank_D2_1) - t6;
+    const double crank_K_1_1 = k[0];
     jac[12] = crank_K_1_1 - (12362167.0 / 250000000.0) * t7;
     const double t15 = t7 * crank_sin_phi;
     const double t16 = crank_phiddot * crank_cos_phi;
@@ -5302,6 +5331,7 @@ int four_bar_jacobian_index1(
     jac[17] = cj;
     jac[18] = t8 * ((12362167.0 / 350000000.0) * crank_alpha2dot)
         + crank_phiddot * (2.0 * crank_D2_2) - (t4 + t1 + t5);
+    const double crank_K_2_2 = k[1];
     jac[19] = crank_K_2_2 - (12362167.0 / 350000000.0) * t7;
     jac[20] = t18;
     jac[21] = t17;
@@ -5310,6 +5340,8 @@ int four_bar_jacobian_index1(
     jac[24] = cj;
     jac[25] = cj;
     jac[26] = cj;
+    const double lambda_rocker_pin_1 = y[35];
+    const double lambda_rocker_pin_2 = y[36];
     jac[27] = -(lambda_rocker_pin_1 * coupler_right_s_1 - (lambda_crank_pin_2 * coupler_left_s_2
         + lambda_crank_pin_1 * coupler_left_s_1)) - lambda_rocker_pin_2 * coupler_right_s_2;
     const double t19 = lambda_rocker_pin_1 * coupler_cos_phi;
@@ -5320,11 +5352,15 @@ int four_bar_jacobian_index1(
     const double t24 = t19 - t22 + t23;
     jac[28] = -t24;
     jac[29] = -(t21 + t20) - t19 - t23;
+    const double coupler_phidot = y[22];
     const double t25 = coupler_phidot * coupler_phidot;
     const double t26 = 2.0 * coupler_phidot;
     const double t27 = coupler_left_rdot_2 * coupler_sin_phi;
+    const double coupler_alpha1ddot = ydot[23];
     const double t28 = coupler_alpha1ddot * coupler_cos_phi;
+    const double coupler_alpha2ddot = ydot[24];
     const double t29 = coupler_alpha2ddot * coupler_cos_phi;
+    const double coupler_phiddot = ydot[22];
     jac[30] = t25 * coupler_left_s_2 + t26 * t27 - coupler_phiddot * coupler_left_s_1 - t28 + t29;
     const double t30 = coupler_alpha2ddot * coupler_sin_phi;
     const double t31 = coupler_alpha1ddot * coupler_sin_phi;
@@ -5338,6 +5374,7 @@ int four_bar_jacobian_index1(
     jac[34] = cj;
     jac[35] = t26 * ((74173003.0 / 500000000.0) * coupler_alpha1dot)
         + coupler_phiddot * (2.0 * coupler_D2_1) - t24;
+    const double coupler_K_1_1 = k[2];
     jac[36] = coupler_K_1_1 - (74173003.0 / 500000000.0) * t25;
     const double t33 = t25 * coupler_sin_phi;
     const double t34 = coupler_phiddot * coupler_cos_phi;
@@ -5350,6 +5387,7 @@ int four_bar_jacobian_index1(
     jac[41] = cj;
     jac[42] = t26 * ((74173003.0 / 700000000.0) * coupler_alpha2dot)
         + coupler_phiddot * (2.0 * coupler_D2_2) - (t22 + t19 + t23);
+    const double coupler_K_2_2 = k[3];
     jac[43] = coupler_K_2_2 - (74173003.0 / 700000000.0) * t25;
     jac[44] = t36;
     jac[45] = t35;
@@ -5358,6 +5396,8 @@ int four_bar_jacobian_index1(
     jac[48] = cj;
     jac[49] = cj;
     jac[50] = cj;
+    const double lambda_pivot_1 = y[37];
+    const double lambda_pivot_2 = y[38];
     jac[51] = lambda_rocker_pin_2 * rocker_right_s_2 + lambda_rocker_pin_1 * rocker_right_s_1
         + lambda_pivot_1 * rocker_left_s_1 + lambda_pivot_2 * rocker_left_s_2;
     const double t37 = lambda_rocker_pin_2 * rocker_sin_phi + lambda_rocker_pin_1 * rocker_cos_phi;
@@ -5367,11 +5407,15 @@ int four_bar_jacobian_index1(
     jac[52] = t40;
     const double t41 = t38 - t37 + t39;
     jac[53] = -t41;
+    const double rocker_phidot = y[27];
     const double t42 = 2.0 * rocker_phidot;
     const double t43 = rocker_right_rdot_2 * rocker_sin_phi;
     const double t44 = rocker_phidot * rocker_phidot;
+    const double rocker_alpha1ddot = ydot[28];
     const double t45 = rocker_alpha1ddot * rocker_cos_phi;
+    const double rocker_alpha2ddot = ydot[29];
     const double t46 = rocker_alpha2ddot * rocker_cos_phi;
+    const double rocker_phiddot = ydot[27];
     jac[54] = t42 * t43 + t44 * rocker_right_s_2 - rocker_phiddot * rocker_right_s_1 - t45 - t46;
     const double t47 = rocker_alpha1ddot * rocker_sin_phi;
     const double t48 = rocker_alpha2ddot * rocker_sin_phi;
@@ -5384,6 +5428,7 @@ int four_bar_jacobian_index1(
     jac[58] = cj;
     jac[59] = t42 * ((12362167.0 / 100000000.0) * rocker_alpha1dot)
         + rocker_phiddot * (2.0 * rocker_D2_1) + t40;
+    const double rocker_K_1_1 = k[4];
     jac[60] = rocker_K_1_1 - (12362167.0 / 100000000.0) * t44;
     const double t50 = t44 * rocker_sin_phi;
     const double t51 = rocker_phiddot * rocker_cos_phi;
@@ -5397,6 +5442,7 @@ int four_bar_jacobian_index1(
     jac[65] = cj;
     jac[66] = t42 * ((12362167.0 / 140000000.0) * rocker_alpha2dot)
         + rocker_phiddot * (2.0 * rocker_D2_2) - t41;
+    const double rocker_K_2_2 = k[5];
     jac[67] = rocker_K_2_2 - (12362167.0 / 140000000.0) * t44;
     jac[68] = t52;
     jac[69] = t54;
@@ -6471,13 +6517,13 @@ TISSERAND_INLINE void four_bar_energy_states(
             + crank_phidot * crank_phidot * crank_J
             + (12362167.0 / 250000000.0) * (crank_alpha1dot * crank_alpha1dot)
             + (12362167.0 / 350000000.0) * (crank_alpha2dot * crank_alpha2dot)
-            + (12362167.0 / 50000000.0) * (crank_c1dot * crank_c1dot)
+            + ((12362167.0 / 50000000.0) * (crank_c1dot * crank_c1dot)
             + (12362167.0 / 50000000.0) * (crank_c2dot * crank_c2dot)
             + rocker_phidot * rocker_phidot * rocker_J
             + (12362167.0 / 100000000.0) * (rocker_alpha1dot * rocker_alpha1dot)
             + (12362167.0 / 140000000.0) * (rocker_alpha2dot * rocker_alpha2dot)
             + (12362167.0 / 20000000.0) * (rocker_c1dot * rocker_c1dot)
-            + (12362167.0 / 20000000.0) * (rocker_c2dot * rocker_c2dot));
+            + (12362167.0 / 20000000.0) * (rocker_c2dot * rocker_c2dot)));
         energy[all + b] = 0.5 * (coupler_K_1_1 * coupler_alpha1 * coupler_alpha1
             + coupler_K_2_2 * coupler_alpha2 * coupler_alpha2
             + crank_K_1_1 * crank_alpha1 * crank_alpha1 + crank_K_2_2 * crank_alpha2 * crank_alpha2
@@ -6592,10 +6638,10 @@ TISSERAND_INLINE void four_bar_momentum_states(
         momentum[2 * all + b] = coupler_phidot * coupler_J + crank_phidot * crank_J
             + rocker_phidot * rocker_J + (74173003.0 / 100000000.0) * (coupler_c2dot * coupler_c1)
             + (12362167.0 / 50000000.0) * (crank_c2dot * crank_c1)
-            + (12362167.0 / 20000000.0) * (rocker_c2dot * rocker_c1)
+            + ((12362167.0 / 20000000.0) * (rocker_c2dot * rocker_c1)
             - (74173003.0 / 100000000.0) * (coupler_c1dot * coupler_c2)
             - (12362167.0 / 50000000.0) * (crank_c1dot * crank_c2)
-            - (12362167.0 / 20000000.0) * (rocker_c1dot * rocker_c2);
+            - (12362167.0 / 20000000.0) * (rocker_c1dot * rocker_c2));
     }
 }
 

@@ -196,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "four_bar"
-HASH = "ff22a4b31e924c1c"
+HASH = "683920c798c9f021"
 COORDINATES = (
     "crank_c1", "crank_c2", "crank_phi", "crank_alpha1", "crank_alpha2", "coupler_c1",
     "coupler_c2", "coupler_phi", "coupler_alpha1", "coupler_alpha2", "rocker_c1", "rocker_c2",
@@ -1320,13 +1320,13 @@ def energy(q, v, k):
             + crank_phidot * crank_phidot * crank_J
             + (12362167 / 250000000) * (crank_alpha1dot * crank_alpha1dot)
             + (12362167 / 350000000) * (crank_alpha2dot * crank_alpha2dot)
-            + (12362167 / 50000000) * (crank_c1dot * crank_c1dot)
+            + ((12362167 / 50000000) * (crank_c1dot * crank_c1dot)
             + (12362167 / 50000000) * (crank_c2dot * crank_c2dot)
             + rocker_phidot * rocker_phidot * rocker_J
             + (12362167 / 100000000) * (rocker_alpha1dot * rocker_alpha1dot)
             + (12362167 / 140000000) * (rocker_alpha2dot * rocker_alpha2dot)
             + (12362167 / 20000000) * (rocker_c1dot * rocker_c1dot)
-            + (12362167 / 20000000) * (rocker_c2dot * rocker_c2dot))
+            + (12362167 / 20000000) * (rocker_c2dot * rocker_c2dot)))
     )
     energy_1 = (
         0.5 * (coupler_K_1_1 * coupler_alpha1 * coupler_alpha1
@@ -1414,10 +1414,10 @@ def momentum(q, v, k):
         coupler_phidot * coupler_J + crank_phidot * crank_J + rocker_phidot * rocker_J
             + (74173003 / 100000000) * (coupler_c2dot * coupler_c1)
             + (12362167 / 50000000) * (crank_c2dot * crank_c1)
-            + (12362167 / 20000000) * (rocker_c2dot * rocker_c1)
+            + ((12362167 / 20000000) * (rocker_c2dot * rocker_c1)
             - (74173003 / 100000000) * (coupler_c1dot * coupler_c2)
             - (12362167 / 50000000) * (crank_c1dot * crank_c2)
-            - (12362167 / 20000000) * (rocker_c1dot * rocker_c2)
+            - (12362167 / 20000000) * (rocker_c1dot * rocker_c2))
     )
 
     momentum = _stack(xp, batch, (momentum_0, momentum_1, momentum_2))

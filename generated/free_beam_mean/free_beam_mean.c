@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_c2a835d673270b06
+#ifndef FREE_BEAM_MEAN_HASH_3655fd2eaac06386
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,6 +21,13 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+
+/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
+#else
+#  define TISSERAND_SCALAR
+#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -114,20 +121,21 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
+TISSERAND_SCALAR
 int free_beam_mean_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
 {
-    const double p_m = p[0];
-    const double p_l = p[1];
-    const double p_EI = p[2];
 
     /* integrals (appendix): shape integrals, stiffness, and constants computed from them */
+    const double p_l = p[1];
     const double t1 = p_l * p_l;
+    const double p_m = p[0];
     const double C3 = t1 * p_m / 12.0;
     const double c8_1_1 = p_m / 5.0;
     const double c8_2_2 = p_m / 7.0;
     const double t2 = t1 * p_l;
+    const double p_EI = p[2];
     const double t3 = p_EI / t2;
     const double K_1_1 = 144.0 * t3;
     const double K_2_2 = 1200.0 * t3;
@@ -169,29 +177,31 @@ int free_beam_mean_setup(
     if (!(p_m > 0.0)) return 1; /* the pivot of c1 vanished */
     if (!(c8_1_1 > 0.0)) return 1; /* the pivot of alpha1 vanished */
     if (!(c8_2_2 > 0.0)) return 1; /* the pivot of alpha2 vanished */
+    if (!(C3 > 0.0)) return 1; /* the pivot of phi vanished */
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double mass = k[0];
-    const double C3 = k[1];
-    const double c8_1_1 = k[2];
-    const double c8_2_2 = k[3];
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double alpha1 = q[3];
+    const double c8_1_1 = k[2];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = q[4];
+    const double c8_2_2 = k[3];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* J (appendix): J = int rho r . r */
+    const double C3 = k[1];
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* M (15): factors of the accelerations */
+    const double mass = k[0];
     M[0] = mass;
     M[1] = mass;
     M[2] = J;
@@ -200,6 +210,7 @@ int free_beam_mean_mass(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -208,33 +219,34 @@ int free_beam_mean_force(
     double *h)
 {
     (void) t;
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double c8_1_1 = k[2];
-    const double c8_2_2 = k[3];
-    const double K_1_1 = k[4];
-    const double K_2_2 = k[5];
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double alpha1 = q[3];
+    const double c8_1_1 = k[2];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = q[4];
+    const double c8_2_2 = k[3];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double alpha1dot = v[3];
+    const double alpha2dot = v[4];
     const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* h (15): centrifugal, Coriolis and elastic terms */
     h[0] = 0.0;
     h[1] = 0.0;
+    const double phidot = v[2];
     h[2] = 2.0 * phidot * D2dot;
     const double t1 = phidot * phidot;
+    const double K_1_1 = k[4];
     h[3] = K_1_1 * alpha1 - t1 * D2_1;
+    const double K_2_2 = k[5];
     h[4] = K_2_2 * alpha2 - t1 * D2_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -244,35 +256,34 @@ int free_beam_mean_mass_force(
     double *h)
 {
     (void) t;
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double mass = k[0];
-    const double C3 = k[1];
-    const double c8_1_1 = k[2];
-    const double c8_2_2 = k[3];
-    const double K_1_1 = k[4];
-    const double K_2_2 = k[5];
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double alpha1 = q[3];
+    const double c8_1_1 = k[2];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = q[4];
+    const double c8_2_2 = k[3];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* alpha2 (15): force and column of M of alpha2 */
+    const double phidot = v[2];
     const double t1 = phidot * phidot;
+    const double K_2_2 = k[5];
     h[4] = K_2_2 * alpha2 - t1 * D2_2;
     M[4] = c8_2_2;
 
     /* alpha1 (15): force and column of M of alpha1 */
+    const double K_1_1 = k[4];
     h[3] = K_1_1 * alpha1 - t1 * D2_1;
     M[3] = c8_1_1;
 
     /* J (appendix): J = int rho r . r */
+    const double C3 = k[1];
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double alpha1dot = v[3];
+    const double alpha2dot = v[4];
     const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* phi (15): force and column of M of phi */
@@ -281,6 +292,7 @@ int free_beam_mean_mass_force(
 
     /* c2 (15): force and column of M of c2 */
     h[1] = 0.0;
+    const double mass = k[0];
     M[1] = mass;
 
     /* c1 (15): force and column of M of c1 */
@@ -289,6 +301,7 @@ int free_beam_mean_mass_force(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -297,107 +310,108 @@ int free_beam_mean_accel(
     double *vdot)
 {
     (void) t;
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double C3 = k[1];
-    const double c8_1_1 = k[2];
-    const double c8_2_2 = k[3];
-    const double free_alpha1_alpha1 = k[8];
-    const double free_alpha2_alpha2 = k[9];
 
     /* pivot (LDL^T): translations x in the body frame; eliminate x1, x2, alpha1, alpha2, phi */
+    const double c8_1_1 = k[2];
+    const double alpha1 = q[3];
     const double t1 = c8_1_1 * alpha1;
+    const double c8_2_2 = k[3];
+    const double alpha2 = q[4];
     const double t2 = c8_2_2 * alpha2;
-    const double sum_1 = alpha1 * t1 + alpha2 * t2;
-    const double sum_2 = alpha1dot * t1 + alpha2dot * t2;
-    const double pivot_phi = sum_1 + C3;
+    const double alpha1dot = v[3];
+    const double alpha2dot = v[4];
+    const double sum_1 = alpha1dot * t1 + alpha2dot * t2;
+    const double C3 = k[1];
+    const double pivot_phi = C3 + alpha1 * t1 + alpha2 * t2;
 
     /* solution (LDL^T): back substitution; x in the inertial frame */
     vdot[0] = 0.0;
     vdot[1] = 0.0;
-    const double t3 = 2.0 * phidot * sum_2 / pivot_phi;
-    vdot[2] = -t3;
+    const double phidot = v[2];
+    const double t3 = (-2.0) * phidot * sum_1 / pivot_phi;
+    vdot[2] = t3;
     const double t4 = phidot * phidot;
+    const double free_alpha1_alpha1 = k[8];
     const double t5 = (t4 - free_alpha1_alpha1) * alpha1;
     vdot[3] = t5;
+    const double free_alpha2_alpha2 = k[9];
     const double t6 = (t4 - free_alpha2_alpha2) * alpha2;
     vdot[4] = t6;
 
-    /* check: check the pivot and that the result is finite */
-    if (!(pivot_phi > 0.0)) return 1; /* the pivot of phi vanished */
-    if (!isfinite(t5 + t6 - t3)) return 2; /* an acceleration is not finite */
+    /* check: check that the result is finite */
+    if (!isfinite(t3 + (t5 + t6))) return 2; /* an acceleration is not finite */
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double mass = k[0];
-    const double C3 = k[1];
-    const double c8_1_1 = k[2];
-    const double c8_2_2 = k[3];
-    const double K_1_1 = k[4];
-    const double K_2_2 = k[5];
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double alpha1 = q[3];
+    const double c8_1_1 = k[2];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = q[4];
+    const double c8_2_2 = k[3];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* J (appendix): J = int rho r . r */
+    const double C3 = k[1];
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* energy (22): 1/2 int rho xdot . xdot and the strain energy */
+    const double phidot = v[2];
+    const double alpha1dot = v[3];
+    const double alpha2dot = v[4];
+    const double c1dot = v[0];
+    const double mass = k[0];
+    const double c2dot = v[1];
     energy[0] = 0.5 * (phidot * phidot * J + alpha1dot * alpha1dot * c8_1_1
         + alpha2dot * alpha2dot * c8_2_2 + c1dot * c1dot * mass + c2dot * c2dot * mass);
+    const double K_1_1 = k[4];
+    const double K_2_2 = k[5];
     energy[1] = 0.5 * (K_1_1 * alpha1 * alpha1 + K_2_2 * alpha2 * alpha2);
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double phidot = v[2];
-    const double mass = k[0];
-    const double C3 = k[1];
-    const double c8_1_1 = k[2];
-    const double c8_2_2 = k[3];
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double alpha1 = q[3];
+    const double c8_1_1 = k[2];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = q[4];
+    const double c8_2_2 = k[3];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* J (appendix): J = int rho r . r */
+    const double C3 = k[1];
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* momentum (1): int rho xdot and int rho x x xdot */
+    const double c1dot = v[0];
+    const double mass = k[0];
     momentum[0] = c1dot * mass;
+    const double c2dot = v[1];
     momentum[1] = c2dot * mass;
+    const double phidot = v[2];
+    const double c1 = q[0];
+    const double c2 = q[1];
     momentum[2] = phidot * J + c2dot * c1 * mass - c1dot * c2 * mass;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -405,22 +419,23 @@ int free_beam_mean_rates(
     double *qdot)
 {
     (void) q;
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
     (void) k;
 
     /* rates (1): from Qdot = Q (omega x) */
+    const double c1dot = v[0];
     qdot[0] = c1dot;
+    const double c2dot = v[1];
     qdot[1] = c2dot;
+    const double phidot = v[2];
     qdot[2] = phidot;
+    const double alpha1dot = v[3];
     qdot[3] = alpha1dot;
+    const double alpha2dot = v[4];
     qdot[4] = alpha2dot;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_marker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -429,36 +444,36 @@ int free_beam_mean_marker_left(
     double *xdot,
     double *jacobian)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double X_left = k[6];
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
+    const double alpha1 = q[3];
+    const double alpha2 = q[4];
     const double r_2 = alpha1 - alpha2;
+    const double alpha1dot = v[3];
+    const double alpha2dot = v[4];
     const double rdot_2 = alpha1dot - alpha2dot;
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double X_left = k[6];
     const double t1 = X_left * cos_phi;
     const double t2 = r_2 * sin_phi;
+    const double c1 = q[0];
     x[0] = c1 + t1 - t2;
     const double t3 = r_2 * cos_phi;
     const double t4 = X_left * sin_phi;
+    const double c2 = q[1];
     x[1] = c2 + t3 + t4;
+    const double phidot = v[2];
     const double t5 = rdot_2 + phidot * X_left;
     const double t6 = phidot * r_2;
+    const double c1dot = v[0];
     xdot[0] = c1dot - t5 * sin_phi - t6 * cos_phi;
+    const double c2dot = v[1];
     xdot[1] = c2dot + t5 * cos_phi - t6 * sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -471,6 +486,7 @@ int free_beam_mean_marker_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_marker_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -479,29 +495,29 @@ int free_beam_mean_marker_middle(
     double *xdot,
     double *jacobian)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
     (void) k;
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double alpha1 = q[3];
     const double t1 = 0.5 * alpha1;
     const double t2 = t1 * sin_phi;
+    const double c1 = q[0];
     x[0] = c1 + t2;
     const double t3 = t1 * cos_phi;
+    const double c2 = q[1];
     x[1] = c2 - t3;
+    const double alpha1dot = v[3];
     const double t4 = 0.5 * alpha1dot;
+    const double phidot = v[2];
     const double t5 = phidot * t1;
+    const double c1dot = v[0];
     xdot[0] = c1dot + t4 * sin_phi + t5 * cos_phi;
+    const double c2dot = v[1];
     xdot[1] = c2dot - t4 * cos_phi + t5 * sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -512,6 +528,7 @@ int free_beam_mean_marker_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_marker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -520,36 +537,36 @@ int free_beam_mean_marker_right(
     double *xdot,
     double *jacobian)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double X_right = k[7];
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
+    const double alpha1 = q[3];
+    const double alpha2 = q[4];
     const double r_2 = alpha1 + alpha2;
+    const double alpha1dot = v[3];
+    const double alpha2dot = v[4];
     const double rdot_2 = alpha1dot + alpha2dot;
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double X_right = k[7];
     const double t1 = X_right * cos_phi;
     const double t2 = r_2 * sin_phi;
+    const double c1 = q[0];
     x[0] = c1 + t1 - t2;
     const double t3 = r_2 * cos_phi;
     const double t4 = X_right * sin_phi;
+    const double c2 = q[1];
     x[1] = c2 + t3 + t4;
+    const double phidot = v[2];
     const double t5 = rdot_2 + phidot * X_right;
     const double t6 = phidot * r_2;
+    const double c1dot = v[0];
     xdot[0] = c1dot - t5 * sin_phi - t6 * cos_phi;
+    const double c2dot = v[1];
     xdot[1] = c2dot + t5 * cos_phi - t6 * sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -563,101 +580,105 @@ int free_beam_mean_marker_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_load_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
-    const double X_left = k[6];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double Fb_1 = F_1 * cos_phi + F_2 * sin_phi;
     const double Fb_2 = F_2 * cos_phi - F_1 * sin_phi;
 
     /* r (1): the marker in the body frame */
+    const double alpha1 = q[3];
+    const double alpha2 = q[4];
     const double r_2 = alpha1 - alpha2;
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
     f[1] = F_2;
+    const double X_left = k[6];
     f[2] = Fb_2 * X_left - Fb_1 * r_2;
     f[3] = Fb_2;
     f[4] = -Fb_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_load_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double Fb_1 = F_1 * cos_phi + F_2 * sin_phi;
     const double Fb_2 = F_2 * cos_phi - F_1 * sin_phi;
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
     f[1] = F_2;
+    const double alpha1 = q[3];
     f[2] = Fb_1 * (0.5 * alpha1);
     f[3] = (-0.5) * Fb_2;
     f[4] = 0.0;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_load_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
-    const double X_right = k[7];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double Fb_1 = F_1 * cos_phi + F_2 * sin_phi;
     const double Fb_2 = F_2 * cos_phi - F_1 * sin_phi;
 
     /* r (1): the marker in the body frame */
+    const double alpha1 = q[3];
+    const double alpha2 = q[4];
     const double r_2 = alpha1 + alpha2;
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
     f[1] = F_2;
+    const double X_right = k[7];
     f[2] = Fb_2 * X_right - Fb_1 * r_2;
     f[3] = Fb_2;
     f[4] = Fb_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -666,55 +687,56 @@ int free_beam_mean_residual(
     double *F)
 {
     (void) t;
-    const double alpha1 = y[3];
-    const double alpha2 = y[4];
-    const double c1dot = y[5];
-    const double c2dot = y[6];
-    const double phidot = y[7];
-    const double alpha1dot = y[8];
-    const double alpha2dot = y[9];
-    const double c1_t = ydot[0];
-    const double c2_t = ydot[1];
-    const double phi_t = ydot[2];
-    const double alpha1_t = ydot[3];
-    const double alpha2_t = ydot[4];
-    const double c1ddot = ydot[5];
-    const double c2ddot = ydot[6];
-    const double phiddot = ydot[7];
-    const double alpha1ddot = ydot[8];
-    const double alpha2ddot = ydot[9];
-    const double mass = k[0];
-    const double C3 = k[1];
-    const double c8_1_1 = k[2];
-    const double c8_2_2 = k[3];
-    const double K_1_1 = k[4];
-    const double K_2_2 = k[5];
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double alpha1 = y[3];
+    const double c8_1_1 = k[2];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = y[4];
+    const double c8_2_2 = k[3];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* J (appendix): J = int rho r . r */
+    const double C3 = k[1];
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double alpha1dot = y[8];
+    const double alpha2dot = y[9];
     const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* residual (15): kinematics, then the equations of motion */
+    const double c1_t = ydot[0];
+    const double c1dot = y[5];
     F[0] = c1_t - c1dot;
+    const double c2_t = ydot[1];
+    const double c2dot = y[6];
     F[1] = c2_t - c2dot;
+    const double phi_t = ydot[2];
+    const double phidot = y[7];
     F[2] = phi_t - phidot;
+    const double alpha1_t = ydot[3];
     F[3] = alpha1_t - alpha1dot;
+    const double alpha2_t = ydot[4];
     F[4] = alpha2_t - alpha2dot;
+    const double c1ddot = ydot[5];
+    const double mass = k[0];
     F[5] = c1ddot * mass;
+    const double c2ddot = ydot[6];
     F[6] = c2ddot * mass;
+    const double phiddot = ydot[7];
     F[7] = 2.0 * phidot * D2dot + J * phiddot;
     const double t1 = phidot * phidot;
+    const double K_1_1 = k[4];
+    const double alpha1ddot = ydot[8];
     F[8] = K_1_1 * alpha1 + alpha1ddot * c8_1_1 - t1 * D2_1;
+    const double K_2_2 = k[5];
+    const double alpha2ddot = ydot[9];
     F[9] = K_2_2 * alpha2 + alpha2ddot * c8_2_2 - t1 * D2_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -724,27 +746,22 @@ int free_beam_mean_jacobian(
     double *jac)
 {
     (void) t;
-    const double alpha1 = y[3];
-    const double alpha2 = y[4];
-    const double phidot = y[7];
-    const double alpha1dot = y[8];
-    const double alpha2dot = y[9];
-    const double phiddot = ydot[7];
-    const double mass = k[0];
-    const double C3 = k[1];
-    const double c8_1_1 = k[2];
-    const double c8_2_2 = k[3];
-    const double K_1_1 = k[4];
-    const double K_2_2 = k[5];
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double alpha1 = y[3];
+    const double c8_1_1 = k[2];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = y[4];
+    const double c8_2_2 = k[3];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* J (appendix): J = int rho r . r */
+    const double C3 = k[1];
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double alpha1dot = y[8];
+    const double alpha2dot = y[9];
     const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* jacobian (15): derivatives of the residual */
@@ -752,14 +769,19 @@ int free_beam_mean_jacobian(
     jac[1] = cj;
     jac[2] = cj;
     jac[3] = cj;
+    const double phidot = y[7];
     const double t1 = 2.0 * phidot;
+    const double phiddot = ydot[7];
     jac[4] = t1 * (alpha1dot * c8_1_1) + phiddot * (2.0 * D2_1);
     const double t2 = phidot * phidot;
+    const double K_1_1 = k[4];
     jac[5] = K_1_1 - t2 * c8_1_1;
     jac[6] = cj;
     jac[7] = t1 * (alpha2dot * c8_2_2) + phiddot * (2.0 * D2_2);
+    const double K_2_2 = k[5];
     jac[8] = K_2_2 - t2 * c8_2_2;
     jac[9] = -1.0;
+    const double mass = k[0];
     const double t3 = cj * mass;
     jac[10] = t3;
     jac[11] = -1.0;
@@ -1103,22 +1125,20 @@ TISSERAND_INLINE int free_beam_mean_accel_states(
         const double alpha2dot = v[4 * all + b];
         const double t1 = c8_1_1 * alpha1;
         const double t2 = c8_2_2 * alpha2;
-        const double sum_1 = alpha1 * t1 + alpha2 * t2;
-        const double sum_2 = alpha1dot * t1 + alpha2dot * t2;
-        const double pivot_phi = sum_1 + C3;
+        const double sum_1 = alpha1dot * t1 + alpha2dot * t2;
+        const double pivot_phi = C3 + alpha1 * t1 + alpha2 * t2;
         vdot[b] = 0.0;
         vdot[all + b] = 0.0;
-        const double t3 = 2.0 * phidot * sum_2 / pivot_phi;
-        vdot[2 * all + b] = -t3;
+        const double t3 = (-2.0) * phidot * sum_1 / pivot_phi;
+        vdot[2 * all + b] = t3;
         const double t4 = phidot * phidot;
         const double t5 = (t4 - free_alpha1_alpha1) * alpha1;
         vdot[3 * all + b] = t5;
         const double t6 = (t4 - free_alpha2_alpha2) * alpha2;
         vdot[4 * all + b] = t6;
         double code = 0.0;
-        const double finite = t5 + t6 - t3;
+        const double finite = t3 + (t5 + t6);
         code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
-        code = pivot_phi > 0.0 ? code : 1.0; /* the pivot of phi vanished */
         codes[b] = code;
     }
     TISSERAND_STATES for (int b = 0; b < count; b++) {

@@ -261,8 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "c2a835d673270b06"
-#define FREE_BEAM_MEAN_HASH_c2a835d673270b06
+#define FREE_BEAM_MEAN_HASH "3655fd2eaac06386"
+#define FREE_BEAM_MEAN_HASH_3655fd2eaac06386
 
 /* ---- sizes and indices ---- */
 
@@ -306,7 +306,7 @@ enum {
 
 /* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
-   accel reports a NaN in its mass matrix as a vanished pivot.
+   accel reports a NaN in its mass matrix as a vanished pivot, if it checks the pivots, else as a value that is not finite.
    Arrays that are written must not overlap each other or arrays that are read.
    A source file that is compiled with TISSERAND_WITHOUT_BATCHES has no batches; its descriptor has none either. ---- */
 
@@ -390,7 +390,7 @@ int free_beam_mean_mass_force(
  * vdot: accelerations (5): c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot
  *
  * From LDL^T.
- * 20 operations.
+ * 19 operations.
  */
 int free_beam_mean_accel(
     double t,

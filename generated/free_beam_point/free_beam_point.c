@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_POINT_HASH_e1595a65f4ea2549
+#ifndef FREE_BEAM_POINT_HASH_3e6cf25fbcc21b67
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
@@ -20,6 +20,13 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+
+/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
+#else
+#  define TISSERAND_SCALAR
+#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -113,16 +120,16 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
+TISSERAND_SCALAR
 int free_beam_point_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
 {
-    const double p_m = p[0];
-    const double p_l = p[1];
-    const double p_EI = p[2];
 
     /* integrals (appendix): shape integrals, stiffness, and constants computed from them */
+    const double p_m = p[0];
     const double c2_1_2 = p_m / 3.0;
+    const double p_l = p[1];
     const double t1 = p_l * p_l;
     const double t2 = t1 * p_m;
     const double C3 = t2 / 12.0;
@@ -130,13 +137,14 @@ int free_beam_point_setup(
     const double c8_1_1 = p_m / 5.0;
     const double c8_2_2 = p_m / 7.0;
     const double t3 = t1 * p_l;
+    const double p_EI = p[2];
     const double t4 = p_EI / t3;
     const double K_1_1 = 64.0 * t4;
     const double K_2_2 = 192.0 * t4;
     const double X_right = 0.5 * p_l;
     const double X_left = -X_right;
-    const double inertia_phi_alpha1_alpha1 = (4.0 / 45.0) * p_m;
     const double inertia_phi = t2 / 75.0;
+    const double inertia_phi_alpha1_alpha1 = (4.0 / 45.0) * p_m;
     const double force_phi_alpha2 = (672.0 / 5.0) * (p_EI / t1);
     const double t5 = p_EI / (t3 * p_m);
     const double free_x2_alpha1 = 240.0 * t5;
@@ -156,8 +164,8 @@ int free_beam_point_setup(
     k[7] = K_2_2;
     k[8] = X_left;
     k[9] = X_right;
-    k[10] = inertia_phi_alpha1_alpha1;
-    k[11] = inertia_phi;
+    k[10] = inertia_phi;
+    k[11] = inertia_phi_alpha1_alpha1;
     k[12] = force_phi_alpha2;
     k[13] = free_x2_alpha1;
     k[14] = free_alpha1_alpha1;
@@ -182,9 +190,9 @@ int free_beam_point_setup(
     if (!isfinite(K_2_2)) return 2; /* K_2_2 is not finite */
     if (!isfinite(X_left)) return 2; /* X_left is not finite */
     if (!isfinite(X_right)) return 2; /* X_right is not finite */
+    if (!isfinite(inertia_phi)) return 2; /* inertia_phi is not finite */
     if (
         !isfinite(inertia_phi_alpha1_alpha1)) return 2; /* inertia_phi_alpha1_alpha1 is not finite */
-    if (!isfinite(inertia_phi)) return 2; /* inertia_phi is not finite */
     if (!isfinite(force_phi_alpha2)) return 2; /* force_phi_alpha2 is not finite */
     if (!isfinite(free_x2_alpha1)) return 2; /* free_x2_alpha1 is not finite */
     if (!isfinite(free_alpha1_alpha1)) return 2; /* free_alpha1_alpha1 is not finite */
@@ -193,53 +201,56 @@ int free_beam_point_setup(
     if (!isfinite(minus_c2_1_2)) return 2; /* minus_c2_1_2 is not finite */
     if (!(p_m > 0.0)) return 1; /* the pivot of c1 vanished */
     if (!(c8_2_2 > 0.0)) return 1; /* the pivot of alpha2 vanished */
+    if (!(inertia_phi > 0.0)) return 1; /* the pivot of phi vanished */
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double mass = k[0];
-    const double c2_1_2 = k[1];
-    const double C3 = k[2];
-    const double c6_2 = k[3];
-    const double c8_1_1 = k[4];
-    const double c8_2_2 = k[5];
-    const double minus_c2_1_2 = k[17];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
+    const double alpha1 = q[3];
+    const double c2_1_2 = k[1];
     const double d1_2 = alpha1 * c2_1_2;
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double c8_1_1 = k[4];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = q[4];
+    const double c8_2_2 = k[5];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* J (appendix): J = int rho r . r */
+    const double C3 = k[2];
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* M (15): factors of the accelerations */
+    const double mass = k[0];
     M[0] = mass;
     M[1] = -(d1_2 * cos_phi);
+    const double minus_c2_1_2 = k[17];
     M[2] = minus_c2_1_2 * sin_phi;
     M[3] = mass;
     M[4] = -(d1_2 * sin_phi);
     M[5] = c2_1_2 * cos_phi;
     M[6] = J;
+    const double c6_2 = k[3];
     M[7] = c6_2;
     M[8] = c8_1_1;
     M[9] = c8_2_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -248,36 +259,34 @@ int free_beam_point_force(
     double *h)
 {
     (void) t;
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double c2_1_2 = k[1];
-    const double c8_1_1 = k[4];
-    const double c8_2_2 = k[5];
-    const double K_1_1 = k[6];
-    const double K_2_2 = k[7];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
+    const double alpha1 = q[3];
+    const double c2_1_2 = k[1];
     const double d1_2 = alpha1 * c2_1_2;
 
     /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
+    const double alpha1dot = v[3];
     const double d1dot_2 = alpha1dot * c2_1_2;
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double c8_1_1 = k[4];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = q[4];
+    const double c8_2_2 = k[5];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double alpha2dot = v[4];
     const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* h (15): centrifugal, Coriolis and elastic terms */
+    const double phidot = v[2];
     const double t1 = phidot * phidot;
     const double t2 = t1 * d1_2;
     const double t3 = 2.0 * phidot;
@@ -285,11 +294,14 @@ int free_beam_point_force(
     h[0] = t2 * sin_phi - t4 * cos_phi;
     h[1] = -(t2 * cos_phi) - t4 * sin_phi;
     h[2] = t3 * D2dot;
+    const double K_1_1 = k[6];
     h[3] = K_1_1 * alpha1 - t1 * D2_1;
+    const double K_2_2 = k[7];
     h[4] = K_2_2 * alpha2 - t1 * D2_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -299,52 +311,50 @@ int free_beam_point_mass_force(
     double *h)
 {
     (void) t;
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double mass = k[0];
-    const double c2_1_2 = k[1];
-    const double C3 = k[2];
-    const double c6_2 = k[3];
-    const double c8_1_1 = k[4];
-    const double c8_2_2 = k[5];
-    const double K_1_1 = k[6];
-    const double K_2_2 = k[7];
-    const double minus_c2_1_2 = k[17];
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double alpha1 = q[3];
+    const double c8_1_1 = k[4];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = q[4];
+    const double c8_2_2 = k[5];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* alpha2 (15): force and column of M of alpha2 */
+    const double phidot = v[2];
     const double t1 = phidot * phidot;
+    const double K_2_2 = k[7];
     h[4] = K_2_2 * alpha2 - t1 * D2_2;
     M[9] = c8_2_2;
 
     /* alpha1 (15): force and column of M of alpha1 */
+    const double K_1_1 = k[6];
     h[3] = K_1_1 * alpha1 - t1 * D2_1;
     M[8] = c8_1_1;
 
     /* J (appendix): J = int rho r . r */
+    const double C3 = k[2];
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double alpha1dot = v[3];
+    const double alpha2dot = v[4];
     const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* phi (15): force and column of M of phi */
     const double t2 = 2.0 * phidot;
     h[2] = t2 * D2dot;
     M[6] = J;
+    const double c6_2 = k[3];
     M[7] = c6_2;
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
+    const double c2_1_2 = k[1];
     const double d1_2 = alpha1 * c2_1_2;
 
     /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
@@ -354,6 +364,7 @@ int free_beam_point_mass_force(
     const double t3 = t1 * d1_2;
     const double t4 = t2 * d1dot_2;
     h[1] = -(t3 * cos_phi) - t4 * sin_phi;
+    const double mass = k[0];
     M[3] = mass;
     M[4] = -(d1_2 * sin_phi);
     M[5] = c2_1_2 * cos_phi;
@@ -362,10 +373,12 @@ int free_beam_point_mass_force(
     h[0] = t3 * sin_phi - t4 * cos_phi;
     M[0] = mass;
     M[1] = -(d1_2 * cos_phi);
+    const double minus_c2_1_2 = k[17];
     M[2] = minus_c2_1_2 * sin_phi;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -374,159 +387,161 @@ int free_beam_point_accel(
     double *vdot)
 {
     (void) t;
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double c6_2 = k[3];
-    const double c8_2_2 = k[5];
-    const double inertia_phi_alpha1_alpha1 = k[10];
-    const double inertia_phi = k[11];
-    const double force_phi_alpha2 = k[12];
-    const double free_x2_alpha1 = k[13];
-    const double free_alpha1_alpha1 = k[14];
-    const double free_alpha2_alpha2 = k[15];
-    const double coupling_alpha2 = k[16];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* pivot (LDL^T): translations x in the body frame; eliminate x1, x2, alpha1, alpha2, phi */
+    const double inertia_phi_alpha1_alpha1 = k[11];
+    const double alpha1 = q[3];
     const double t1 = inertia_phi_alpha1_alpha1 * alpha1;
+    const double c8_2_2 = k[5];
+    const double alpha2 = q[4];
     const double t2 = c8_2_2 * alpha2;
-    const double sum_1 = alpha1 * t1 + alpha2 * t2;
-    const double sum_2 = alpha1dot * t1 + alpha2dot * t2;
-    const double pivot_phi = sum_1 + inertia_phi;
+    const double alpha1dot = v[3];
+    const double alpha2dot = v[4];
+    const double sum_1 = alpha1dot * t1 + alpha2dot * t2;
+    const double inertia_phi = k[10];
+    const double pivot_phi = inertia_phi + alpha1 * t1 + alpha2 * t2;
 
     /* solution (LDL^T): back substitution; x in the inertial frame */
+    const double phidot = v[2];
     const double t3 = phidot * phidot;
-    const double t4 = ((force_phi_alpha2 - t3 * c6_2) * alpha2 - 2.0 * phidot * sum_2) / pivot_phi;
+    const double force_phi_alpha2 = k[12];
+    const double c6_2 = k[3];
+    const double t4 = ((-2.0) * phidot * sum_1 + (force_phi_alpha2
+        - t3 * c6_2) * alpha2) / pivot_phi;
     const double t5 = (2.0 / 3.0) * (phidot * alpha1dot) + (1.0 / 3.0) * alpha1 * t4;
+    const double free_x2_alpha1 = k[13];
     const double t6 = free_x2_alpha1 * alpha1;
     const double t7 = t5 * cos_phi - t6 * sin_phi;
     vdot[0] = t7;
     const double t8 = t6 * cos_phi + t5 * sin_phi;
     vdot[1] = t8;
     vdot[2] = t4;
+    const double free_alpha1_alpha1 = k[14];
     const double t9 = (t3 - free_alpha1_alpha1) * alpha1;
     vdot[3] = t9;
+    const double free_alpha2_alpha2 = k[15];
+    const double coupling_alpha2 = k[16];
     const double t10 = (t3 - free_alpha2_alpha2) * alpha2 - coupling_alpha2 * t4;
     vdot[4] = t10;
 
-    /* check: check the pivot and that the result is finite */
-    if (!(pivot_phi > 0.0)) return 1; /* the pivot of phi vanished */
+    /* check: check that the result is finite */
     if (!isfinite(t7 + t8 + (t4 + (t9 + t10)))) return 2; /* an acceleration is not finite */
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double mass = k[0];
-    const double c2_1_2 = k[1];
-    const double C3 = k[2];
-    const double c6_2 = k[3];
-    const double c8_1_1 = k[4];
-    const double c8_2_2 = k[5];
-    const double K_1_1 = k[6];
-    const double K_2_2 = k[7];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
+    const double alpha1 = q[3];
+    const double c2_1_2 = k[1];
     const double d1_2 = alpha1 * c2_1_2;
 
     /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
+    const double alpha1dot = v[3];
     const double d1dot_2 = alpha1dot * c2_1_2;
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double c8_1_1 = k[4];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = q[4];
+    const double c8_2_2 = k[5];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* J (appendix): J = int rho r . r */
+    const double C3 = k[2];
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* d3dot (appendix): d3dot = int rho r x rdot */
+    const double alpha2dot = v[4];
+    const double c6_2 = k[3];
     const double d3dot = alpha2dot * c6_2;
 
     /* energy (22): 1/2 int rho xdot . xdot and the strain energy */
+    const double phidot = v[2];
+    const double c1dot = v[0];
+    const double mass = k[0];
+    const double c2dot = v[1];
     energy[0] = 0.5 * (phidot * phidot * J + alpha1dot * alpha1dot * c8_1_1
         + alpha2dot * alpha2dot * c8_2_2 + c1dot * c1dot * mass + c2dot * c2dot * mass
         + (2.0 * c2dot * d1dot_2 - 2.0 * (c1dot * phidot) * d1_2) * cos_phi + 2.0 * phidot * d3dot
         - (2.0 * c1dot * d1dot_2 + 2.0 * (c2dot * phidot) * d1_2) * sin_phi);
+    const double K_1_1 = k[6];
+    const double K_2_2 = k[7];
     energy[1] = 0.5 * (K_1_1 * alpha1 * alpha1 + K_2_2 * alpha2 * alpha2);
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double mass = k[0];
-    const double c2_1_2 = k[1];
-    const double C3 = k[2];
-    const double c6_2 = k[3];
-    const double c8_1_1 = k[4];
-    const double c8_2_2 = k[5];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
+    const double alpha1 = q[3];
+    const double c2_1_2 = k[1];
     const double d1_2 = alpha1 * c2_1_2;
 
     /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
+    const double alpha1dot = v[3];
     const double d1dot_2 = alpha1dot * c2_1_2;
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double c8_1_1 = k[4];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = q[4];
+    const double c8_2_2 = k[5];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* J (appendix): J = int rho r . r */
+    const double C3 = k[2];
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* d3dot (appendix): d3dot = int rho r x rdot */
+    const double alpha2dot = v[4];
+    const double c6_2 = k[3];
     const double d3dot = alpha2dot * c6_2;
 
     /* momentum (1): int rho xdot and int rho x x xdot */
+    const double phidot = v[2];
     const double t1 = phidot * d1_2;
+    const double c1dot = v[0];
+    const double mass = k[0];
     momentum[0] = c1dot * mass - d1dot_2 * sin_phi - t1 * cos_phi;
+    const double c2dot = v[1];
     momentum[1] = c2dot * mass + d1dot_2 * cos_phi - t1 * sin_phi;
+    const double c1 = q[0];
+    const double c2 = q[1];
     momentum[2] = d3dot + phidot * J + (c1 * d1dot_2 + phidot * c2 * d1_2 - c1dot * d1_2) * cos_phi
         + (c2 * d1dot_2 - c2dot * d1_2 - phidot * c1 * d1_2) * sin_phi + c2dot * c1 * mass
         - c1dot * c2 * mass;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -534,22 +549,23 @@ int free_beam_point_rates(
     double *qdot)
 {
     (void) q;
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
     (void) k;
 
     /* rates (1): from Qdot = Q (omega x) */
+    const double c1dot = v[0];
     qdot[0] = c1dot;
+    const double c2dot = v[1];
     qdot[1] = c2dot;
+    const double phidot = v[2];
     qdot[2] = phidot;
+    const double alpha1dot = v[3];
     qdot[3] = alpha1dot;
+    const double alpha2dot = v[4];
     qdot[4] = alpha2dot;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_marker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -558,36 +574,36 @@ int free_beam_point_marker_left(
     double *xdot,
     double *jacobian)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double X_left = k[8];
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
+    const double alpha1 = q[3];
+    const double alpha2 = q[4];
     const double r_2 = alpha1 - alpha2;
+    const double alpha1dot = v[3];
+    const double alpha2dot = v[4];
     const double rdot_2 = alpha1dot - alpha2dot;
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double X_left = k[8];
     const double t1 = X_left * cos_phi;
     const double t2 = r_2 * sin_phi;
+    const double c1 = q[0];
     x[0] = c1 + t1 - t2;
     const double t3 = r_2 * cos_phi;
     const double t4 = X_left * sin_phi;
+    const double c2 = q[1];
     x[1] = c2 + t3 + t4;
+    const double phidot = v[2];
     const double t5 = rdot_2 + phidot * X_left;
     const double t6 = phidot * r_2;
+    const double c1dot = v[0];
     xdot[0] = c1dot - t5 * sin_phi - t6 * cos_phi;
+    const double c2dot = v[1];
     xdot[1] = c2dot + t5 * cos_phi - t6 * sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -600,6 +616,7 @@ int free_beam_point_marker_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_marker_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -608,22 +625,23 @@ int free_beam_point_marker_middle(
     double *xdot,
     double *jacobian)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
     (void) k;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double c1 = q[0];
     x[0] = c1;
+    const double c2 = q[1];
     x[1] = c2;
+    const double c1dot = v[0];
     xdot[0] = c1dot;
+    const double c2dot = v[1];
     xdot[1] = c2dot;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_marker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -632,36 +650,36 @@ int free_beam_point_marker_right(
     double *xdot,
     double *jacobian)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double phidot = v[2];
-    const double alpha1dot = v[3];
-    const double alpha2dot = v[4];
-    const double X_right = k[9];
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
+    const double alpha1 = q[3];
+    const double alpha2 = q[4];
     const double r_2 = alpha1 + alpha2;
+    const double alpha1dot = v[3];
+    const double alpha2dot = v[4];
     const double rdot_2 = alpha1dot + alpha2dot;
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double X_right = k[9];
     const double t1 = X_right * cos_phi;
     const double t2 = r_2 * sin_phi;
+    const double c1 = q[0];
     x[0] = c1 + t1 - t2;
     const double t3 = r_2 * cos_phi;
     const double t4 = X_right * sin_phi;
+    const double c2 = q[1];
     x[1] = c2 + t3 + t4;
+    const double phidot = v[2];
     const double t5 = rdot_2 + phidot * X_right;
     const double t6 = phidot * r_2;
+    const double c1dot = v[0];
     xdot[0] = c1dot - t5 * sin_phi - t6 * cos_phi;
+    const double c2dot = v[1];
     xdot[1] = c2dot + t5 * cos_phi - t6 * sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -675,39 +693,41 @@ int free_beam_point_marker_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_load_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
-    const double X_left = k[8];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double Fb_1 = F_1 * cos_phi + F_2 * sin_phi;
     const double Fb_2 = F_2 * cos_phi - F_1 * sin_phi;
 
     /* r (1): the marker in the body frame */
+    const double alpha1 = q[3];
+    const double alpha2 = q[4];
     const double r_2 = alpha1 - alpha2;
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
     f[1] = F_2;
+    const double X_left = k[8];
     f[2] = Fb_2 * X_left - Fb_1 * r_2;
     f[3] = Fb_2;
     f[4] = -Fb_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_load_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -715,12 +735,12 @@ int free_beam_point_load_middle(
     double *f)
 {
     (void) q;
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /* f (10): virtual work of the force */
+    const double F_1 = F[0];
     f[0] = F_1;
+    const double F_2 = F[1];
     f[1] = F_2;
     f[2] = 0.0;
     f[3] = 0.0;
@@ -728,39 +748,41 @@ int free_beam_point_load_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_load_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double phi = q[2];
-    const double alpha1 = q[3];
-    const double alpha2 = q[4];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
-    const double X_right = k[9];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double Fb_1 = F_1 * cos_phi + F_2 * sin_phi;
     const double Fb_2 = F_2 * cos_phi - F_1 * sin_phi;
 
     /* r (1): the marker in the body frame */
+    const double alpha1 = q[3];
+    const double alpha2 = q[4];
     const double r_2 = alpha1 + alpha2;
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
     f[1] = F_2;
+    const double X_right = k[9];
     f[2] = Fb_2 * X_right - Fb_1 * r_2;
     f[3] = Fb_2;
     f[4] = Fb_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -769,74 +791,75 @@ int free_beam_point_residual(
     double *F)
 {
     (void) t;
-    const double phi = y[2];
-    const double alpha1 = y[3];
-    const double alpha2 = y[4];
-    const double c1dot = y[5];
-    const double c2dot = y[6];
-    const double phidot = y[7];
-    const double alpha1dot = y[8];
-    const double alpha2dot = y[9];
-    const double c1_t = ydot[0];
-    const double c2_t = ydot[1];
-    const double phi_t = ydot[2];
-    const double alpha1_t = ydot[3];
-    const double alpha2_t = ydot[4];
-    const double c1ddot = ydot[5];
-    const double c2ddot = ydot[6];
-    const double phiddot = ydot[7];
-    const double alpha1ddot = ydot[8];
-    const double alpha2ddot = ydot[9];
-    const double mass = k[0];
-    const double c2_1_2 = k[1];
-    const double C3 = k[2];
-    const double c6_2 = k[3];
-    const double c8_1_1 = k[4];
-    const double c8_2_2 = k[5];
-    const double K_1_1 = k[6];
-    const double K_2_2 = k[7];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = y[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
+    const double alpha1 = y[3];
+    const double c2_1_2 = k[1];
     const double d1_2 = alpha1 * c2_1_2;
 
     /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
+    const double alpha1dot = y[8];
     const double d1dot_2 = alpha1dot * c2_1_2;
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double c8_1_1 = k[4];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = y[4];
+    const double c8_2_2 = k[5];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* J (appendix): J = int rho r . r */
+    const double C3 = k[2];
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double alpha2dot = y[9];
     const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* residual (15): kinematics, then the equations of motion */
+    const double c1_t = ydot[0];
+    const double c1dot = y[5];
     F[0] = c1_t - c1dot;
+    const double c2_t = ydot[1];
+    const double c2dot = y[6];
     F[1] = c2_t - c2dot;
+    const double phi_t = ydot[2];
+    const double phidot = y[7];
     F[2] = phi_t - phidot;
+    const double alpha1_t = ydot[3];
     F[3] = alpha1_t - alpha1dot;
+    const double alpha2_t = ydot[4];
     F[4] = alpha2_t - alpha2dot;
     const double t1 = 2.0 * phidot;
+    const double phiddot = ydot[7];
     const double t2 = d1_2 * phiddot + t1 * d1dot_2;
     const double t3 = phidot * phidot;
     const double t4 = t3 * d1_2;
+    const double alpha1ddot = ydot[8];
     const double t5 = alpha1ddot * c2_1_2;
+    const double c1ddot = ydot[5];
+    const double mass = k[0];
     F[5] = c1ddot * mass - t2 * cos_phi + (t4 - t5) * sin_phi;
+    const double c2ddot = ydot[6];
     F[6] = c2ddot * mass + (t5 - t4) * cos_phi - t2 * sin_phi;
+    const double alpha2ddot = ydot[9];
+    const double c6_2 = k[3];
     F[7] = t1 * D2dot + J * phiddot + alpha2ddot * c6_2 - c1ddot * d1_2 * cos_phi
         - c2ddot * d1_2 * sin_phi;
+    const double K_1_1 = k[6];
     F[8] = K_1_1 * alpha1 + alpha1ddot * c8_1_1 + c2_1_2 * c2ddot * cos_phi - t3 * D2_1
         - c1ddot * c2_1_2 * sin_phi;
+    const double K_2_2 = k[7];
     F[9] = K_2_2 * alpha2 + alpha2ddot * c8_2_2 + c6_2 * phiddot - t3 * D2_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -846,56 +869,52 @@ int free_beam_point_jacobian(
     double *jac)
 {
     (void) t;
-    const double phi = y[2];
-    const double alpha1 = y[3];
-    const double alpha2 = y[4];
-    const double phidot = y[7];
-    const double alpha1dot = y[8];
-    const double alpha2dot = y[9];
-    const double c1ddot = ydot[5];
-    const double c2ddot = ydot[6];
-    const double phiddot = ydot[7];
-    const double alpha1ddot = ydot[8];
-    const double mass = k[0];
-    const double c2_1_2 = k[1];
-    const double C3 = k[2];
-    const double c6_2 = k[3];
-    const double c8_1_1 = k[4];
-    const double c8_2_2 = k[5];
-    const double K_1_1 = k[6];
-    const double K_2_2 = k[7];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double phi = y[2];
     const double cos_phi = tisserand_cos(phi);
     const double sin_phi = tisserand_sin(phi);
 
     /* d1 (appendix): d1_2 = int rho r . e2 */
+    const double alpha1 = y[3];
+    const double c2_1_2 = k[1];
     const double d1_2 = alpha1 * c2_1_2;
 
     /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
+    const double alpha1dot = y[8];
     const double d1dot_2 = alpha1dot * c2_1_2;
 
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double c8_1_1 = k[4];
     const double D2_1 = alpha1 * c8_1_1;
+    const double alpha2 = y[4];
+    const double c8_2_2 = k[5];
     const double D2_2 = alpha2 * c8_2_2;
 
     /* J (appendix): J = int rho r . r */
+    const double C3 = k[2];
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double alpha2dot = y[9];
     const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* jacobian (15): derivatives of the residual */
     jac[0] = cj;
     jac[1] = cj;
     jac[2] = cj;
+    const double phidot = y[7];
     const double t1 = 2.0 * phidot;
+    const double phiddot = ydot[7];
     const double t2 = d1_2 * phiddot + t1 * d1dot_2;
     const double t3 = phidot * phidot;
     const double t4 = t3 * d1_2;
+    const double alpha1ddot = ydot[8];
     const double t5 = alpha1ddot * c2_1_2;
     jac[3] = t2 * sin_phi + (t4 - t5) * cos_phi;
     jac[4] = -((t5 - t4) * sin_phi) - t2 * cos_phi;
+    const double c1ddot = ydot[5];
+    const double c2ddot = ydot[6];
     jac[5] = c1ddot * d1_2 * sin_phi - c2ddot * d1_2 * cos_phi;
     const double t6 = c1ddot * c2_1_2;
     jac[6] = -(c2_1_2 * c2ddot * sin_phi) - t6 * cos_phi;
@@ -906,11 +925,14 @@ int free_beam_point_jacobian(
     jac[9] = -(cos_phi * t7) - sin_phi * t8;
     jac[10] = t1 * (alpha1dot * c8_1_1) + phiddot * (2.0 * D2_1) - cos_phi * t6
         - sin_phi * (c2ddot * c2_1_2);
+    const double K_1_1 = k[6];
     jac[11] = K_1_1 - t3 * c8_1_1;
     jac[12] = cj;
     jac[13] = t1 * (alpha2dot * c8_2_2) + phiddot * (2.0 * D2_2);
+    const double K_2_2 = k[7];
     jac[14] = K_2_2 - t3 * c8_2_2;
     jac[15] = -1.0;
+    const double mass = k[0];
     const double t9 = cj * mass;
     jac[16] = t9;
     const double t10 = cj * (cos_phi * d1_2);
@@ -930,6 +952,7 @@ int free_beam_point_jacobian(
     jac[25] = -(cos_phi * t14) - sin_phi * t15 - t12;
     jac[26] = 2.0 * D2dot + cj * J;
     jac[27] = -(D2_1 * t1);
+    const double c6_2 = k[3];
     const double t16 = cj * c6_2;
     jac[28] = t16 - D2_2 * t1;
     jac[29] = -1.0;
@@ -1290,8 +1313,8 @@ TISSERAND_INLINE int free_beam_point_accel_states(
     (void) t;
     const double c6_2 = k[3];
     const double c8_2_2 = k[5];
-    const double inertia_phi_alpha1_alpha1 = k[10];
-    const double inertia_phi = k[11];
+    const double inertia_phi = k[10];
+    const double inertia_phi_alpha1_alpha1 = k[11];
     const double force_phi_alpha2 = k[12];
     const double free_x2_alpha1 = k[13];
     const double free_alpha1_alpha1 = k[14];
@@ -1310,11 +1333,11 @@ TISSERAND_INLINE int free_beam_point_accel_states(
         const double alpha2dot = v[4 * all + b];
         const double t1 = inertia_phi_alpha1_alpha1 * alpha1;
         const double t2 = c8_2_2 * alpha2;
-        const double sum_1 = alpha1 * t1 + alpha2 * t2;
-        const double sum_2 = alpha1dot * t1 + alpha2dot * t2;
-        const double pivot_phi = sum_1 + inertia_phi;
+        const double sum_1 = alpha1dot * t1 + alpha2dot * t2;
+        const double pivot_phi = inertia_phi + alpha1 * t1 + alpha2 * t2;
         const double t3 = phidot * phidot;
-        const double t4 = ((force_phi_alpha2 - t3 * c6_2) * alpha2 - 2.0 * phidot * sum_2) / pivot_phi;
+        const double t4 = ((-2.0) * phidot * sum_1 + (force_phi_alpha2
+            - t3 * c6_2) * alpha2) / pivot_phi;
         const double t5 = (2.0 / 3.0) * (phidot * alpha1dot) + (1.0 / 3.0) * alpha1 * t4;
         const double t6 = free_x2_alpha1 * alpha1;
         const double t7 = t5 * cos_phi[b] - t6 * sin_phi[b];
@@ -1329,7 +1352,6 @@ TISSERAND_INLINE int free_beam_point_accel_states(
         double code = 0.0;
         const double finite = t7 + t8 + (t4 + (t9 + t10));
         code = finite - finite == 0.0 ? code : 2.0; /* an acceleration is not finite */
-        code = pivot_phi > 0.0 ? code : 1.0; /* the pivot of phi vanished */
         codes[b] = code;
     }
     TISSERAND_STATES for (int b = 0; b < count; b++) {
@@ -1794,8 +1816,8 @@ static const tisserand_variable free_beam_point_table_k[] = {
     {"K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx", 0.0, 1, 0},
     {"X_left", "m", "reference position of marker left", 0.0, 1, 0},
     {"X_right", "m", "reference position of marker right", 0.0, 1, 0},
-    {"inertia_phi_alpha1_alpha1", "", "inertia of phi that elimination leaves per alpha1 alpha1", 0.0, 1, 0},
     {"inertia_phi", "", "inertia of phi that elimination leaves", 0.0, 1, 0},
+    {"inertia_phi_alpha1_alpha1", "", "inertia of phi that elimination leaves per alpha1 alpha1", 0.0, 1, 0},
     {"force_phi_alpha2", "", "force of phi that elimination leaves per alpha2", 0.0, 1, 0},
     {"free_x2_alpha1", "", "acceleration of x2 apart from that of phi per alpha1", 0.0, 1, 0},
     {"free_alpha1_alpha1", "", "acceleration of alpha1 apart from that of phi per alpha1", 0.0, 1, 0},

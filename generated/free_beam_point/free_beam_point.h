@@ -44,8 +44,8 @@
  *   K_2_2  [N/m]  stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx
  *   X_left  [m]  reference position of marker left
  *   X_right  [m]  reference position of marker right
- *   inertia_phi_alpha1_alpha1  inertia of phi that elimination leaves per alpha1 alpha1
  *   inertia_phi  inertia of phi that elimination leaves
+ *   inertia_phi_alpha1_alpha1  inertia of phi that elimination leaves per alpha1 alpha1
  *   force_phi_alpha2  force of phi that elimination leaves per alpha2
  *   free_x2_alpha1  acceleration of x2 apart from that of phi per alpha1
  *   free_alpha1_alpha1  acceleration of alpha1 apart from that of phi per alpha1
@@ -249,8 +249,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_POINT_HASH "e1595a65f4ea2549"
-#define FREE_BEAM_POINT_HASH_e1595a65f4ea2549
+#define FREE_BEAM_POINT_HASH "3e6cf25fbcc21b67"
+#define FREE_BEAM_POINT_HASH_3e6cf25fbcc21b67
 
 /* ---- sizes and indices ---- */
 
@@ -289,8 +289,8 @@ enum {
     FREE_BEAM_POINT_K_K_2_2 = 7,
     FREE_BEAM_POINT_K_X_left = 8,
     FREE_BEAM_POINT_K_X_right = 9,
-    FREE_BEAM_POINT_K_inertia_phi_alpha1_alpha1 = 10,
-    FREE_BEAM_POINT_K_inertia_phi = 11,
+    FREE_BEAM_POINT_K_inertia_phi = 10,
+    FREE_BEAM_POINT_K_inertia_phi_alpha1_alpha1 = 11,
     FREE_BEAM_POINT_K_force_phi_alpha2 = 12,
     FREE_BEAM_POINT_K_free_x2_alpha1 = 13,
     FREE_BEAM_POINT_K_free_alpha1_alpha1 = 14,
@@ -302,7 +302,7 @@ enum {
 
 /* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
-   accel reports a NaN in its mass matrix as a vanished pivot.
+   accel reports a NaN in its mass matrix as a vanished pivot, if it checks the pivots, else as a value that is not finite.
    Arrays that are written must not overlap each other or arrays that are read.
    A source file that is compiled with TISSERAND_WITHOUT_BATCHES has no batches; its descriptor has none either. ---- */
 
@@ -311,7 +311,7 @@ enum {
  *
  * p: parameters (3)
  * k: constants (18): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
- *     inertia_phi_alpha1_alpha1, inertia_phi, force_phi_alpha2, free_x2_alpha1, free_alpha1_alpha1,
+ *     inertia_phi, inertia_phi_alpha1_alpha1, force_phi_alpha2, free_x2_alpha1, free_alpha1_alpha1,
  *     free_alpha2_alpha2, coupling_alpha2, minus_c2_1_2
  *
  * From appendix.

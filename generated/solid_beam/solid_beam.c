@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_195f68b3c84e6651
+#ifndef SOLID_BEAM_HASH_c7fde42a8b90177e
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -20,6 +20,13 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+
+/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
+#else
+#  define TISSERAND_SCALAR
+#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -41,6 +48,7 @@
 #  define TISSERAND_INLINE static inline
 #  define TISSERAND_APART static
 #endif
+TISSERAND_SCALAR
 int solid_beam_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -50,29 +58,27 @@ int solid_beam_setup(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
     (void) k;
 
     /*
      * S (second order): S_1_11 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_1; ...;
      *     S_8_33 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_8
      */
+    const double alpha1 = q[7];
+    const double alpha4 = q[10];
+    const double alpha8 = q[14];
     const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
         + (-0.0006121400052571096) * alpha8;
     const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
         + 0.0902649376065483 * alpha8;
+    const double alpha2 = q[8];
+    const double alpha7 = q[13];
     const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
     const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
         + 0.09087707761334646 * alpha8;
@@ -81,8 +87,11 @@ int solid_beam_mass(
     const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
         + 0.00042276975451642734 * alpha8;
     const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+    const double alpha3 = q[9];
+    const double alpha6 = q[12];
     const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
     const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+    const double alpha5 = q[11];
     const double S_3_23 = (-0.49814985724483174) * alpha5;
     const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
     const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
@@ -130,17 +139,17 @@ int solid_beam_mass(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-        + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
     const double t1 = (-2.450382831544825e-05) * alpha3;
     const double t2 = (-2.4535069205936762e-05) * alpha6;
     const double J_13 = t1 + t2 + t1 + t2;
     const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-        + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
         + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-        + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
 
     /* M (15): factors of the accelerations */
     M[0] = 0.5400000000000003;
@@ -171,6 +180,7 @@ int solid_beam_mass(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -179,30 +189,14 @@ int solid_beam_force(
     double *h)
 {
     (void) t;
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
     (void) k;
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double omega1 = v[3];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = v[4];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = v[5];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
@@ -212,10 +206,15 @@ int solid_beam_force(
      * S (second order): S_1_11 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_1; ...;
      *     S_8_33 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_8
      */
+    const double alpha1 = q[7];
+    const double alpha4 = q[10];
+    const double alpha8 = q[14];
     const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
         + (-0.0006121400052571096) * alpha8;
     const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
         + 0.0902649376065483 * alpha8;
+    const double alpha2 = q[8];
+    const double alpha7 = q[13];
     const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
     const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
         + 0.09087707761334646 * alpha8;
@@ -224,8 +223,11 @@ int solid_beam_force(
     const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
         + 0.00042276975451642734 * alpha8;
     const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+    const double alpha3 = q[9];
+    const double alpha6 = q[12];
     const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
     const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+    const double alpha5 = q[11];
     const double S_3_23 = (-0.49814985724483174) * alpha5;
     const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
     const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
@@ -258,22 +260,30 @@ int solid_beam_force(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-        + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
     const double t1 = (-2.450382831544825e-05) * alpha3;
     const double t2 = (-2.4535069205936762e-05) * alpha6;
     const double J_13 = t1 + t2 + t1 + t2;
     const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-        + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
         + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-        + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
 
     /*
      * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
      *     shapes, summed with their rates
      */
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
@@ -318,12 +328,12 @@ int solid_beam_force(
     const double t5 = 2.0 * omega1;
     const double t6 = 2.0 * omega2;
     const double t7 = 2.0 * omega3;
-    h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t5 * Sdot_11 + t6 * Sdot_12 + t7 * Sdot_13
-        - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33;
-    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t5 * Sdot_12 + t6 * Sdot_22 + t7 * Sdot_23
-        + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
-    h[5] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t5 * Sdot_13 + t6 * Sdot_23 + t7 * Sdot_33
-        - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
+    h[3] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t5 * Sdot_11 + t6 * Sdot_12
+        + t7 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23;
+    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t5 * Sdot_12 + t6 * Sdot_22
+        + (t7 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13);
+    h[5] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t5 * Sdot_13 + t6 * Sdot_23
+        + (t7 * Sdot_33 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1);
     h[6] = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23
         - S_1_33 * oo_33 - t5 * c7dot_1_1;
     h[7] = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23
@@ -343,6 +353,7 @@ int solid_beam_force(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -352,30 +363,14 @@ int solid_beam_mass_force(
     double *h)
 {
     (void) t;
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
     (void) k;
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double omega1 = v[3];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = v[4];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = v[5];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
@@ -385,10 +380,15 @@ int solid_beam_mass_force(
      * S (second order): S_1_11 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_1; ...;
      *     S_8_33 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_8
      */
+    const double alpha1 = q[7];
+    const double alpha4 = q[10];
+    const double alpha8 = q[14];
     const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
         + (-0.0006121400052571096) * alpha8;
     const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
         + 0.0902649376065483 * alpha8;
+    const double alpha2 = q[8];
+    const double alpha7 = q[13];
     const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
     const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
         + 0.09087707761334646 * alpha8;
@@ -397,8 +397,11 @@ int solid_beam_mass_force(
     const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
         + 0.00042276975451642734 * alpha8;
     const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+    const double alpha3 = q[9];
+    const double alpha6 = q[12];
     const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
     const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+    const double alpha5 = q[11];
     const double S_3_23 = (-0.49814985724483174) * alpha5;
     const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
     const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
@@ -431,6 +434,8 @@ int solid_beam_mass_force(
 
     /* alpha8 (15): force and column of M of alpha8 */
     const double t1 = 2.0 * omega1;
+    const double alpha2dot = v[7];
+    const double alpha7dot = v[12];
     const double t2 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
     h[13] = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23
         - S_8_33 * oo_33 + t1 * t2;
@@ -441,11 +446,17 @@ int solid_beam_mass_force(
      *     rdot . e1
      */
     const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
+    const double alpha4dot = v[9];
+    const double alpha8dot = v[13];
+    const double alpha1dot = v[6];
     const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
         + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
+    const double alpha5dot = v[10];
     const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
     const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
         - (-0.0004463527015693379) * alpha2dot;
+    const double alpha6dot = v[11];
+    const double alpha3dot = v[8];
     const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
         - (-0.9977452135227736) * alpha3dot;
     const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
@@ -489,17 +500,17 @@ int solid_beam_mass_force(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-        + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
     const double t4 = (-2.450382831544825e-05) * alpha3;
     const double t5 = (-2.4535069205936762e-05) * alpha6;
     const double J_13 = t4 + t5 + t4 + t5;
     const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-        + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
         + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-        + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
 
     /*
      * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
@@ -528,13 +539,13 @@ int solid_beam_mass_force(
     /* pi3 (15): force and column of M of pi3 */
     const double t6 = 2.0 * omega2;
     const double t7 = 2.0 * omega3;
-    h[5] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23 + t7 * Sdot_33
-        - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
+    h[5] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23
+        + (t7 * Sdot_33 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1);
     M[16] = J_33;
 
     /* pi2 (15): force and column of M of pi2 */
-    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * Sdot_12 + t6 * Sdot_22 + t7 * Sdot_23
-        + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
+    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t1 * Sdot_12 + t6 * Sdot_22
+        + (t7 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13);
     M[14] = J_22;
     M[15] = J_23;
 
@@ -554,8 +565,8 @@ int solid_beam_mass_force(
     const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
 
     /* pi1 (15): force and column of M of pi1 */
-    h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12 + t7 * Sdot_13
-        - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33;
+    h[3] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12
+        + t7 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23;
     M[3] = J_11;
     M[4] = J_12;
     M[5] = J_13;
@@ -582,6 +593,7 @@ int solid_beam_mass_force(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -590,35 +602,21 @@ int solid_beam_accel(
     double *vdot)
 {
     (void) t;
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
     (void) k;
 
     /*
      * S (second order): S_1_11 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_1; ...;
      *     S_8_33 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_8
      */
+    const double alpha1 = q[7];
+    const double alpha4 = q[10];
+    const double alpha8 = q[14];
     const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
         + (-0.0006121400052571096) * alpha8;
     const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
         + 0.0902649376065483 * alpha8;
+    const double alpha2 = q[8];
+    const double alpha7 = q[13];
     const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
     const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
         + 0.09087707761334646 * alpha8;
@@ -627,8 +625,11 @@ int solid_beam_accel(
     const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
         + 0.00042276975451642734 * alpha8;
     const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+    const double alpha3 = q[9];
+    const double alpha6 = q[12];
     const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
     const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+    const double alpha5 = q[11];
     const double S_3_23 = (-0.49814985724483174) * alpha5;
     const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
     const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
@@ -674,17 +675,17 @@ int solid_beam_accel(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-        + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
     const double t1 = (-2.450382831544825e-05) * alpha3;
     const double t2 = (-2.4535069205936762e-05) * alpha6;
     const double J_13 = t1 + t2 + t1 + t2;
     const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-        + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
         + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-        + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
 
     /*
      * pivots (LDL^T): eliminate c1, c2, c3, alpha8, alpha7, alpha6, alpha5, alpha4, alpha3, alpha2,
@@ -707,8 +708,11 @@ int solid_beam_accel(
     if (!(pivot_pi1 - 5.684341886080802e-14 * J_11 > 0.0)) return 1; /* the pivot of pi1 vanished */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double omega1 = v[3];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = v[4];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = v[5];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
@@ -718,6 +722,14 @@ int solid_beam_accel(
      * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
      *     shapes, summed with their rates
      */
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
@@ -780,15 +792,15 @@ int solid_beam_accel(
         - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t11 * c7dot_2_1;
     const double t21 = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
         - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t11 * c7dot_1_1;
-    const double t22 = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t11 * Sdot_12 + t13 * Sdot_22
-        + t14 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
-    const double t23 = t3 * t22 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t11 * Sdot_13
-        + t13 * Sdot_23 + t14 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-        - omega2 * d3dot_1);
-    const double t24 = (d3_8_1 * t12 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t11 * Sdot_11
-        + t13 * Sdot_12 + t14 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33) + d3_7_1 * t15
-        + d3_6_1 * t16 + d3_5_1 * t17 + d3_4_1 * t18 - t4 * t19 + d3_2_1 * t20 - t5 * t21 + t6 * t22
-        - t8 * t23) / pivot_pi1;
+    const double t22 = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t11 * Sdot_12
+        + t13 * Sdot_22 + (t14 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13);
+    const double t23 = t3 * t22 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13
+        + t11 * Sdot_13 + t13 * Sdot_23 + (t14 * Sdot_33 - J_11 * oo_12 - J_13 * oo_23
+        - omega2 * d3dot_1));
+    const double t24 = (d3_8_1 * t12 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23
+        + t11 * Sdot_11 + t13 * Sdot_12 + t14 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23)
+        + d3_7_1 * t15 + d3_6_1 * t16 + d3_5_1 * t17 + d3_4_1 * t18 - t4 * t19 + d3_2_1 * t20
+        - t5 * t21 + t6 * t22 - t8 * t23) / pivot_pi1;
     vdot[3] = t24;
     const double t25 = t23 * inverse_pivot_pi3 - t8 * t24;
     const double t26 = t22 * inverse_J_22 + t3 * t25 + t6 * t24;
@@ -817,39 +829,21 @@ int solid_beam_accel(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
     (void) k;
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double omega1 = v[3];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = v[4];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = v[5];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
@@ -859,10 +853,15 @@ int solid_beam_energy(
      * S (second order): S_1_11 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_1; ...;
      *     S_8_33 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_8
      */
+    const double alpha1 = q[7];
+    const double alpha4 = q[10];
+    const double alpha8 = q[14];
     const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
         + (-0.0006121400052571096) * alpha8;
     const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
         + 0.0902649376065483 * alpha8;
+    const double alpha2 = q[8];
+    const double alpha7 = q[13];
     const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
     const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
         + 0.09087707761334646 * alpha8;
@@ -871,8 +870,11 @@ int solid_beam_energy(
     const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
         + 0.00042276975451642734 * alpha8;
     const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+    const double alpha3 = q[9];
+    const double alpha6 = q[12];
     const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
     const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+    const double alpha5 = q[11];
     const double S_3_23 = (-0.49814985724483174) * alpha5;
     const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
     const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
@@ -905,28 +907,36 @@ int solid_beam_energy(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-        + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
     const double t1 = (-2.450382831544825e-05) * alpha3;
     const double t2 = (-2.4535069205936762e-05) * alpha6;
     const double J_13 = t1 + t2 + t1 + t2;
     const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-        + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
         + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-        + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
 
     /*
      * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_1 = int rho Phi_8 x
      *     rdot . e1
      */
+    const double alpha2dot = v[7];
+    const double alpha7dot = v[12];
     const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
+    const double alpha4dot = v[9];
+    const double alpha8dot = v[13];
+    const double alpha1dot = v[6];
     const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
         + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
+    const double alpha5dot = v[10];
     const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
     const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
         - (-0.0004463527015693379) * alpha2dot;
+    const double alpha6dot = v[11];
+    const double alpha3dot = v[8];
     const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
         - (-0.9977452135227736) * alpha3dot;
     const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
@@ -939,12 +949,15 @@ int solid_beam_energy(
         + (-0.0014284685858196025) * alpha7dot);
 
     /* energy (22): 1/2 int rho xdot . xdot and the strain energy */
+    const double c1dot = v[0];
+    const double c2dot = v[1];
+    const double c3dot = v[2];
     energy[0] = 0.5 * (oo_11 * J_11 + oo_22 * J_22 + oo_33 * J_33 + alpha1dot * alpha1dot
-        + alpha2dot * alpha2dot + alpha3dot * alpha3dot + alpha4dot * alpha4dot
-        + alpha5dot * alpha5dot + alpha6dot * alpha6dot + alpha7dot * alpha7dot
+        + alpha2dot * alpha2dot + (alpha3dot * alpha3dot + alpha4dot * alpha4dot
+        + alpha5dot * alpha5dot + alpha6dot * alpha6dot) + (alpha7dot * alpha7dot
         + alpha8dot * alpha8dot + 0.5400000000000003 * (c1dot * c1dot)
         + 0.5400000000000003 * (c2dot * c2dot) + 0.5400000000000003 * (c3dot * c3dot)
-        + 2.0 * omega1 * d3dot_1 + 2.0 * oo_12 * J_12 + 2.0 * oo_13 * J_13 + 2.0 * oo_23 * J_23);
+        + (2.0 * omega1 * d3dot_1 + 2.0 * oo_12 * J_12 + 2.0 * oo_13 * J_13 + 2.0 * oo_23 * J_23)));
     energy[1] = 0.5 * (108201.92210329446 * alpha1 * alpha1 + 431754.597252093 * alpha2 * alpha2
         + 823854.9427167808 * alpha3 * alpha3 + 3176799.8268579636 * alpha4 * alpha4
         + 3271803.550599345 * alpha5 * alpha5 + 8721662.73758154 * alpha6 * alpha6
@@ -952,44 +965,20 @@ int solid_beam_energy(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double c3 = q[2];
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
@@ -1023,10 +1012,15 @@ int solid_beam_momentum(
      * S (second order): S_1_11 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_1; ...;
      *     S_8_33 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_8
      */
+    const double alpha1 = q[7];
+    const double alpha4 = q[10];
+    const double alpha8 = q[14];
     const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
         + (-0.0006121400052571096) * alpha8;
     const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
         + 0.0902649376065483 * alpha8;
+    const double alpha2 = q[8];
+    const double alpha7 = q[13];
     const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
     const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
         + 0.09087707761334646 * alpha8;
@@ -1035,8 +1029,11 @@ int solid_beam_momentum(
     const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
         + 0.00042276975451642734 * alpha8;
     const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+    const double alpha3 = q[9];
+    const double alpha6 = q[12];
     const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
     const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+    const double alpha5 = q[11];
     const double S_3_23 = (-0.49814985724483174) * alpha5;
     const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
     const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
@@ -1069,28 +1066,36 @@ int solid_beam_momentum(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-        + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
     const double t13 = (-2.450382831544825e-05) * alpha3;
     const double t14 = (-2.4535069205936762e-05) * alpha6;
     const double J_13 = t13 + t14 + t13 + t14;
     const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-        + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
         + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-        + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
 
     /*
      * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_1 = int rho Phi_8 x
      *     rdot . e1
      */
+    const double alpha2dot = v[7];
+    const double alpha7dot = v[12];
     const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
+    const double alpha4dot = v[9];
+    const double alpha8dot = v[13];
+    const double alpha1dot = v[6];
     const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
         + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
+    const double alpha5dot = v[10];
     const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
     const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
         - (-0.0004463527015693379) * alpha2dot;
+    const double alpha6dot = v[11];
+    const double alpha3dot = v[8];
     const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
         - (-0.9977452135227736) * alpha3dot;
     const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
@@ -1103,14 +1108,23 @@ int solid_beam_momentum(
         + (-0.0014284685858196025) * alpha7dot);
 
     /* momentum (1): int rho xdot and int rho x x xdot */
+    const double c1dot = v[0];
     momentum[0] = 0.5400000000000003 * c1dot;
+    const double c2dot = v[1];
     momentum[1] = 0.5400000000000003 * c2dot;
+    const double c3dot = v[2];
     momentum[2] = 0.5400000000000003 * c3dot;
+    const double omega1 = v[3];
+    const double omega2 = v[4];
+    const double omega3 = v[5];
     const double t15 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
     const double t16 = omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
     const double t17 = omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+    const double c2 = q[1];
+    const double c3 = q[2];
     momentum[3] = t15 * Q_11 + t16 * Q_12 + t17 * Q_13 + 0.5400000000000003 * (c3dot * c2)
         - 0.5400000000000003 * (c2dot * c3);
+    const double c1 = q[0];
     momentum[4] = t15 * Q_21 + t16 * Q_22 + t17 * Q_23 + 0.5400000000000003 * (c1dot * c3)
         - 0.5400000000000003 * (c3dot * c1);
     momentum[5] = t15 * Q_31 + t16 * Q_32 + t17 * Q_33 + 0.5400000000000003 * (c2dot * c1)
@@ -1118,58 +1132,60 @@ int solid_beam_momentum(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *qdot)
 {
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* rates (1): from Qdot = Q (omega x) */
+    const double c1dot = v[0];
     qdot[0] = c1dot;
+    const double c2dot = v[1];
     qdot[1] = c2dot;
+    const double c3dot = v[2];
     qdot[2] = c3dot;
+    const double omega1 = v[3];
     const double t1 = 0.5 * omega1;
+    const double omega2 = v[4];
     const double t2 = 0.5 * omega2;
+    const double omega3 = v[5];
     const double t3 = 0.5 * omega3;
     qdot[3] = -(t1 * e1) - t2 * e2 - t3 * e3;
     qdot[4] = t1 * e0 + t3 * e2 - t2 * e3;
     qdot[5] = t2 * e0 + t1 * e3 - t3 * e1;
     qdot[6] = t3 * e0 + t2 * e1 - t1 * e2;
+    const double alpha1dot = v[6];
     qdot[7] = alpha1dot;
+    const double alpha2dot = v[7];
     qdot[8] = alpha2dot;
+    const double alpha3dot = v[8];
     qdot[9] = alpha3dot;
+    const double alpha4dot = v[9];
     qdot[10] = alpha4dot;
+    const double alpha5dot = v[10];
     qdot[11] = alpha5dot;
+    const double alpha6dot = v[11];
     qdot[12] = alpha6dot;
+    const double alpha7dot = v[12];
     qdot[13] = alpha7dot;
+    const double alpha8dot = v[13];
     qdot[14] = alpha8dot;
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_marker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1178,42 +1194,25 @@ int solid_beam_marker_left(
     double *xdot,
     double *jacobian)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double c3 = q[2];
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha4 = q[10];
+    const double alpha6 = q[12];
+    const double alpha7 = q[13];
+    const double alpha8 = q[14];
+    const double alpha5 = q[11];
     const double dr_1_1 = 45.81666798884824 * alpha1 + 2.7318770946111964e-10 * alpha2
         + 41.18330552959638 * alpha3 + 32.80973194985495 * alpha4 + 34.369434443356084 * alpha6
         + 5.608873488531343e-11 * alpha7 + 34.00742074870749 * alpha8
@@ -1224,18 +1223,18 @@ int solid_beam_marker_left(
         - 2.8067434703733477e-09 * alpha6 - 7.619429614452797e-09 * alpha8;
     const double dr_1_3 = 2.7217523735453097 + 5.275658444448263e-09 * alpha1
         + 1.8741296516620816e-09 * alpha2 + 1.0194111056948625e-08 * alpha3
-        + 1.8848113207757135e-08 * alpha4 + 1.7606504193451894e-08 * alpha6
+        + 1.8848113207757135e-08 * alpha4 + (1.7606504193451894e-08 * alpha6
         + 2.3993538551791485e-08 * alpha8 - 4.3546734317750944e-09 * alpha5
-        - 9.241391572837121e-09 * alpha7;
+        - 9.241391572837121e-09 * alpha7);
     const double dr_2_1 = 2.7318770946111964e-10 * alpha1 + 45.754512805789666 * alpha2
         + 5.565258073243879e-10 * alpha3 + 8.724536122437667e-10 * alpha4
         + 41.05867381334796 * alpha5 + 3.134874996126917e-10 * alpha6 + 32.580738678469814 * alpha7
         + 2.809773077426945e-09 * alpha8;
     const double dr_2_2 = 2.7193706078839837 + 5.586821021465147e-09 * alpha1
         + 6.375183544707702e-09 * alpha2 + 1.469632109630821e-08 * alpha3
-        + 1.8575646169793687e-08 * alpha4 + 1.1229593882692394e-08 * alpha5
+        + 1.8575646169793687e-08 * alpha4 + (1.1229593882692394e-08 * alpha5
         + 1.8039558052163488e-08 * alpha6 + 1.6916886279808614e-08 * alpha7
-        + 2.1044995789292094e-08 * alpha8;
+        + 2.1044995789292094e-08 * alpha8);
     const double dr_2_3 = 1.8741296516620816e-09 * alpha1 + 4.4271406321563335e-09 * alpha3
         + 3.940924221903685e-09 * alpha4 + 7.564635681868022e-09 * alpha6
         + 8.821759353891837e-09 * alpha8 - 2.3017803729379115e-09 * alpha2
@@ -1249,9 +1248,9 @@ int solid_beam_marker_left(
         - 1.9656185418717728e-08 * alpha6 - 2.3713607264973853e-08 * alpha8;
     const double dr_3_3 = 2.72264614863392 + 1.0194111056948625e-08 * alpha1
         + 4.4271406321563335e-09 * alpha2 + 1.5396113042024895e-08 * alpha3
-        + 2.196289681177838e-08 * alpha4 + 6.812298793935837e-09 * alpha5
+        + 2.196289681177838e-08 * alpha4 + (6.812298793935837e-09 * alpha5
         + 3.973370461836837e-08 * alpha6 + 1.7734247015934825e-08 * alpha7
-        + 3.429517847912071e-08 * alpha8;
+        + 3.429517847912071e-08 * alpha8);
     const double dr_4_1 = 32.80973194985495 * alpha1 + 8.724536122437667e-10 * alpha2
         + 78.34266888132584 * alpha3 + 173.16785609229842 * alpha4 + 2.6524397318818627e-10 * alpha5
         + 122.30508354194302 * alpha6 + 1.5818625758214397e-09 * alpha7
@@ -1262,18 +1261,18 @@ int solid_beam_marker_left(
         - 3.841872871524784e-08 * alpha6 - 4.033506244311227e-08 * alpha8;
     const double dr_4_3 = 2.7241141293364004 + 1.8848113207757135e-08 * alpha1
         + 3.940924221903685e-09 * alpha2 + 2.196289681177838e-08 * alpha3
-        + 2.936087456329258e-08 * alpha4 + 1.1875508121682824e-08 * alpha5
+        + 2.936087456329258e-08 * alpha4 + (1.1875508121682824e-08 * alpha5
         + 3.741561613487896e-08 * alpha6 + 2.0839688643769733e-08 * alpha7
-        + 5.998870609350073e-08 * alpha8;
+        + 5.998870609350073e-08 * alpha8);
     const double dr_5_1 = 41.05867381334796 * alpha2 + 1.2422541126800772e-10 * alpha3
         + 2.6524397318818627e-10 * alpha4 + 100.60021711846824 * alpha5 + 77.88200817439139 * alpha7
         + 1.3614599519454378e-09 * alpha8 - 3.846474878815011e-12 * alpha1
         - 7.288288138999904e-10 * alpha6;
     const double dr_5_2 = 2.7157262657986365 + 8.132051622011128e-09 * alpha1
         + 1.1229593882692394e-08 * alpha2 + 1.8333469873538143e-08 * alpha3
-        + 2.484760030071492e-08 * alpha4 + 1.9280747881542722e-08 * alpha5
+        + 2.484760030071492e-08 * alpha4 + (1.9280747881542722e-08 * alpha5
         + 3.1386011691552374e-08 * alpha6 + 2.7804692635280085e-08 * alpha7
-        + 3.3421974702797594e-08 * alpha8;
+        + 3.3421974702797594e-08 * alpha8);
     const double dr_5_3 = 6.812298793935837e-09 * alpha3 + 1.1875508121682824e-08 * alpha4
         + 7.793135428561054e-09 * alpha6 + 3.980966946578598e-09 * alpha7
         + 1.3321811610978174e-08 * alpha8 - 4.3546734317750944e-09 * alpha1
@@ -1288,18 +1287,18 @@ int solid_beam_marker_left(
         - 4.53073229598888e-08 * alpha6 - 5.479158996835396e-08 * alpha8;
     const double dr_6_3 = 2.7261035159023654 + 1.7606504193451894e-08 * alpha1
         + 7.564635681868022e-09 * alpha2 + 3.973370461836837e-08 * alpha3
-        + 3.741561613487896e-08 * alpha4 + 7.793135428561054e-09 * alpha5
+        + 3.741561613487896e-08 * alpha4 + (7.793135428561054e-09 * alpha5
         + 4.042907610968243e-08 * alpha6 + 1.44312441824616e-08 * alpha7
-        + 5.377124169035429e-08 * alpha8;
+        + 5.377124169035429e-08 * alpha8);
     const double dr_7_1 = 5.608873488531343e-11 * alpha1 + 32.580738678469814 * alpha2
         + 8.836376912137003e-10 * alpha3 + 1.5818625758214397e-09 * alpha4
         + 77.88200817439139 * alpha5 + 172.36282084771983 * alpha7 + 3.6999494452184354e-09 * alpha8
         - 6.028393700401919e-10 * alpha6;
     const double dr_7_2 = 2.710614616123906 + 1.0712955138577353e-08 * alpha1
         + 1.6916886279808614e-08 * alpha2 + 1.4805432440167645e-08 * alpha3
-        + 2.738212340055006e-08 * alpha4 + 2.7804692635280085e-08 * alpha5
+        + 2.738212340055006e-08 * alpha4 + (2.7804692635280085e-08 * alpha5
         + 3.459693965920409e-08 * alpha6 + 3.8905122492394714e-08 * alpha7
-        + 4.557026805136592e-08 * alpha8;
+        + 4.557026805136592e-08 * alpha8);
     const double dr_7_3 = 1.7734247015934825e-08 * alpha3 + 2.0839688643769733e-08 * alpha4
         + 3.980966946578598e-09 * alpha5 + 1.44312441824616e-08 * alpha6
         + 1.9859095724337694e-08 * alpha8 - 9.241391572837121e-09 * alpha1
@@ -1313,9 +1312,9 @@ int solid_beam_marker_left(
         - 5.479158996835396e-08 * alpha6 - 7.057952516023797e-08 * alpha8;
     const double dr_8_3 = 2.728519232083843 + 2.3993538551791485e-08 * alpha1
         + 8.821759353891837e-09 * alpha2 + 3.429517847912071e-08 * alpha3
-        + 5.998870609350073e-08 * alpha4 + 1.3321811610978174e-08 * alpha5
+        + 5.998870609350073e-08 * alpha4 + (1.3321811610978174e-08 * alpha5
         + 5.377124169035429e-08 * alpha6 + 1.9859095724337694e-08 * alpha7
-        + 5.7856265552327726e-08 * alpha8;
+        + 5.7856265552327726e-08 * alpha8);
     const double t1 = 0.5 * alpha1;
     const double t2 = 0.5 * alpha2;
     const double t3 = 0.5 * alpha3;
@@ -1325,7 +1324,7 @@ int solid_beam_marker_left(
     const double t7 = 0.5 * alpha7;
     const double t8 = 0.5 * alpha8;
     const double r_1 = t1 * dr_1_1 + t2 * dr_2_1 + t3 * dr_3_1 + t4 * dr_4_1 + t5 * dr_5_1
-        + t6 * dr_6_1 + t7 * dr_7_1 + t8 * dr_8_1 - 0.5;
+        + (t6 * dr_6_1 + t7 * dr_7_1 + t8 * dr_8_1 - 0.5);
     const double r_2 = t1 * dr_1_2 + alpha2 * (1.3596853039419918 + 0.5 * dr_2_2) + t3 * dr_3_2
         + t4 * dr_4_2 + alpha5 * (1.3578631328993183 + 0.5 * dr_5_2) + t6 * dr_6_2
         + alpha7 * (1.355307308061953 + 0.5 * dr_7_2) + t8 * dr_8_2;
@@ -1333,6 +1332,14 @@ int solid_beam_marker_left(
         + alpha3 * (1.36132307431696 + 0.5 * dr_3_3) + alpha4 * (1.3620570646682002 + 0.5 * dr_4_3)
         + t5 * dr_5_3 + alpha6 * (1.3630517579511827 + 0.5 * dr_6_3) + t7 * dr_7_3
         + alpha8 * (1.3642596160419216 + 0.5 * dr_8_3);
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
     const double rdot_1 = alpha1dot * dr_1_1 + alpha2dot * dr_2_1 + alpha3dot * dr_3_1
         + alpha4dot * dr_4_1 + alpha5dot * dr_5_1 + alpha6dot * dr_6_1 + alpha7dot * dr_7_1
         + alpha8dot * dr_8_1;
@@ -1370,14 +1377,23 @@ int solid_beam_marker_left(
     const double Q_33 = t9 + t12 - t10 - t11;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double c1 = q[0];
     x[0] = c1 + r_1 * Q_11 + r_2 * Q_12 + r_3 * Q_13;
+    const double c2 = q[1];
     x[1] = c2 + r_1 * Q_21 + r_2 * Q_22 + r_3 * Q_23;
+    const double c3 = q[2];
     x[2] = c3 + r_1 * Q_31 + r_2 * Q_32 + r_3 * Q_33;
+    const double omega2 = v[4];
+    const double omega3 = v[5];
     const double t21 = rdot_1 + omega2 * r_3 - omega3 * r_2;
+    const double omega1 = v[3];
     const double t22 = rdot_2 + omega3 * r_1 - omega1 * r_3;
     const double t23 = rdot_3 + omega1 * r_2 - omega2 * r_1;
+    const double c1dot = v[0];
     xdot[0] = c1dot + t21 * Q_11 + t22 * Q_12 + t23 * Q_13;
+    const double c2dot = v[1];
     xdot[1] = c2dot + t21 * Q_21 + t22 * Q_22 + t23 * Q_23;
+    const double c3dot = v[2];
     xdot[2] = c3dot + t21 * Q_31 + t22 * Q_32 + t23 * Q_33;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -1418,6 +1434,7 @@ int solid_beam_marker_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_marker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1426,42 +1443,25 @@ int solid_beam_marker_right(
     double *xdot,
     double *jacobian)
 {
-    const double c1 = q[0];
-    const double c2 = q[1];
-    const double c3 = q[2];
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double c1dot = v[0];
-    const double c2dot = v[1];
-    const double c3dot = v[2];
-    const double omega1 = v[3];
-    const double omega2 = v[4];
-    const double omega3 = v[5];
-    const double alpha1dot = v[6];
-    const double alpha2dot = v[7];
-    const double alpha3dot = v[8];
-    const double alpha4dot = v[9];
-    const double alpha5dot = v[10];
-    const double alpha6dot = v[11];
-    const double alpha7dot = v[12];
-    const double alpha8dot = v[13];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha1 = q[7];
+    const double alpha4 = q[10];
+    const double alpha7 = q[13];
+    const double alpha8 = q[14];
     const double dr_1_1 = 1.3708012717695785e-10 * alpha2 + 41.18330552764816 * alpha3
         + 7.527354269073689e-10 * alpha5 + 34.36943444054916 * alpha6 - 45.81666798671641 * alpha1
         - 32.809731946971276 * alpha4 - 7.396530917098614e-10 * alpha7 - 34.00742074063152 * alpha8;
@@ -1471,18 +1471,18 @@ int solid_beam_marker_right(
         - 3.685632951212884e-09 * alpha7 - 4.2721589936388015e-10 * alpha8;
     const double dr_1_3 = 2.7217523735453097 + 3.425733174640047e-10 * alpha1
         + 3.967881020075775e-09 * alpha2 + 3.3060009116341384e-09 * alpha3
-        + 1.1548486713564576e-08 * alpha4 + 6.21990737779783e-09 * alpha6
+        + 1.1548486713564576e-08 * alpha4 + (6.21990737779783e-09 * alpha6
         + 8.908397277577462e-09 * alpha7 + 1.5496500867017746e-08 * alpha8
-        - 3.622439379304641e-09 * alpha5;
+        - 3.622439379304641e-09 * alpha5);
     const double dr_2_1 = 1.3708012717695785e-10 * alpha1 + 1.5355818160601464e-09 * alpha4
         + 41.05867381454907 * alpha5 + 2.956323278427728e-09 * alpha8 - 45.75451280695437 * alpha2
         - 7.959633859751672e-10 * alpha3 - 1.6419859719264214e-09 * alpha6
         - 32.580738680656204 * alpha7;
     const double dr_2_2 = 2.7193706078839837 + 3.601675491437855e-09 * alpha3
         - 2.3355308861298462e-09 * alpha1 - 3.835739656908794e-09 * alpha2
-        - 7.2045643217919904e-09 * alpha4 - 6.67757776942257e-09 * alpha5
-        - 2.7875657950582895e-09 * alpha6 - 8.183661349337352e-09 * alpha7
-        - 9.647019955651529e-09 * alpha8;
+        - 7.2045643217919904e-09 * alpha4 - (6.67757776942257e-09 * alpha5
+        + 2.7875657950582895e-09 * alpha6 + 8.183661349337352e-09 * alpha7
+        + 9.647019955651529e-09 * alpha8);
     const double dr_2_3 = 3.967881020075775e-09 * alpha1 + 6.81325035112332e-10 * alpha2
         + 4.972833185779605e-09 * alpha3 + 3.342412555259018e-09 * alpha4
         + 1.0131140859805744e-08 * alpha6 + 1.0512780200248969e-08 * alpha7
@@ -1497,8 +1497,8 @@ int solid_beam_marker_right(
         - 5.030991360769192e-10 * alpha5 - 1.1157754775746515e-08 * alpha7;
     const double dr_3_3 = 3.3060009116341384e-09 * alpha1 + 4.972833185779605e-09 * alpha2
         + 3.1478113640448098e-09 * alpha3 + 7.009307858940666e-09 * alpha4
-        + 6.13256029855391e-09 * alpha5 + 2.65014203893447e-08 * alpha6
-        + 1.9533870027037748e-08 * alpha7 + 1.3003120772749962e-08 * alpha8 - 2.72264614863392;
+        + 6.13256029855391e-09 * alpha5 + (2.65014203893447e-08 * alpha6
+        + 1.9533870027037748e-08 * alpha7 + 1.3003120772749962e-08 * alpha8 - 2.72264614863392);
     const double dr_4_1 = 1.5355818160601464e-09 * alpha2 + 78.34266888028334 * alpha3
         + 122.30508354090621 * alpha6 + 1.866423034752714e-09 * alpha7 - 32.809731946971276 * alpha1
         - 173.16785609067333 * alpha4 - 2.1111166972442266e-10 * alpha5
@@ -1509,18 +1509,13 @@ int solid_beam_marker_right(
         - 8.22228532080599e-09 * alpha5 - 1.94321008732073e-09 * alpha7;
     const double dr_4_3 = 2.7241141293364004 + 1.1548486713564576e-08 * alpha1
         + 3.342412555259018e-09 * alpha2 + 7.009307858940666e-09 * alpha3
-        + 8.495702799070072e-09 * alpha4 + 1.3502595196183432e-08 * alpha5
+        + 8.495702799070072e-09 * alpha4 + (1.3502595196183432e-08 * alpha5
         + 1.2799182063530078e-08 * alpha6 + 1.7396775923160617e-08 * alpha7
-        + 4.012341745123162e-08 * alpha8;
+        + 4.012341745123162e-08 * alpha8);
     const double dr_5_1 = 7.527354269073689e-10 * alpha1 + 41.05867381454907 * alpha2
         + 77.88200817556651 * alpha7 + 4.4174902886021136e-10 * alpha8
         - 3.2098944348773357e-10 * alpha3 - 2.1111166972442266e-10 * alpha4
         - 100.60021711947142 * alpha5 - 1.388426809904448e-10 * alpha6;
-    const double dr_5_2 = -2.7157262657986365 - 3.6826744489255315e-09 * alpha1
-        - 6.67757776942257e-09 * alpha2 - 5.030991360769192e-10 * alpha3
-        - 8.22228532080599e-09 * alpha4 - 1.0290810703172517e-08 * alpha5
-        - 4.264461222974363e-09 * alpha6 - 1.4664785367865132e-08 * alpha7
-        - 1.483370089157153e-08 * alpha8;
     const double dr_5_3 = 6.13256029855391e-09 * alpha3 + 1.3502595196183432e-08 * alpha4
         + 7.477995033442147e-09 * alpha6 + 1.8206376988974307e-08 * alpha7
         + 1.7042004936851933e-08 * alpha8 - 3.622439379304641e-09 * alpha1
@@ -1535,17 +1530,17 @@ int solid_beam_marker_right(
         - 4.264461222974363e-09 * alpha5 - 1.7006182476965767e-08 * alpha7;
     const double dr_6_3 = 6.21990737779783e-09 * alpha1 + 1.0131140859805744e-08 * alpha2
         + 2.65014203893447e-08 * alpha3 + 1.2799182063530078e-08 * alpha4
-        + 7.477995033442147e-09 * alpha5 + 8.761173135206788e-09 * alpha6
-        + 2.3573437737594384e-08 * alpha7 + 2.1913888046898247e-08 * alpha8 - 2.7261035159023654;
+        + 7.477995033442147e-09 * alpha5 + (8.761173135206788e-09 * alpha6
+        + 2.3573437737594384e-08 * alpha7 + 2.1913888046898247e-08 * alpha8 - 2.7261035159023654);
     const double dr_7_1 = 1.866423034752714e-09 * alpha4 + 77.88200817556651 * alpha5
         + 2.3937130446523594e-09 * alpha8 - 7.396530917098614e-10 * alpha1
         - 32.580738680656204 * alpha2 - 2.6888078511469985e-10 * alpha3
         - 1.96551709734466e-09 * alpha6 - 172.36282084935561 * alpha7;
     const double dr_7_2 = 2.710614616123906 - 3.685632951212884e-09 * alpha1
         - 8.183661349337352e-09 * alpha2 - 1.1157754775746515e-08 * alpha3
-        - 1.94321008732073e-09 * alpha4 - 1.4664785367865132e-08 * alpha5
-        - 1.7006182476965767e-08 * alpha6 - 1.9191413261325677e-08 * alpha7
-        - 6.9386480494419265e-09 * alpha8;
+        - 1.94321008732073e-09 * alpha4 - (1.4664785367865132e-08 * alpha5
+        + 1.7006182476965767e-08 * alpha6 + 1.9191413261325677e-08 * alpha7
+        + 6.9386480494419265e-09 * alpha8);
     const double dr_7_3 = 8.908397277577462e-09 * alpha1 + 1.0512780200248969e-08 * alpha2
         + 1.9533870027037748e-08 * alpha3 + 1.7396775923160617e-08 * alpha4
         + 1.8206376988974307e-08 * alpha5 + 2.3573437737594384e-08 * alpha6
@@ -1560,9 +1555,9 @@ int solid_beam_marker_right(
         - 1.483370089157153e-08 * alpha5 - 6.9386480494419265e-09 * alpha7;
     const double dr_8_3 = 2.728519232083843 + 1.5496500867017746e-08 * alpha1
         + 9.44272646842284e-09 * alpha2 + 1.3003120772749962e-08 * alpha3
-        + 4.012341745123162e-08 * alpha4 + 1.7042004936851933e-08 * alpha5
+        + 4.012341745123162e-08 * alpha4 + (1.7042004936851933e-08 * alpha5
         + 2.1913888046898247e-08 * alpha6 + 2.5868696729956934e-08 * alpha7
-        + 1.655231862617257e-08 * alpha8;
+        + 1.655231862617257e-08 * alpha8);
     const double t1 = 0.5 * alpha1;
     const double t2 = 0.5 * alpha2;
     const double t3 = 0.5 * alpha3;
@@ -1571,20 +1566,33 @@ int solid_beam_marker_right(
     const double t6 = 0.5 * alpha6;
     const double t7 = 0.5 * alpha7;
     const double t8 = 0.5 * alpha8;
-    const double r_1 = 0.5 + t1 * dr_1_1 + t2 * dr_2_1 + t3 * dr_3_1 + t4 * dr_4_1 + t5 * dr_5_1
-        + t6 * dr_6_1 + t7 * dr_7_1 + t8 * dr_8_1;
+    const double r_1 = 0.5 + t1 * dr_1_1 + t2 * dr_2_1 + t3 * dr_3_1 + t4 * dr_4_1 + (t5 * dr_5_1
+        + t6 * dr_6_1 + t7 * dr_7_1 + t8 * dr_8_1);
+    const double t9 = 2.7157262657986365 + 3.6826744489255315e-09 * alpha1
+        + 6.67757776942257e-09 * alpha2 + 5.030991360769192e-10 * alpha3
+        + 8.22228532080599e-09 * alpha4 + (1.0290810703172517e-08 * alpha5
+        + 4.264461222974363e-09 * alpha6 + 1.4664785367865132e-08 * alpha7
+        + 1.483370089157153e-08 * alpha8);
     const double r_2 = t1 * dr_1_2 + alpha2 * (1.3596853039419918 + 0.5 * dr_2_2) + t3 * dr_3_2
-        + t4 * dr_4_2 + alpha5 * (0.5 * dr_5_2 - 1.3578631328993183) + t6 * dr_6_2
+        + t4 * dr_4_2 - alpha5 * (0.5 * t9 + 1.3578631328993183) + t6 * dr_6_2
         + alpha7 * (1.355307308061953 + 0.5 * dr_7_2) + t8 * dr_8_2;
     const double r_3 = alpha1 * (1.3608761867726549 + 0.5 * dr_1_3) + t2 * dr_2_3
         + alpha3 * (0.5 * dr_3_3 - 1.36132307431696) + alpha4 * (1.3620570646682002 + 0.5 * dr_4_3)
         + t5 * dr_5_3 + alpha6 * (0.5 * dr_6_3 - 1.3630517579511827) + t7 * dr_7_3
         + alpha8 * (1.3642596160419216 + 0.5 * dr_8_3);
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
     const double rdot_1 = alpha1dot * dr_1_1 + alpha2dot * dr_2_1 + alpha3dot * dr_3_1
         + alpha4dot * dr_4_1 + alpha5dot * dr_5_1 + alpha6dot * dr_6_1 + alpha7dot * dr_7_1
         + alpha8dot * dr_8_1;
     const double rdot_2 = alpha1dot * dr_1_2 + alpha2dot * dr_2_2 + alpha3dot * dr_3_2
-        + alpha4dot * dr_4_2 + alpha5dot * dr_5_2 + alpha6dot * dr_6_2 + alpha7dot * dr_7_2
+        + alpha4dot * dr_4_2 - alpha5dot * t9 + alpha6dot * dr_6_2 + alpha7dot * dr_7_2
         + alpha8dot * dr_8_2;
     const double rdot_3 = alpha1dot * dr_1_3 + alpha2dot * dr_2_3 + alpha3dot * dr_3_3
         + alpha4dot * dr_4_3 + alpha5dot * dr_5_3 + alpha6dot * dr_6_3 + alpha7dot * dr_7_3
@@ -1594,38 +1602,47 @@ int solid_beam_marker_right(
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
      *     quaternion
      */
-    const double t9 = e0 * e0;
-    const double t10 = e1 * e1;
-    const double t11 = e2 * e2;
-    const double t12 = e3 * e3;
-    const double Q_11 = t9 + t10 - t11 - t12;
-    const double t13 = 2.0 * e1;
-    const double t14 = t13 * e2;
-    const double t15 = 2.0 * e0;
-    const double t16 = t15 * e3;
-    const double Q_12 = t14 - t16;
-    const double t17 = t15 * e2;
-    const double t18 = t13 * e3;
-    const double Q_13 = t17 + t18;
-    const double Q_21 = t16 + t14;
-    const double Q_22 = t9 + t11 - t10 - t12;
-    const double t19 = 2.0 * e2 * e3;
-    const double t20 = t15 * e1;
-    const double Q_23 = t19 - t20;
-    const double Q_31 = t18 - t17;
-    const double Q_32 = t20 + t19;
-    const double Q_33 = t9 + t12 - t10 - t11;
+    const double t10 = e0 * e0;
+    const double t11 = e1 * e1;
+    const double t12 = e2 * e2;
+    const double t13 = e3 * e3;
+    const double Q_11 = t10 + t11 - t12 - t13;
+    const double t14 = 2.0 * e1;
+    const double t15 = t14 * e2;
+    const double t16 = 2.0 * e0;
+    const double t17 = t16 * e3;
+    const double Q_12 = t15 - t17;
+    const double t18 = t16 * e2;
+    const double t19 = t14 * e3;
+    const double Q_13 = t18 + t19;
+    const double Q_21 = t17 + t15;
+    const double Q_22 = t10 + t12 - t11 - t13;
+    const double t20 = 2.0 * e2 * e3;
+    const double t21 = t16 * e1;
+    const double Q_23 = t20 - t21;
+    const double Q_31 = t19 - t18;
+    const double Q_32 = t21 + t20;
+    const double Q_33 = t10 + t13 - t11 - t12;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double c1 = q[0];
     x[0] = c1 + r_1 * Q_11 + r_2 * Q_12 + r_3 * Q_13;
+    const double c2 = q[1];
     x[1] = c2 + r_1 * Q_21 + r_2 * Q_22 + r_3 * Q_23;
+    const double c3 = q[2];
     x[2] = c3 + r_1 * Q_31 + r_2 * Q_32 + r_3 * Q_33;
-    const double t21 = rdot_1 + omega2 * r_3 - omega3 * r_2;
-    const double t22 = rdot_2 + omega3 * r_1 - omega1 * r_3;
-    const double t23 = rdot_3 + omega1 * r_2 - omega2 * r_1;
-    xdot[0] = c1dot + t21 * Q_11 + t22 * Q_12 + t23 * Q_13;
-    xdot[1] = c2dot + t21 * Q_21 + t22 * Q_22 + t23 * Q_23;
-    xdot[2] = c3dot + t21 * Q_31 + t22 * Q_32 + t23 * Q_33;
+    const double omega2 = v[4];
+    const double omega3 = v[5];
+    const double t22 = rdot_1 + omega2 * r_3 - omega3 * r_2;
+    const double omega1 = v[3];
+    const double t23 = rdot_2 + omega3 * r_1 - omega1 * r_3;
+    const double t24 = rdot_3 + omega1 * r_2 - omega2 * r_1;
+    const double c1dot = v[0];
+    xdot[0] = c1dot + t22 * Q_11 + t23 * Q_12 + t24 * Q_13;
+    const double c2dot = v[1];
+    xdot[1] = c2dot + t22 * Q_21 + t23 * Q_22 + t24 * Q_23;
+    const double c3dot = v[2];
+    xdot[2] = c3dot + t22 * Q_31 + t23 * Q_32 + t24 * Q_33;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
     jacobian[2] = 1.0;
@@ -1650,9 +1667,9 @@ int solid_beam_marker_right(
     jacobian[21] = dr_4_1 * Q_11 + dr_4_2 * Q_12 + dr_4_3 * Q_13;
     jacobian[22] = dr_4_1 * Q_21 + dr_4_2 * Q_22 + dr_4_3 * Q_23;
     jacobian[23] = dr_4_1 * Q_31 + dr_4_2 * Q_32 + dr_4_3 * Q_33;
-    jacobian[24] = dr_5_1 * Q_11 + dr_5_2 * Q_12 + dr_5_3 * Q_13;
-    jacobian[25] = dr_5_1 * Q_21 + dr_5_2 * Q_22 + dr_5_3 * Q_23;
-    jacobian[26] = dr_5_1 * Q_31 + dr_5_2 * Q_32 + dr_5_3 * Q_33;
+    jacobian[24] = dr_5_1 * Q_11 - t9 * Q_12 + dr_5_3 * Q_13;
+    jacobian[25] = dr_5_1 * Q_21 - t9 * Q_22 + dr_5_3 * Q_23;
+    jacobian[26] = dr_5_1 * Q_31 - t9 * Q_32 + dr_5_3 * Q_33;
     jacobian[27] = dr_6_1 * Q_11 + dr_6_2 * Q_12 + dr_6_3 * Q_13;
     jacobian[28] = dr_6_1 * Q_21 + dr_6_2 * Q_22 + dr_6_3 * Q_23;
     jacobian[29] = dr_6_1 * Q_31 + dr_6_2 * Q_32 + dr_6_3 * Q_33;
@@ -1665,30 +1682,20 @@ int solid_beam_marker_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_load_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
-    const double F_3 = F[2];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
@@ -1719,11 +1726,22 @@ int solid_beam_load_left(
     const double Q_33 = t1 + t4 - t2 - t3;
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
+    const double F_3 = F[2];
     const double Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31;
     const double Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32;
     const double Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33;
 
     /* r (1): the marker in the body frame */
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha4 = q[10];
+    const double alpha6 = q[12];
+    const double alpha7 = q[13];
+    const double alpha8 = q[14];
+    const double alpha5 = q[11];
     const double dr_1_1 = 45.81666798884824 * alpha1 + 2.7318770946111964e-10 * alpha2
         + 41.18330552959638 * alpha3 + 32.80973194985495 * alpha4 + 34.369434443356084 * alpha6
         + 5.608873488531343e-11 * alpha7 + 34.00742074870749 * alpha8
@@ -1734,18 +1752,18 @@ int solid_beam_load_left(
         - 2.8067434703733477e-09 * alpha6 - 7.619429614452797e-09 * alpha8;
     const double dr_1_3 = 2.7217523735453097 + 5.275658444448263e-09 * alpha1
         + 1.8741296516620816e-09 * alpha2 + 1.0194111056948625e-08 * alpha3
-        + 1.8848113207757135e-08 * alpha4 + 1.7606504193451894e-08 * alpha6
+        + 1.8848113207757135e-08 * alpha4 + (1.7606504193451894e-08 * alpha6
         + 2.3993538551791485e-08 * alpha8 - 4.3546734317750944e-09 * alpha5
-        - 9.241391572837121e-09 * alpha7;
+        - 9.241391572837121e-09 * alpha7);
     const double dr_2_1 = 2.7318770946111964e-10 * alpha1 + 45.754512805789666 * alpha2
         + 5.565258073243879e-10 * alpha3 + 8.724536122437667e-10 * alpha4
         + 41.05867381334796 * alpha5 + 3.134874996126917e-10 * alpha6 + 32.580738678469814 * alpha7
         + 2.809773077426945e-09 * alpha8;
     const double dr_2_2 = 2.7193706078839837 + 5.586821021465147e-09 * alpha1
         + 6.375183544707702e-09 * alpha2 + 1.469632109630821e-08 * alpha3
-        + 1.8575646169793687e-08 * alpha4 + 1.1229593882692394e-08 * alpha5
+        + 1.8575646169793687e-08 * alpha4 + (1.1229593882692394e-08 * alpha5
         + 1.8039558052163488e-08 * alpha6 + 1.6916886279808614e-08 * alpha7
-        + 2.1044995789292094e-08 * alpha8;
+        + 2.1044995789292094e-08 * alpha8);
     const double dr_2_3 = 1.8741296516620816e-09 * alpha1 + 4.4271406321563335e-09 * alpha3
         + 3.940924221903685e-09 * alpha4 + 7.564635681868022e-09 * alpha6
         + 8.821759353891837e-09 * alpha8 - 2.3017803729379115e-09 * alpha2
@@ -1759,9 +1777,9 @@ int solid_beam_load_left(
         - 1.9656185418717728e-08 * alpha6 - 2.3713607264973853e-08 * alpha8;
     const double dr_3_3 = 2.72264614863392 + 1.0194111056948625e-08 * alpha1
         + 4.4271406321563335e-09 * alpha2 + 1.5396113042024895e-08 * alpha3
-        + 2.196289681177838e-08 * alpha4 + 6.812298793935837e-09 * alpha5
+        + 2.196289681177838e-08 * alpha4 + (6.812298793935837e-09 * alpha5
         + 3.973370461836837e-08 * alpha6 + 1.7734247015934825e-08 * alpha7
-        + 3.429517847912071e-08 * alpha8;
+        + 3.429517847912071e-08 * alpha8);
     const double dr_4_1 = 32.80973194985495 * alpha1 + 8.724536122437667e-10 * alpha2
         + 78.34266888132584 * alpha3 + 173.16785609229842 * alpha4 + 2.6524397318818627e-10 * alpha5
         + 122.30508354194302 * alpha6 + 1.5818625758214397e-09 * alpha7
@@ -1772,18 +1790,18 @@ int solid_beam_load_left(
         - 3.841872871524784e-08 * alpha6 - 4.033506244311227e-08 * alpha8;
     const double dr_4_3 = 2.7241141293364004 + 1.8848113207757135e-08 * alpha1
         + 3.940924221903685e-09 * alpha2 + 2.196289681177838e-08 * alpha3
-        + 2.936087456329258e-08 * alpha4 + 1.1875508121682824e-08 * alpha5
+        + 2.936087456329258e-08 * alpha4 + (1.1875508121682824e-08 * alpha5
         + 3.741561613487896e-08 * alpha6 + 2.0839688643769733e-08 * alpha7
-        + 5.998870609350073e-08 * alpha8;
+        + 5.998870609350073e-08 * alpha8);
     const double dr_5_1 = 41.05867381334796 * alpha2 + 1.2422541126800772e-10 * alpha3
         + 2.6524397318818627e-10 * alpha4 + 100.60021711846824 * alpha5 + 77.88200817439139 * alpha7
         + 1.3614599519454378e-09 * alpha8 - 3.846474878815011e-12 * alpha1
         - 7.288288138999904e-10 * alpha6;
     const double dr_5_2 = 2.7157262657986365 + 8.132051622011128e-09 * alpha1
         + 1.1229593882692394e-08 * alpha2 + 1.8333469873538143e-08 * alpha3
-        + 2.484760030071492e-08 * alpha4 + 1.9280747881542722e-08 * alpha5
+        + 2.484760030071492e-08 * alpha4 + (1.9280747881542722e-08 * alpha5
         + 3.1386011691552374e-08 * alpha6 + 2.7804692635280085e-08 * alpha7
-        + 3.3421974702797594e-08 * alpha8;
+        + 3.3421974702797594e-08 * alpha8);
     const double dr_5_3 = 6.812298793935837e-09 * alpha3 + 1.1875508121682824e-08 * alpha4
         + 7.793135428561054e-09 * alpha6 + 3.980966946578598e-09 * alpha7
         + 1.3321811610978174e-08 * alpha8 - 4.3546734317750944e-09 * alpha1
@@ -1798,18 +1816,18 @@ int solid_beam_load_left(
         - 4.53073229598888e-08 * alpha6 - 5.479158996835396e-08 * alpha8;
     const double dr_6_3 = 2.7261035159023654 + 1.7606504193451894e-08 * alpha1
         + 7.564635681868022e-09 * alpha2 + 3.973370461836837e-08 * alpha3
-        + 3.741561613487896e-08 * alpha4 + 7.793135428561054e-09 * alpha5
+        + 3.741561613487896e-08 * alpha4 + (7.793135428561054e-09 * alpha5
         + 4.042907610968243e-08 * alpha6 + 1.44312441824616e-08 * alpha7
-        + 5.377124169035429e-08 * alpha8;
+        + 5.377124169035429e-08 * alpha8);
     const double dr_7_1 = 5.608873488531343e-11 * alpha1 + 32.580738678469814 * alpha2
         + 8.836376912137003e-10 * alpha3 + 1.5818625758214397e-09 * alpha4
         + 77.88200817439139 * alpha5 + 172.36282084771983 * alpha7 + 3.6999494452184354e-09 * alpha8
         - 6.028393700401919e-10 * alpha6;
     const double dr_7_2 = 2.710614616123906 + 1.0712955138577353e-08 * alpha1
         + 1.6916886279808614e-08 * alpha2 + 1.4805432440167645e-08 * alpha3
-        + 2.738212340055006e-08 * alpha4 + 2.7804692635280085e-08 * alpha5
+        + 2.738212340055006e-08 * alpha4 + (2.7804692635280085e-08 * alpha5
         + 3.459693965920409e-08 * alpha6 + 3.8905122492394714e-08 * alpha7
-        + 4.557026805136592e-08 * alpha8;
+        + 4.557026805136592e-08 * alpha8);
     const double dr_7_3 = 1.7734247015934825e-08 * alpha3 + 2.0839688643769733e-08 * alpha4
         + 3.980966946578598e-09 * alpha5 + 1.44312441824616e-08 * alpha6
         + 1.9859095724337694e-08 * alpha8 - 9.241391572837121e-09 * alpha1
@@ -1823,9 +1841,9 @@ int solid_beam_load_left(
         - 5.479158996835396e-08 * alpha6 - 7.057952516023797e-08 * alpha8;
     const double dr_8_3 = 2.728519232083843 + 2.3993538551791485e-08 * alpha1
         + 8.821759353891837e-09 * alpha2 + 3.429517847912071e-08 * alpha3
-        + 5.998870609350073e-08 * alpha4 + 1.3321811610978174e-08 * alpha5
+        + 5.998870609350073e-08 * alpha4 + (1.3321811610978174e-08 * alpha5
         + 5.377124169035429e-08 * alpha6 + 1.9859095724337694e-08 * alpha7
-        + 5.7856265552327726e-08 * alpha8;
+        + 5.7856265552327726e-08 * alpha8);
     const double t13 = 0.5 * alpha1;
     const double t14 = 0.5 * alpha2;
     const double t15 = 0.5 * alpha3;
@@ -1835,7 +1853,7 @@ int solid_beam_load_left(
     const double t19 = 0.5 * alpha7;
     const double t20 = 0.5 * alpha8;
     const double r_1 = t13 * dr_1_1 + t14 * dr_2_1 + t15 * dr_3_1 + t16 * dr_4_1 + t17 * dr_5_1
-        + t18 * dr_6_1 + t19 * dr_7_1 + t20 * dr_8_1 - 0.5;
+        + (t18 * dr_6_1 + t19 * dr_7_1 + t20 * dr_8_1 - 0.5);
     const double r_2 = t13 * dr_1_2 + alpha2 * (1.3596853039419918 + 0.5 * dr_2_2) + t15 * dr_3_2
         + t16 * dr_4_2 + alpha5 * (1.3578631328993183 + 0.5 * dr_5_2) + t18 * dr_6_2
         + alpha7 * (1.355307308061953 + 0.5 * dr_7_2) + t20 * dr_8_2;
@@ -1862,30 +1880,20 @@ int solid_beam_load_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_load_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = q[3];
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double alpha1 = q[7];
-    const double alpha2 = q[8];
-    const double alpha3 = q[9];
-    const double alpha4 = q[10];
-    const double alpha5 = q[11];
-    const double alpha6 = q[12];
-    const double alpha7 = q[13];
-    const double alpha8 = q[14];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
-    const double F_3 = F[2];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
@@ -1916,11 +1924,22 @@ int solid_beam_load_right(
     const double Q_33 = t1 + t4 - t2 - t3;
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
+    const double F_3 = F[2];
     const double Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31;
     const double Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32;
     const double Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33;
 
     /* r (1): the marker in the body frame */
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha1 = q[7];
+    const double alpha4 = q[10];
+    const double alpha7 = q[13];
+    const double alpha8 = q[14];
     const double dr_1_1 = 1.3708012717695785e-10 * alpha2 + 41.18330552764816 * alpha3
         + 7.527354269073689e-10 * alpha5 + 34.36943444054916 * alpha6 - 45.81666798671641 * alpha1
         - 32.809731946971276 * alpha4 - 7.396530917098614e-10 * alpha7 - 34.00742074063152 * alpha8;
@@ -1930,18 +1949,18 @@ int solid_beam_load_right(
         - 3.685632951212884e-09 * alpha7 - 4.2721589936388015e-10 * alpha8;
     const double dr_1_3 = 2.7217523735453097 + 3.425733174640047e-10 * alpha1
         + 3.967881020075775e-09 * alpha2 + 3.3060009116341384e-09 * alpha3
-        + 1.1548486713564576e-08 * alpha4 + 6.21990737779783e-09 * alpha6
+        + 1.1548486713564576e-08 * alpha4 + (6.21990737779783e-09 * alpha6
         + 8.908397277577462e-09 * alpha7 + 1.5496500867017746e-08 * alpha8
-        - 3.622439379304641e-09 * alpha5;
+        - 3.622439379304641e-09 * alpha5);
     const double dr_2_1 = 1.3708012717695785e-10 * alpha1 + 1.5355818160601464e-09 * alpha4
         + 41.05867381454907 * alpha5 + 2.956323278427728e-09 * alpha8 - 45.75451280695437 * alpha2
         - 7.959633859751672e-10 * alpha3 - 1.6419859719264214e-09 * alpha6
         - 32.580738680656204 * alpha7;
     const double dr_2_2 = 2.7193706078839837 + 3.601675491437855e-09 * alpha3
         - 2.3355308861298462e-09 * alpha1 - 3.835739656908794e-09 * alpha2
-        - 7.2045643217919904e-09 * alpha4 - 6.67757776942257e-09 * alpha5
-        - 2.7875657950582895e-09 * alpha6 - 8.183661349337352e-09 * alpha7
-        - 9.647019955651529e-09 * alpha8;
+        - 7.2045643217919904e-09 * alpha4 - (6.67757776942257e-09 * alpha5
+        + 2.7875657950582895e-09 * alpha6 + 8.183661349337352e-09 * alpha7
+        + 9.647019955651529e-09 * alpha8);
     const double dr_2_3 = 3.967881020075775e-09 * alpha1 + 6.81325035112332e-10 * alpha2
         + 4.972833185779605e-09 * alpha3 + 3.342412555259018e-09 * alpha4
         + 1.0131140859805744e-08 * alpha6 + 1.0512780200248969e-08 * alpha7
@@ -1956,8 +1975,8 @@ int solid_beam_load_right(
         - 5.030991360769192e-10 * alpha5 - 1.1157754775746515e-08 * alpha7;
     const double dr_3_3 = 3.3060009116341384e-09 * alpha1 + 4.972833185779605e-09 * alpha2
         + 3.1478113640448098e-09 * alpha3 + 7.009307858940666e-09 * alpha4
-        + 6.13256029855391e-09 * alpha5 + 2.65014203893447e-08 * alpha6
-        + 1.9533870027037748e-08 * alpha7 + 1.3003120772749962e-08 * alpha8 - 2.72264614863392;
+        + 6.13256029855391e-09 * alpha5 + (2.65014203893447e-08 * alpha6
+        + 1.9533870027037748e-08 * alpha7 + 1.3003120772749962e-08 * alpha8 - 2.72264614863392);
     const double dr_4_1 = 1.5355818160601464e-09 * alpha2 + 78.34266888028334 * alpha3
         + 122.30508354090621 * alpha6 + 1.866423034752714e-09 * alpha7 - 32.809731946971276 * alpha1
         - 173.16785609067333 * alpha4 - 2.1111166972442266e-10 * alpha5
@@ -1968,18 +1987,13 @@ int solid_beam_load_right(
         - 8.22228532080599e-09 * alpha5 - 1.94321008732073e-09 * alpha7;
     const double dr_4_3 = 2.7241141293364004 + 1.1548486713564576e-08 * alpha1
         + 3.342412555259018e-09 * alpha2 + 7.009307858940666e-09 * alpha3
-        + 8.495702799070072e-09 * alpha4 + 1.3502595196183432e-08 * alpha5
+        + 8.495702799070072e-09 * alpha4 + (1.3502595196183432e-08 * alpha5
         + 1.2799182063530078e-08 * alpha6 + 1.7396775923160617e-08 * alpha7
-        + 4.012341745123162e-08 * alpha8;
+        + 4.012341745123162e-08 * alpha8);
     const double dr_5_1 = 7.527354269073689e-10 * alpha1 + 41.05867381454907 * alpha2
         + 77.88200817556651 * alpha7 + 4.4174902886021136e-10 * alpha8
         - 3.2098944348773357e-10 * alpha3 - 2.1111166972442266e-10 * alpha4
         - 100.60021711947142 * alpha5 - 1.388426809904448e-10 * alpha6;
-    const double dr_5_2 = -2.7157262657986365 - 3.6826744489255315e-09 * alpha1
-        - 6.67757776942257e-09 * alpha2 - 5.030991360769192e-10 * alpha3
-        - 8.22228532080599e-09 * alpha4 - 1.0290810703172517e-08 * alpha5
-        - 4.264461222974363e-09 * alpha6 - 1.4664785367865132e-08 * alpha7
-        - 1.483370089157153e-08 * alpha8;
     const double dr_5_3 = 6.13256029855391e-09 * alpha3 + 1.3502595196183432e-08 * alpha4
         + 7.477995033442147e-09 * alpha6 + 1.8206376988974307e-08 * alpha7
         + 1.7042004936851933e-08 * alpha8 - 3.622439379304641e-09 * alpha1
@@ -1994,17 +2008,17 @@ int solid_beam_load_right(
         - 4.264461222974363e-09 * alpha5 - 1.7006182476965767e-08 * alpha7;
     const double dr_6_3 = 6.21990737779783e-09 * alpha1 + 1.0131140859805744e-08 * alpha2
         + 2.65014203893447e-08 * alpha3 + 1.2799182063530078e-08 * alpha4
-        + 7.477995033442147e-09 * alpha5 + 8.761173135206788e-09 * alpha6
-        + 2.3573437737594384e-08 * alpha7 + 2.1913888046898247e-08 * alpha8 - 2.7261035159023654;
+        + 7.477995033442147e-09 * alpha5 + (8.761173135206788e-09 * alpha6
+        + 2.3573437737594384e-08 * alpha7 + 2.1913888046898247e-08 * alpha8 - 2.7261035159023654);
     const double dr_7_1 = 1.866423034752714e-09 * alpha4 + 77.88200817556651 * alpha5
         + 2.3937130446523594e-09 * alpha8 - 7.396530917098614e-10 * alpha1
         - 32.580738680656204 * alpha2 - 2.6888078511469985e-10 * alpha3
         - 1.96551709734466e-09 * alpha6 - 172.36282084935561 * alpha7;
     const double dr_7_2 = 2.710614616123906 - 3.685632951212884e-09 * alpha1
         - 8.183661349337352e-09 * alpha2 - 1.1157754775746515e-08 * alpha3
-        - 1.94321008732073e-09 * alpha4 - 1.4664785367865132e-08 * alpha5
-        - 1.7006182476965767e-08 * alpha6 - 1.9191413261325677e-08 * alpha7
-        - 6.9386480494419265e-09 * alpha8;
+        - 1.94321008732073e-09 * alpha4 - (1.4664785367865132e-08 * alpha5
+        + 1.7006182476965767e-08 * alpha6 + 1.9191413261325677e-08 * alpha7
+        + 6.9386480494419265e-09 * alpha8);
     const double dr_7_3 = 8.908397277577462e-09 * alpha1 + 1.0512780200248969e-08 * alpha2
         + 1.9533870027037748e-08 * alpha3 + 1.7396775923160617e-08 * alpha4
         + 1.8206376988974307e-08 * alpha5 + 2.3573437737594384e-08 * alpha6
@@ -2019,9 +2033,9 @@ int solid_beam_load_right(
         - 1.483370089157153e-08 * alpha5 - 6.9386480494419265e-09 * alpha7;
     const double dr_8_3 = 2.728519232083843 + 1.5496500867017746e-08 * alpha1
         + 9.44272646842284e-09 * alpha2 + 1.3003120772749962e-08 * alpha3
-        + 4.012341745123162e-08 * alpha4 + 1.7042004936851933e-08 * alpha5
+        + 4.012341745123162e-08 * alpha4 + (1.7042004936851933e-08 * alpha5
         + 2.1913888046898247e-08 * alpha6 + 2.5868696729956934e-08 * alpha7
-        + 1.655231862617257e-08 * alpha8;
+        + 1.655231862617257e-08 * alpha8);
     const double t13 = 0.5 * alpha1;
     const double t14 = 0.5 * alpha2;
     const double t15 = 0.5 * alpha3;
@@ -2031,9 +2045,14 @@ int solid_beam_load_right(
     const double t19 = 0.5 * alpha7;
     const double t20 = 0.5 * alpha8;
     const double r_1 = 0.5 + t13 * dr_1_1 + t14 * dr_2_1 + t15 * dr_3_1 + t16 * dr_4_1
-        + t17 * dr_5_1 + t18 * dr_6_1 + t19 * dr_7_1 + t20 * dr_8_1;
+        + (t17 * dr_5_1 + t18 * dr_6_1 + t19 * dr_7_1 + t20 * dr_8_1);
+    const double t21 = 2.7157262657986365 + 3.6826744489255315e-09 * alpha1
+        + 6.67757776942257e-09 * alpha2 + 5.030991360769192e-10 * alpha3
+        + 8.22228532080599e-09 * alpha4 + (1.0290810703172517e-08 * alpha5
+        + 4.264461222974363e-09 * alpha6 + 1.4664785367865132e-08 * alpha7
+        + 1.483370089157153e-08 * alpha8);
     const double r_2 = t13 * dr_1_2 + alpha2 * (1.3596853039419918 + 0.5 * dr_2_2) + t15 * dr_3_2
-        + t16 * dr_4_2 + alpha5 * (0.5 * dr_5_2 - 1.3578631328993183) + t18 * dr_6_2
+        + t16 * dr_4_2 - alpha5 * (0.5 * t21 + 1.3578631328993183) + t18 * dr_6_2
         + alpha7 * (1.355307308061953 + 0.5 * dr_7_2) + t20 * dr_8_2;
     const double r_3 = alpha1 * (1.3608761867726549 + 0.5 * dr_1_3) + t14 * dr_2_3
         + alpha3 * (0.5 * dr_3_3 - 1.36132307431696) + alpha4 * (1.3620570646682002 + 0.5 * dr_4_3)
@@ -2051,13 +2070,14 @@ int solid_beam_load_right(
     f[7] = Fb_1 * dr_2_1 + Fb_2 * dr_2_2 + Fb_3 * dr_2_3;
     f[8] = Fb_1 * dr_3_1 + Fb_2 * dr_3_2 + Fb_3 * dr_3_3;
     f[9] = Fb_1 * dr_4_1 + Fb_2 * dr_4_2 + Fb_3 * dr_4_3;
-    f[10] = Fb_1 * dr_5_1 + Fb_2 * dr_5_2 + Fb_3 * dr_5_3;
+    f[10] = Fb_1 * dr_5_1 - Fb_2 * t21 + Fb_3 * dr_5_3;
     f[11] = Fb_1 * dr_6_1 + Fb_2 * dr_6_2 + Fb_3 * dr_6_3;
     f[12] = Fb_1 * dr_7_1 + Fb_2 * dr_7_2 + Fb_3 * dr_7_3;
     f[13] = Fb_1 * dr_8_1 + Fb_2 * dr_8_2 + Fb_3 * dr_8_3;
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2066,70 +2086,22 @@ int solid_beam_residual(
     double *F)
 {
     (void) t;
+    (void) k;
+
+    /* attitude: check that the quaternion is neither zero nor NaN */
     const double e0 = y[3];
     const double e1 = y[4];
     const double e2 = y[5];
     const double e3 = y[6];
-    const double alpha1 = y[7];
-    const double alpha2 = y[8];
-    const double alpha3 = y[9];
-    const double alpha4 = y[10];
-    const double alpha5 = y[11];
-    const double alpha6 = y[12];
-    const double alpha7 = y[13];
-    const double alpha8 = y[14];
-    const double c1dot = y[15];
-    const double c2dot = y[16];
-    const double c3dot = y[17];
-    const double omega1 = y[18];
-    const double omega2 = y[19];
-    const double omega3 = y[20];
-    const double alpha1dot = y[21];
-    const double alpha2dot = y[22];
-    const double alpha3dot = y[23];
-    const double alpha4dot = y[24];
-    const double alpha5dot = y[25];
-    const double alpha6dot = y[26];
-    const double alpha7dot = y[27];
-    const double alpha8dot = y[28];
-    const double c1_t = ydot[0];
-    const double c2_t = ydot[1];
-    const double c3_t = ydot[2];
-    const double e0_t = ydot[3];
-    const double e1_t = ydot[4];
-    const double e2_t = ydot[5];
-    const double e3_t = ydot[6];
-    const double alpha1_t = ydot[7];
-    const double alpha2_t = ydot[8];
-    const double alpha3_t = ydot[9];
-    const double alpha4_t = ydot[10];
-    const double alpha5_t = ydot[11];
-    const double alpha6_t = ydot[12];
-    const double alpha7_t = ydot[13];
-    const double alpha8_t = ydot[14];
-    const double c1ddot = ydot[15];
-    const double c2ddot = ydot[16];
-    const double c3ddot = ydot[17];
-    const double omega1dot = ydot[18];
-    const double omega2dot = ydot[19];
-    const double omega3dot = ydot[20];
-    const double alpha1ddot = ydot[21];
-    const double alpha2ddot = ydot[22];
-    const double alpha3ddot = ydot[23];
-    const double alpha4ddot = ydot[24];
-    const double alpha5ddot = ydot[25];
-    const double alpha6ddot = ydot[26];
-    const double alpha7ddot = ydot[27];
-    const double alpha8ddot = ydot[28];
-    (void) k;
-
-    /* attitude: check that the quaternion is neither zero nor NaN */
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double omega1 = y[18];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = y[19];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = y[20];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
@@ -2139,10 +2111,15 @@ int solid_beam_residual(
      * S (second order): S_1_11 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_1; ...;
      *     S_8_33 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_8
      */
+    const double alpha1 = y[7];
+    const double alpha4 = y[10];
+    const double alpha8 = y[14];
     const double S_1_11 = 0.9991756475277713 * alpha1 + (-0.0005905758084566136) * alpha4
         + (-0.0006121400052571096) * alpha8;
     const double S_1_22 = (-2.04921512374148) * alpha1 + 0.5868474096495008 * alpha4
         + 0.0902649376065483 * alpha8;
+    const double alpha2 = y[8];
+    const double alpha7 = y[13];
     const double S_1_23 = (-0.4991564468062653) * alpha2 + 0.000746338321407394 * alpha7;
     const double S_1_33 = (-3.0483907712688536) * alpha1 + 0.5874379854589185 * alpha4
         + 0.09087707761334646 * alpha8;
@@ -2151,8 +2128,11 @@ int solid_beam_residual(
     const double S_2_23 = (-0.4991564468062653) * alpha1 + 0.0004590138828816031 * alpha4
         + 0.00042276975451642734 * alpha8;
     const double S_2_33 = (-2.04829905477849) * alpha2 + 0.5887919854520037 * alpha7;
+    const double alpha3 = y[9];
+    const double alpha6 = y[12];
     const double S_3_11 = 0.9981865718898251 * alpha3 + (-0.000963473158974635) * alpha6;
     const double S_3_22 = (-5.393738901681564) * alpha3 + 1.8591274175401598 * alpha6;
+    const double alpha5 = y[11];
     const double S_3_23 = (-0.49814985724483174) * alpha5;
     const double S_3_33 = (-6.391925473570236) * alpha3 + 1.860090890701248 * alpha6;
     const double S_4_11 = (-0.0005905758084566136) * alpha1 + 0.9968931480998653 * alpha4
@@ -2198,22 +2178,30 @@ int solid_beam_residual(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-        + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
     const double t1 = (-2.450382831544825e-05) * alpha3;
     const double t2 = (-2.4535069205936762e-05) * alpha6;
     const double J_13 = t1 + t2 + t1 + t2;
     const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-        + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
         + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-        + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
 
     /*
      * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
      *     shapes, summed with their rates
      */
+    const double alpha1dot = y[21];
+    const double alpha2dot = y[22];
+    const double alpha3dot = y[23];
+    const double alpha4dot = y[24];
+    const double alpha5dot = y[25];
+    const double alpha6dot = y[26];
+    const double alpha7dot = y[27];
+    const double alpha8dot = y[28];
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
@@ -2252,97 +2240,53 @@ int solid_beam_residual(
         + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t3 + alpha7 * c7dot_7_1 - alpha8 * t4;
 
     /* residual (15): kinematics, then the equations of motion */
+    const double c1_t = ydot[0];
+    const double c1dot = y[15];
     F[0] = c1_t - c1dot;
+    const double c2_t = ydot[1];
+    const double c2dot = y[16];
     F[1] = c2_t - c2dot;
+    const double c3_t = ydot[2];
+    const double c3dot = y[17];
     F[2] = c3_t - c3dot;
     const double t5 = 0.5 * omega1;
     const double t6 = 0.5 * omega2;
     const double t7 = 0.5 * omega3;
+    const double e0_t = ydot[3];
     F[3] = e0_t + (t5 * e1 + t6 * e2 + t7 * e3);
+    const double e1_t = ydot[4];
     F[4] = e1_t - (t5 * e0 + t7 * e2 - t6 * e3);
+    const double e2_t = ydot[5];
     F[5] = e2_t - (t6 * e0 + t5 * e3 - t7 * e1);
+    const double e3_t = ydot[6];
     F[6] = e3_t - (t7 * e0 + t6 * e1 - t5 * e2);
+    const double alpha1_t = ydot[7];
     F[7] = alpha1_t - alpha1dot;
+    const double alpha2_t = ydot[8];
     F[8] = alpha2_t - alpha2dot;
+    const double alpha3_t = ydot[9];
     F[9] = alpha3_t - alpha3dot;
+    const double alpha4_t = ydot[10];
     F[10] = alpha4_t - alpha4dot;
+    const double alpha5_t = ydot[11];
     F[11] = alpha5_t - alpha5dot;
+    const double alpha6_t = ydot[12];
     F[12] = alpha6_t - alpha6dot;
+    const double alpha7_t = ydot[13];
     F[13] = alpha7_t - alpha7dot;
+    const double alpha8_t = ydot[14];
     F[14] = alpha8_t - alpha8dot;
+    const double c1ddot = ydot[15];
     F[15] = 0.5400000000000003 * c1ddot;
+    const double c2ddot = ydot[16];
     F[16] = 0.5400000000000003 * c2ddot;
+    const double c3ddot = ydot[17];
     F[17] = 0.5400000000000003 * c3ddot;
     const double t8 = 2.0 * omega1;
     const double t9 = 2.0 * omega2;
     const double t10 = 2.0 * omega3;
     const double t11 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7;
     const double t12 = (-0.9977452135227736) * alpha5;
-    F[18] = J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12 + J_23 * oo_22
-        + J_33 * oo_23 + t8 * Sdot_11 + t9 * Sdot_12 + t10 * Sdot_13 - alpha1ddot * t11
-        + alpha2ddot * d3_2_1 - alpha3ddot * t12 + alpha4ddot * d3_4_1 + alpha5ddot * d3_5_1
-        + alpha6ddot * d3_6_1 + alpha7ddot * d3_7_1 + alpha8ddot * d3_8_1 - J_12 * oo_13
-        - J_22 * oo_23 - J_23 * oo_33;
-    F[19] = J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * oo_33 + J_22 * omega2dot
-        + J_23 * omega3dot + t8 * Sdot_12 + t9 * Sdot_22 + t10 * Sdot_23 + omega3 * d3dot_1
-        - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
-    F[20] = J_12 * oo_11 + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot + J_23 * oo_13
-        + J_33 * omega3dot + t8 * Sdot_13 + t9 * Sdot_23 + t10 * Sdot_33 - J_11 * oo_12
-        - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
-    F[21] = 108201.92210329446 * alpha1 + alpha1ddot - t11 * omega1dot - S_1_11 * oo_11
-        - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t8 * c7dot_1_1;
-    F[22] = 431754.597252093 * alpha2 + alpha2ddot + d3_2_1 * omega1dot - S_2_11 * oo_11
-        - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t8 * c7dot_2_1;
-    F[23] = 823854.9427167808 * alpha3 + alpha3ddot - t12 * omega1dot - S_3_11 * oo_11
-        - (-4.90076566308965e-05) * oo_13 - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33
-        - t8 * c7dot_3_1;
-    F[24] = 3176799.8268579636 * alpha4 + alpha4ddot + d3_4_1 * omega1dot - S_4_11 * oo_11
-        - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t8 * c7dot_4_1;
-    F[25] = 3271803.550599345 * alpha5 + alpha5ddot + d3_5_1 * omega1dot - S_5_11 * oo_11
-        - (-0.00019553393620539488) * oo_12 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33
-        - t8 * c7dot_5_1;
-    F[26] = 8721662.73758154 * alpha6 + alpha6ddot + d3_6_1 * omega1dot - S_6_11 * oo_11
-        - (-4.9070138411873525e-05) * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-        + t8 * t3;
-    F[27] = 12527942.688344836 * alpha7 + alpha7ddot + d3_7_1 * omega1dot - S_7_11 * oo_11
-        - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t8 * c7dot_7_1;
-    F[28] = 19580832.66034832 * alpha8 + alpha8ddot + d3_8_1 * omega1dot - S_8_11 * oo_11
-        - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t8 * t4;
-    return 0;
-}
-
-int solid_beam_jacobian(
-    double t,
-    const double *TISSERAND_RESTRICT y,
-    const double *TISSERAND_RESTRICT ydot,
-    double cj,
-    const double *TISSERAND_RESTRICT k,
-    double *jac)
-{
-    (void) t;
-    const double e0 = y[3];
-    const double e1 = y[4];
-    const double e2 = y[5];
-    const double e3 = y[6];
-    const double alpha1 = y[7];
-    const double alpha2 = y[8];
-    const double alpha3 = y[9];
-    const double alpha4 = y[10];
-    const double alpha5 = y[11];
-    const double alpha6 = y[12];
-    const double alpha7 = y[13];
-    const double alpha8 = y[14];
-    const double omega1 = y[18];
-    const double omega2 = y[19];
-    const double omega3 = y[20];
-    const double alpha1dot = y[21];
-    const double alpha2dot = y[22];
-    const double alpha3dot = y[23];
-    const double alpha4dot = y[24];
-    const double alpha5dot = y[25];
-    const double alpha6dot = y[26];
-    const double alpha7dot = y[27];
-    const double alpha8dot = y[28];
     const double omega1dot = ydot[18];
     const double omega2dot = ydot[19];
     const double omega3dot = ydot[20];
@@ -2354,15 +2298,65 @@ int solid_beam_jacobian(
     const double alpha6ddot = ydot[26];
     const double alpha7ddot = ydot[27];
     const double alpha8ddot = ydot[28];
+    F[18] = J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12 + J_23 * (oo_22
+        - oo_33) + (J_33 * oo_23 + t8 * Sdot_11 + t9 * Sdot_12 + t10 * Sdot_13 - alpha1ddot * t11)
+        + (alpha2ddot * d3_2_1 - alpha3ddot * t12 + alpha4ddot * d3_4_1 + alpha5ddot * d3_5_1
+        + alpha6ddot * d3_6_1 + (alpha7ddot * d3_7_1 + alpha8ddot * d3_8_1 - J_12 * oo_13
+        - J_22 * oo_23));
+    F[19] = J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * (oo_33 - oo_11)
+        + J_22 * omega2dot + J_23 * omega3dot + (t8 * Sdot_12 + t9 * Sdot_22 + t10 * Sdot_23
+        + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13);
+    F[20] = J_12 * (oo_11 - oo_22) + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot
+        + J_23 * oo_13 + J_33 * omega3dot + (t8 * Sdot_13 + t9 * Sdot_23 + t10 * Sdot_33
+        - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1);
+    F[21] = 108201.92210329446 * alpha1 + alpha1ddot - t11 * omega1dot - S_1_11 * oo_11
+        - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t8 * c7dot_1_1;
+    F[22] = 431754.597252093 * alpha2 + alpha2ddot + d3_2_1 * omega1dot - S_2_11 * oo_11
+        - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t8 * c7dot_2_1;
+    F[23] = 823854.9427167808 * alpha3 + alpha3ddot - t12 * omega1dot - S_3_11 * oo_11
+        - (-4.90076566308965e-05) * oo_13 - (S_3_22 * oo_22 + 2.0 * S_3_23 * oo_23 + S_3_33 * oo_33
+        + t8 * c7dot_3_1);
+    F[24] = 3176799.8268579636 * alpha4 + alpha4ddot + d3_4_1 * omega1dot - S_4_11 * oo_11
+        - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t8 * c7dot_4_1;
+    F[25] = 3271803.550599345 * alpha5 + alpha5ddot + d3_5_1 * omega1dot - S_5_11 * oo_11
+        - (-0.00019553393620539488) * oo_12 - (S_5_22 * oo_22 + 2.0 * S_5_23 * oo_23
+        + S_5_33 * oo_33 + t8 * c7dot_5_1);
+    F[26] = 8721662.73758154 * alpha6 + alpha6ddot + d3_6_1 * omega1dot - S_6_11 * oo_11
+        - (-4.9070138411873525e-05) * oo_13 - (S_6_22 * oo_22 + 2.0 * S_6_23 * oo_23
+        + S_6_33 * oo_33 - t8 * t3);
+    F[27] = 12527942.688344836 * alpha7 + alpha7ddot + d3_7_1 * omega1dot - S_7_11 * oo_11
+        - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t8 * c7dot_7_1;
+    F[28] = 19580832.66034832 * alpha8 + alpha8ddot + d3_8_1 * omega1dot - S_8_11 * oo_11
+        - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t8 * t4;
+    return 0;
+}
+
+TISSERAND_SCALAR
+int solid_beam_jacobian(
+    double t,
+    const double *TISSERAND_RESTRICT y,
+    const double *TISSERAND_RESTRICT ydot,
+    double cj,
+    const double *TISSERAND_RESTRICT k,
+    double *jac)
+{
+    (void) t;
     (void) k;
 
     /* attitude: check that the quaternion is neither zero nor NaN */
+    const double e0 = y[3];
+    const double e1 = y[4];
+    const double e2 = y[5];
+    const double e3 = y[6];
     if (!(e0 * e0 + e1 * e1 + e2 * e2
         + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double omega1 = y[18];
     const double oo_11 = omega1 * omega1;
+    const double omega2 = y[19];
     const double oo_12 = omega1 * omega2;
+    const double omega3 = y[20];
     const double oo_13 = omega1 * omega3;
     const double oo_22 = omega2 * omega2;
     const double oo_23 = omega2 * omega3;
@@ -2372,15 +2366,20 @@ int solid_beam_jacobian(
      * S (second order): S_1_11 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_1; ...;
      *     S_8_33 = symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_8
      */
+    const double alpha1 = y[7];
     const double t1 = 0.9991756475277713 * alpha1;
+    const double alpha4 = y[10];
     const double t2 = (-0.0005905758084566136) * alpha4;
+    const double alpha8 = y[14];
     const double t3 = (-0.0006121400052571096) * alpha8;
     const double S_1_11 = t1 + t2 + t3;
     const double t4 = (-2.04921512374148) * alpha1;
     const double t5 = 0.5868474096495008 * alpha4;
     const double t6 = 0.0902649376065483 * alpha8;
     const double S_1_22 = t4 + t5 + t6;
+    const double alpha2 = y[8];
     const double t7 = (-0.4991564468062653) * alpha2;
+    const double alpha7 = y[13];
     const double t8 = 0.000746338321407394 * alpha7;
     const double S_1_23 = t7 + t8;
     const double t9 = (-3.0483907712688536) * alpha1;
@@ -2400,12 +2399,15 @@ int solid_beam_jacobian(
     const double t19 = (-2.04829905477849) * alpha2;
     const double t20 = 0.5887919854520037 * alpha7;
     const double S_2_33 = t19 + t20;
+    const double alpha3 = y[9];
     const double t21 = 0.9981865718898251 * alpha3;
+    const double alpha6 = y[12];
     const double t22 = (-0.000963473158974635) * alpha6;
     const double S_3_11 = t21 + t22;
     const double t23 = (-5.393738901681564) * alpha3;
     const double t24 = 1.8591274175401598 * alpha6;
     const double S_3_22 = t23 + t24;
+    const double alpha5 = y[11];
     const double S_3_23 = (-0.49814985724483174) * alpha5;
     const double t25 = (-6.391925473570236) * alpha3;
     const double t26 = 1.860090890701248 * alpha6;
@@ -2479,22 +2481,30 @@ int solid_beam_jacobian(
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-        + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+        + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
     const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
     const double t60 = (-2.450382831544825e-05) * alpha3;
     const double t61 = (-2.4535069205936762e-05) * alpha6;
     const double J_13 = t60 + t61 + t60 + t61;
     const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-        + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+        + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
     const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
         + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
     const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-        + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+        + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
 
     /*
      * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
      *     shapes, summed with their rates
      */
+    const double alpha1dot = y[21];
+    const double alpha2dot = y[22];
+    const double alpha3dot = y[23];
+    const double alpha4dot = y[24];
+    const double alpha5dot = y[25];
+    const double alpha6dot = y[26];
+    const double alpha7dot = y[27];
+    const double alpha8dot = y[28];
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
@@ -2561,358 +2571,369 @@ int solid_beam_jacobian(
     jac[18] = cj;
     jac[19] = cj;
     const double t70 = t1 + S_1_11 + t2 + t3;
-    const double t71 = S_1_23 + t7 + t8;
-    const double t72 = t9 + S_1_33 + t10 + t11;
-    const double t73 = 2.0 * omega1;
-    const double t74 = t4 + S_1_22 + t5 + t6;
-    jac[20] = omega1dot * t70 + oo_22 * t71 + oo_23 * t72 + t73 * (0.9991756475277713 * alpha1dot
-        + (-0.0005905758084566136) * alpha4dot + (-0.0006121400052571096) * alpha8dot)
-        + (-0.9989715125102133) * alpha2ddot + 0.001022720796073422 * alpha7ddot - oo_23 * t74
-        - oo_33 * t71;
-    const double t75 = 2.0 * omega2;
-    const double t76 = 2.0 * omega3;
-    const double t77 = (-0.4991564468062653) * alpha2dot + 0.000746338321407394 * alpha7dot;
-    jac[21] = oo_13 * t70 + omega2dot * t74 + omega3dot * t71
-        + t75 * ((-2.04921512374148) * alpha1dot + 0.5868474096495008 * alpha4dot
-        + 0.0902649376065483 * alpha8dot) + t76 * t77 + omega3 * c7dot_1_1 - oo_12 * t71
-        - oo_13 * t72;
-    jac[22] = oo_12 * t74 + omega2dot * t71 + oo_13 * t71 + omega3dot * t72 + t75 * t77
-        + t76 * ((-3.0483907712688536) * alpha1dot + 0.5874379854589185 * alpha4dot
-        + 0.09087707761334646 * alpha8dot) - oo_12 * t70 - omega2 * c7dot_1_1;
+    const double t71 = oo_22 - oo_33;
+    const double t72 = S_1_23 + t7 + t8;
+    const double t73 = t9 + S_1_33 + t10 + t11;
+    const double t74 = 2.0 * omega1;
+    const double t75 = t4 + S_1_22 + t5 + t6;
+    const double omega1dot = ydot[18];
+    const double alpha2ddot = ydot[22];
+    const double alpha7ddot = ydot[27];
+    jac[20] = omega1dot * t70 + t71 * t72 + (oo_23 * t73 + t74 * (0.9991756475277713 * alpha1dot
+        + (-0.0005905758084566136) * alpha4dot + (-0.0006121400052571096) * alpha8dot))
+        + ((-0.9989715125102133) * alpha2ddot + (0.001022720796073422 * alpha7ddot - oo_23 * t75));
+    const double t76 = 2.0 * omega2;
+    const double t77 = 2.0 * omega3;
+    const double t78 = (-0.4991564468062653) * alpha2dot + 0.000746338321407394 * alpha7dot;
+    const double omega2dot = ydot[19];
+    const double omega3dot = ydot[20];
+    jac[21] = oo_13 * t70 + omega2dot * t75 + omega3dot * t72
+        + (t76 * ((-2.04921512374148) * alpha1dot + 0.5868474096495008 * alpha4dot
+        + 0.0902649376065483 * alpha8dot) + t77 * t78 + omega3 * c7dot_1_1 - oo_12 * t72
+        - oo_13 * t73);
+    jac[22] = oo_12 * t75 + omega2dot * t72 + oo_13 * t72 + omega3dot * t73 + (t76 * t78
+        + t77 * ((-3.0483907712688536) * alpha1dot + 0.5874379854589185 * alpha4dot
+        + 0.09087707761334646 * alpha8dot) - oo_12 * t70 - omega2 * c7dot_1_1);
     jac[23] = 108201.92210329446 - 0.9991756475277713 * oo_11 - (-2.04921512374148) * oo_22
         - (-3.0483907712688536) * oo_33;
-    const double t78 = (-0.9989715125102133) * omega1dot;
-    const double t79 = (-0.9983128936125306) * oo_23;
-    jac[24] = t78 - t79;
-    const double t80 = 0.0005905758084566136 * oo_11 - 0.5868474096495008 * oo_22
+    const double t79 = (-0.9989715125102133) * omega1dot;
+    const double t80 = (-0.9983128936125306) * oo_23;
+    jac[24] = t79 - t80;
+    const double t81 = 0.0005905758084566136 * oo_11 - 0.5868474096495008 * oo_22
         - 0.5874379854589185 * oo_33;
-    jac[25] = t80;
-    const double t81 = 0.001022720796073422 * omega1dot;
-    const double t82 = 0.001492676642814788 * oo_23;
-    jac[26] = t81 - t82;
-    const double t83 = 0.0006121400052571096 * oo_11 - 0.0902649376065483 * oo_22
+    jac[25] = t81;
+    const double t82 = 0.001022720796073422 * omega1dot;
+    const double t83 = 0.001492676642814788 * oo_23;
+    jac[26] = t82 - t83;
+    const double t84 = 0.0006121400052571096 * oo_11 - 0.0902649376065483 * oo_22
         - 0.09087707761334646 * oo_33;
-    jac[27] = t83;
+    jac[27] = t84;
     jac[28] = cj;
-    const double t84 = t12 + S_2_11 + t13;
-    const double t85 = t16 + S_2_23 + t17 + t18;
-    const double t86 = t19 + S_2_33 + t20;
-    const double t87 = t14 + S_2_22 + t15;
-    jac[29] = omega1dot * t84 + oo_22 * t85 + oo_23 * t86 + t73 * (0.9967112149765225 * alpha2dot
-        + (-0.0023458735832320252) * alpha7dot) - (-0.9989715125102133) * alpha1ddot
-        + (-0.0004463527015693379) * alpha4ddot + (-0.00035665596750676827) * alpha8ddot
-        - oo_23 * t87 - oo_33 * t85;
-    const double t88 = (-0.4991564468062653) * alpha1dot + 0.0004590138828816031 * alpha4dot
+    const double t85 = t12 + S_2_11 + t13;
+    const double t86 = t16 + S_2_23 + t17 + t18;
+    const double t87 = t19 + S_2_33 + t20;
+    const double t88 = t14 + S_2_22 + t15;
+    const double alpha1ddot = ydot[21];
+    const double alpha4ddot = ydot[24];
+    const double alpha8ddot = ydot[28];
+    jac[29] = omega1dot * t85 + t71 * t86 + (oo_23 * t87 + t74 * (0.9967112149765225 * alpha2dot
+        + (-0.0023458735832320252) * alpha7dot) - (-0.9989715125102133) * alpha1ddot)
+        + ((-0.0004463527015693379) * alpha4ddot + ((-0.00035665596750676827) * alpha8ddot
+        - oo_23 * t88));
+    const double t89 = (-0.4991564468062653) * alpha1dot + 0.0004590138828816031 * alpha4dot
         + 0.00042276975451642734 * alpha8dot;
-    jac[30] = oo_13 * t84 + omega2dot * t87 + omega3dot * t85
-        + t75 * ((-3.0450102697552275) * alpha2dot + 0.5911378590347115 * alpha7dot) + t76 * t88
-        + omega3 * c7dot_2_1 - oo_12 * t85 - oo_13 * t86;
-    jac[31] = oo_12 * t87 + omega2dot * t85 + oo_13 * t85 + omega3dot * t86 + t75 * t88
-        + t76 * ((-2.04829905477849) * alpha2dot + 0.5887919854520037 * alpha7dot) - oo_12 * t84
-        - omega2 * c7dot_2_1;
-    jac[32] = -(t78 + t79);
+    jac[30] = oo_13 * t85 + omega2dot * t88 + omega3dot * t86
+        + (t76 * ((-3.0450102697552275) * alpha2dot + 0.5911378590347115 * alpha7dot) + t77 * t89
+        + omega3 * c7dot_2_1 - oo_12 * t86 - oo_13 * t87);
+    jac[31] = oo_12 * t88 + omega2dot * t86 + oo_13 * t86 + omega3dot * t87 + (t76 * t89
+        + t77 * ((-2.04829905477849) * alpha2dot + 0.5887919854520037 * alpha7dot) - oo_12 * t85
+        - omega2 * c7dot_2_1);
+    jac[32] = -(t79 + t80);
     jac[33] = 431754.597252093 - 0.9967112149765225 * oo_11 - (-3.0450102697552275) * oo_22
         - (-2.04829905477849) * oo_33;
-    const double t89 = (-0.0004463527015693379) * omega1dot;
-    const double t90 = 0.0009180277657632062 * oo_23;
-    jac[34] = t89 - t90;
-    const double t91 = 0.0023458735832320252 * oo_11 - 0.5911378590347115 * oo_22
+    const double t90 = (-0.0004463527015693379) * omega1dot;
+    const double t91 = 0.0009180277657632062 * oo_23;
+    jac[34] = t90 - t91;
+    const double t92 = 0.0023458735832320252 * oo_11 - 0.5911378590347115 * oo_22
         - 0.5887919854520037 * oo_33;
-    jac[35] = t91;
-    const double t92 = (-0.00035665596750676827) * omega1dot;
-    const double t93 = 0.0008455395090328547 * oo_23;
-    jac[36] = t92 - t93;
+    jac[35] = t92;
+    const double t93 = (-0.00035665596750676827) * omega1dot;
+    const double t94 = 0.0008455395090328547 * oo_23;
+    jac[36] = t93 - t94;
     jac[37] = cj;
-    const double t94 = t21 + S_3_11 + t22;
-    const double t95 = 2.0 * S_3_23;
-    const double t96 = t25 + S_3_33 + t26;
-    const double t97 = t23 + S_3_22 + t24;
-    jac[38] = omega1dot * t94 + (-4.90076566308965e-05) * omega3dot
-        + (-4.90076566308965e-05) * oo_12 + oo_22 * t95 + oo_23 * t96
-        + t73 * (0.9981865718898251 * alpha3dot + (-0.000963473158974635) * alpha6dot)
-        + (-0.9977452135227736) * alpha5ddot - oo_23 * t97 - oo_33 * t95;
-    const double t98 = (-0.49814985724483174) * alpha5dot;
-    jac[39] = oo_13 * t94 + (-4.90076566308965e-05) * oo_33 + omega2dot * t97 + omega3dot * t95
-        + t75 * ((-5.393738901681564) * alpha3dot + 1.8591274175401598 * alpha6dot) + t76 * t98
-        + omega3 * c7dot_3_1 - (-4.90076566308965e-05) * oo_11 - oo_12 * t95 - oo_13 * t96;
-    jac[40] = (-4.90076566308965e-05) * omega1dot + oo_12 * t97 + omega2dot * t95 + oo_13 * t95
-        + omega3dot * t96 + t75 * t98 + t76 * ((-6.391925473570236) * alpha3dot
-        + 1.860090890701248 * alpha6dot) - oo_12 * t94 - (-4.90076566308965e-05) * oo_23
-        - omega2 * c7dot_3_1;
-    jac[41] = 823854.9427167808 - 0.9981865718898251 * oo_11 - (-5.393738901681564) * oo_22
-        - (-6.391925473570236) * oo_33;
-    const double t99 = (-0.9977452135227736) * omega1dot;
-    const double t100 = (-0.9962997144896635) * oo_23;
-    jac[42] = t99 - t100;
-    const double t101 = 0.000963473158974635 * oo_11 - 1.8591274175401598 * oo_22
-        - 1.860090890701248 * oo_33;
-    jac[43] = t101;
+    const double t95 = t21 + S_3_11 + t22;
+    const double t96 = 2.0 * S_3_23;
+    const double t97 = t25 + S_3_33 + t26;
+    const double t98 = t23 + S_3_22 + t24;
+    const double alpha5ddot = ydot[25];
+    jac[38] = omega1dot * t95 + (-4.90076566308965e-05) * omega3dot
+        + (-4.90076566308965e-05) * oo_12 + t71 * t96 + (oo_23 * t97
+        + t74 * (0.9981865718898251 * alpha3dot + (-0.000963473158974635) * alpha6dot))
+        + ((-0.9977452135227736) * alpha5ddot - oo_23 * t98);
+    const double t99 = oo_33 - oo_11;
+    const double t100 = (-0.49814985724483174) * alpha5dot;
+    jac[39] = oo_13 * t95 + (-4.90076566308965e-05) * t99 + omega2dot * t98 + omega3dot * t96
+        + (t76 * ((-5.393738901681564) * alpha3dot + 1.8591274175401598 * alpha6dot) + t77 * t100
+        + omega3 * c7dot_3_1 - oo_12 * t96 - oo_13 * t97);
+    jac[40] = (-4.90076566308965e-05) * omega1dot + oo_12 * t98 + omega2dot * t96 + oo_13 * t96
+        + omega3dot * t97 + (t76 * t100 + t77 * ((-6.391925473570236) * alpha3dot
+        + 1.860090890701248 * alpha6dot) - oo_12 * t95 - (-4.90076566308965e-05) * oo_23
+        - omega2 * c7dot_3_1);
+    jac[41] = 823854.9427167808 - 0.9981865718898251 * oo_11 - ((-5.393738901681564) * oo_22
+        + (-6.391925473570236) * oo_33);
+    const double t101 = (-0.9977452135227736) * omega1dot;
+    const double t102 = (-0.9962997144896635) * oo_23;
+    jac[42] = t101 - t102;
+    const double t103 = 0.000963473158974635 * oo_11 - (1.8591274175401598 * oo_22
+        + 1.860090890701248 * oo_33);
+    jac[43] = t103;
     jac[44] = cj;
-    const double t102 = t27 + (t28 + S_4_11) + t29;
-    const double t103 = t33 + S_4_23 + t34;
-    const double t104 = t35 + (t36 + S_4_33) + t37;
-    const double t105 = t30 + (t31 + S_4_22) + t32;
-    jac[45] = omega1dot * t102 + oo_22 * t103 + oo_23 * t104
-        + t73 * ((-0.0005905758084566136) * alpha1dot + 0.9968931480998653 * alpha4dot
-        + (-0.0013107320248151129) * alpha8dot) - (-0.0004463527015693379) * alpha2ddot
-        + (-0.9961572772245384) * alpha7ddot - oo_23 * t105 - oo_33 * t103;
-    const double t106 = 0.0004590138828816031 * alpha2dot + (-0.49684476625656726) * alpha7dot;
-    jac[46] = oo_13 * t102 + omega2dot * t105 + omega3dot * t103
-        + t75 * (0.5868474096495008 * alpha1dot + (-10.312447658094197) * alpha4dot
-        + 3.750869608173889 * alpha8dot) + t76 * t106 + omega3 * c7dot_4_1 - oo_12 * t103
-        - oo_13 * t104;
-    jac[47] = oo_12 * t105 + omega2dot * t103 + oo_13 * t103 + omega3dot * t104 + t75 * t106
-        + t76 * (0.5874379854589185 * alpha1dot + (-11.30934080619178) * alpha4dot
-        + 3.752180340202319 * alpha8dot) - oo_12 * t102 - omega2 * c7dot_4_1;
-    jac[48] = t80;
-    jac[49] = -(t89 + t90);
+    const double t104 = t27 + (t28 + S_4_11) + t29;
+    const double t105 = t33 + S_4_23 + t34;
+    const double t106 = t35 + (t36 + S_4_33) + t37;
+    const double t107 = t30 + (t31 + S_4_22) + t32;
+    jac[45] = omega1dot * t104 + t71 * t105 + (oo_23 * t106
+        + t74 * ((-0.0005905758084566136) * alpha1dot + 0.9968931480998653 * alpha4dot
+        + (-0.0013107320248151129) * alpha8dot)) + ((-0.9961572772245384) * alpha7ddot
+        - oo_23 * t107 - (-0.0004463527015693379) * alpha2ddot);
+    const double t108 = 0.0004590138828816031 * alpha2dot + (-0.49684476625656726) * alpha7dot;
+    jac[46] = oo_13 * t104 + omega2dot * t107 + omega3dot * t105
+        + (t76 * (0.5868474096495008 * alpha1dot + (-10.312447658094197) * alpha4dot
+        + 3.750869608173889 * alpha8dot) + t77 * t108 + omega3 * c7dot_4_1 - oo_12 * t105
+        - oo_13 * t106);
+    jac[47] = oo_12 * t107 + omega2dot * t105 + oo_13 * t105 + omega3dot * t106 + (t76 * t108
+        + t77 * (0.5874379854589185 * alpha1dot + (-11.30934080619178) * alpha4dot
+        + 3.752180340202319 * alpha8dot) - oo_12 * t104 - omega2 * c7dot_4_1);
+    jac[48] = t81;
+    jac[49] = -(t90 + t91);
     jac[50] = 3176799.8268579636 - 0.9968931480998653 * oo_11 - (-10.312447658094197) * oo_22
         - (-11.30934080619178) * oo_33;
-    const double t107 = (-0.9961572772245384) * omega1dot;
-    const double t108 = (-0.9936895325131345) * oo_23;
-    jac[51] = t107 - t108;
-    const double t109 = 0.0013107320248151129 * oo_11 - 3.750869608173889 * oo_22
+    const double t109 = (-0.9961572772245384) * omega1dot;
+    const double t110 = (-0.9936895325131345) * oo_23;
+    jac[51] = t109 - t110;
+    const double t111 = 0.0013107320248151129 * oo_11 - 3.750869608173889 * oo_22
         - 3.752180340202319 * oo_33;
-    jac[52] = t109;
+    jac[52] = t111;
     jac[53] = cj;
-    const double t110 = 2.0 * S_5_11;
-    const double t111 = t38 + S_5_23 + t39;
-    const double t112 = 2.0 * S_5_33;
-    const double t113 = 2.0 * S_5_22;
-    jac[54] = omega1dot * t110 + (-0.00019553393620539488) * omega2dot + oo_22 * t111 + oo_23 * t112
-        + t73 * (0.9927986189759623 * alpha5dot) - (-0.9977452135227736) * alpha3ddot
-        + (-0.0009021519745269716) * alpha6ddot - (-0.00019553393620539488) * oo_13 - oo_23 * t113
-        - oo_33 * t111;
-    const double t114 = (-0.49814985724483174) * alpha3dot + 0.0008347844213729173 * alpha6dot;
-    jac[55] = oo_13 * t110 + (-0.00019553393620539488) * omega1dot
-        + (-0.00019553393620539488) * oo_23 + omega2dot * t113 + omega3dot * t111
-        + t75 * ((-6.3829810941819485) * alpha5dot) + t76 * t114 + omega3 * c7dot_5_1 - oo_12 * t111
-        - oo_13 * t112;
-    jac[56] = (-0.00019553393620539488) * oo_11 + oo_12 * t113 + omega2dot * t111 + oo_13 * t111
-        + omega3dot * t112 + t75 * t114 + t76 * ((-5.390182475205362) * alpha5dot) - oo_12 * t110
-        - (-0.00019553393620539488) * oo_22 - omega2 * c7dot_5_1;
-    jac[57] = -(t99 + t100);
-    jac[58] = 3271803.550599345 - 0.9927986189759623 * oo_11 - (-6.3829810941819485) * oo_22
-        - (-5.390182475205362) * oo_33;
-    const double t115 = (-0.0009021519745269716) * omega1dot;
-    const double t116 = 0.0016695688427458347 * oo_23;
-    jac[59] = t115 - t116;
+    const double t112 = 2.0 * S_5_11;
+    const double t113 = t38 + S_5_23 + t39;
+    const double t114 = 2.0 * S_5_33;
+    const double t115 = 2.0 * S_5_22;
+    const double alpha6ddot = ydot[26];
+    const double alpha3ddot = ydot[23];
+    jac[54] = omega1dot * t112 + (-0.00019553393620539488) * omega2dot + t71 * t113 + (oo_23 * t114
+        + t74 * (0.9927986189759623 * alpha5dot)) + ((-0.0009021519745269716) * alpha6ddot
+        - (-0.9977452135227736) * alpha3ddot - ((-0.00019553393620539488) * oo_13 + oo_23 * t115));
+    const double t116 = (-0.49814985724483174) * alpha3dot + 0.0008347844213729173 * alpha6dot;
+    jac[55] = oo_13 * t112 + (-0.00019553393620539488) * omega1dot
+        + (-0.00019553393620539488) * oo_23 + omega2dot * t115 + omega3dot * t113
+        + (t76 * ((-6.3829810941819485) * alpha5dot) + t77 * t116 + omega3 * c7dot_5_1
+        - oo_12 * t113 - oo_13 * t114);
+    jac[56] = (-0.00019553393620539488) * (oo_11 - oo_22) + oo_12 * t115 + omega2dot * t113
+        + oo_13 * t113 + omega3dot * t114 + (t76 * t116 + t77 * ((-5.390182475205362) * alpha5dot)
+        - oo_12 * t112 - omega2 * c7dot_5_1);
+    jac[57] = -(t101 + t102);
+    jac[58] = 3271803.550599345 - 0.9927986189759623 * oo_11 - ((-6.3829810941819485) * oo_22
+        + (-5.390182475205362) * oo_33);
+    const double t117 = (-0.0009021519745269716) * omega1dot;
+    const double t118 = 0.0016695688427458347 * oo_23;
+    jac[59] = t117 - t118;
     jac[60] = cj;
-    const double t117 = t40 + (t41 + S_6_11);
-    const double t118 = 2.0 * S_6_23;
-    const double t119 = t44 + (t45 + S_6_33);
-    const double t120 = t42 + (t43 + S_6_22);
-    jac[61] = omega1dot * t117 + (-4.9070138411873525e-05) * omega3dot
-        + (-4.9070138411873525e-05) * oo_12 + oo_22 * t118 + oo_23 * t119
-        + t73 * ((-0.000963473158974635) * alpha3dot + 0.9952767091853663 * alpha6dot)
-        - (-0.0009021519745269716) * alpha5ddot - oo_23 * t120 - oo_33 * t118;
-    const double t121 = 0.0008347844213729173 * alpha5dot;
-    jac[62] = oo_13 * t117 + (-4.9070138411873525e-05) * oo_33 + omega2dot * t120 + omega3dot * t118
-        + t75 * (1.8591274175401598 * alpha3dot + (-16.87712375896818) * alpha6dot) + t76 * t121
-        - omega3 * t62 - (-4.9070138411873525e-05) * oo_11 - oo_12 * t118 - oo_13 * t119;
-    jac[63] = (-4.9070138411873525e-05) * omega1dot + oo_12 * t120 + omega2dot * t118 + oo_13 * t118
-        + omega3dot * t119 + t75 * t121 + t76 * (1.860090890701248 * alpha3dot
-        + (-17.872400468149774) * alpha6dot) - oo_12 * t117 - (-4.9070138411873525e-05) * oo_23
-        + omega2 * t62;
-    jac[64] = t101;
-    jac[65] = -(t115 + t116);
-    jac[66] = 8721662.73758154 - 0.9952767091853663 * oo_11 - (-16.87712375896818) * oo_22
-        - (-17.872400468149774) * oo_33;
+    const double t119 = t40 + (t41 + S_6_11);
+    const double t120 = 2.0 * S_6_23;
+    const double t121 = t44 + (t45 + S_6_33);
+    const double t122 = t42 + (t43 + S_6_22);
+    jac[61] = omega1dot * t119 + (-4.9070138411873525e-05) * omega3dot
+        + (-4.9070138411873525e-05) * oo_12 + t71 * t120 + (oo_23 * t121
+        + t74 * ((-0.000963473158974635) * alpha3dot + 0.9952767091853663 * alpha6dot))
+        - ((-0.0009021519745269716) * alpha5ddot + oo_23 * t122);
+    const double t123 = 0.0008347844213729173 * alpha5dot;
+    jac[62] = oo_13 * t119 + (-4.9070138411873525e-05) * t99 + omega2dot * t122 + omega3dot * t120
+        + (t76 * (1.8591274175401598 * alpha3dot + (-16.87712375896818) * alpha6dot) + t77 * t123
+        - omega3 * t62 - oo_12 * t120 - oo_13 * t121);
+    jac[63] = (-4.9070138411873525e-05) * omega1dot + oo_12 * t122 + omega2dot * t120 + oo_13 * t120
+        + omega3dot * t121 + (t76 * t123 + t77 * (1.860090890701248 * alpha3dot
+        + (-17.872400468149774) * alpha6dot) - oo_12 * t119 - (-4.9070138411873525e-05) * oo_23
+        + omega2 * t62);
+    jac[64] = t103;
+    jac[65] = -(t117 + t118);
+    jac[66] = 8721662.73758154 - 0.9952767091853663 * oo_11 - ((-16.87712375896818) * oo_22
+        + (-17.872400468149774) * oo_33);
     jac[67] = cj;
-    const double t122 = t46 + (t47 + S_7_11);
-    const double t123 = t50 + S_7_23 + t51;
-    const double t124 = t52 + (t53 + S_7_33);
-    const double t125 = t48 + (t49 + S_7_22);
-    jac[68] = omega1dot * t122 + oo_22 * t123 + oo_23 * t124
-        + t73 * ((-0.0023458735832320252) * alpha2dot + 0.9877492668287293 * alpha7dot)
-        - 0.001022720796073422 * alpha1ddot - (-0.9961572772245384) * alpha4ddot
-        + (-0.0014284685858196025) * alpha8ddot - oo_23 * t125 - oo_33 * t123;
-    const double t126 = 0.000746338321407394 * alpha1dot + (-0.49684476625656726) * alpha4dot
+    const double t124 = t46 + (t47 + S_7_11);
+    const double t125 = t50 + S_7_23 + t51;
+    const double t126 = t52 + (t53 + S_7_33);
+    const double t127 = t48 + (t49 + S_7_22);
+    jac[68] = omega1dot * t124 + t71 * t125 + (oo_23 * t126
+        + t74 * ((-0.0023458735832320252) * alpha2dot + 0.9877492668287293 * alpha7dot)
+        - 0.001022720796073422 * alpha1ddot) + ((-0.0014284685858196025) * alpha8ddot - oo_23 * t127
+        - (-0.9961572772245384) * alpha4ddot);
+    const double t128 = 0.000746338321407394 * alpha1dot + (-0.49684476625656726) * alpha4dot
         + 0.001234085501770041 * alpha8dot;
-    jac[69] = oo_13 * t122 + omega2dot * t125 + omega3dot * t123
-        + t75 * (0.5911378590347115 * alpha2dot + (-11.293256830686499) * alpha7dot) + t76 * t126
-        + omega3 * c7dot_7_1 - oo_12 * t123 - oo_13 * t124;
-    jac[70] = oo_12 * t125 + omega2dot * t123 + oo_13 * t123 + omega3dot * t124 + t75 * t126
-        + t76 * (0.5887919854520037 * alpha2dot + (-10.305507563856533) * alpha7dot) - oo_12 * t122
-        - omega2 * c7dot_7_1;
-    jac[71] = -(t81 + t82);
-    jac[72] = t91;
-    jac[73] = -(t107 + t108);
+    jac[69] = oo_13 * t124 + omega2dot * t127 + omega3dot * t125
+        + (t76 * (0.5911378590347115 * alpha2dot + (-11.293256830686499) * alpha7dot) + t77 * t128
+        + omega3 * c7dot_7_1 - oo_12 * t125 - oo_13 * t126);
+    jac[70] = oo_12 * t127 + omega2dot * t125 + oo_13 * t125 + omega3dot * t126 + (t76 * t128
+        + t77 * (0.5887919854520037 * alpha2dot + (-10.305507563856533) * alpha7dot) - oo_12 * t124
+        - omega2 * c7dot_7_1);
+    jac[71] = -(t82 + t83);
+    jac[72] = t92;
+    jac[73] = -(t109 + t110);
     jac[74] = 12527942.688344836 - 0.9877492668287293 * oo_11 - (-11.293256830686499) * oo_22
         - (-10.305507563856533) * oo_33;
-    const double t127 = (-0.0014284685858196025) * omega1dot;
-    const double t128 = 0.002468171003540082 * oo_23;
-    jac[75] = t127 - t128;
+    const double t129 = (-0.0014284685858196025) * omega1dot;
+    const double t130 = 0.002468171003540082 * oo_23;
+    jac[75] = t129 - t130;
     jac[76] = cj;
-    const double t129 = t54 + (t55 + S_8_11);
-    const double t130 = S_8_23 + S_8_23;
-    const double t131 = t58 + (t59 + S_8_33);
-    const double t132 = t56 + (t57 + S_8_22);
-    jac[77] = omega1dot * t129 + oo_22 * t130 + oo_23 * t131
-        + t73 * ((-0.0006121400052571096) * alpha1dot + (-0.0013107320248151129) * alpha4dot
-        + 0.9933453628144564 * alpha8dot) - (-0.00035665596750676827) * alpha2ddot
-        - (-0.0014284685858196025) * alpha7ddot - oo_23 * t132 - oo_33 * t130;
-    const double t133 = 0.00042276975451642734 * alpha2dot + 0.001234085501770041 * alpha7dot;
-    jac[78] = oo_13 * t129 + omega2dot * t132 + omega3dot * t130
-        + t75 * (0.0902649376065483 * alpha1dot + 3.750869608173889 * alpha4dot
-        + (-25.078985697725145) * alpha8dot) + t76 * t133 - omega3 * t63 - oo_12 * t130
-        - oo_13 * t131;
-    jac[79] = oo_12 * t132 + omega2dot * t130 + oo_13 * t130 + omega3dot * t131 + t75 * t133
-        + t76 * (0.09087707761334646 * alpha1dot + 3.752180340202319 * alpha4dot
-        + (-26.07233106053395) * alpha8dot) - oo_12 * t129 + omega2 * t63;
-    jac[80] = t83;
-    jac[81] = -(t92 + t93);
-    jac[82] = t109;
-    jac[83] = -(t127 + t128);
+    const double t131 = t54 + (t55 + S_8_11);
+    const double t132 = S_8_23 + S_8_23;
+    const double t133 = t58 + (t59 + S_8_33);
+    const double t134 = t56 + (t57 + S_8_22);
+    jac[77] = omega1dot * t131 + t71 * t132 + (oo_23 * t133
+        + t74 * ((-0.0006121400052571096) * alpha1dot + (-0.0013107320248151129) * alpha4dot
+        + 0.9933453628144564 * alpha8dot)) - ((-0.00035665596750676827) * alpha2ddot
+        + ((-0.0014284685858196025) * alpha7ddot + oo_23 * t134));
+    const double t135 = 0.00042276975451642734 * alpha2dot + 0.001234085501770041 * alpha7dot;
+    jac[78] = oo_13 * t131 + omega2dot * t134 + omega3dot * t132
+        + (t76 * (0.0902649376065483 * alpha1dot + 3.750869608173889 * alpha4dot
+        + (-25.078985697725145) * alpha8dot) + t77 * t135 - omega3 * t63 - oo_12 * t132
+        - oo_13 * t133);
+    jac[79] = oo_12 * t134 + omega2dot * t132 + oo_13 * t132 + omega3dot * t133 + (t76 * t135
+        + t77 * (0.09087707761334646 * alpha1dot + 3.752180340202319 * alpha4dot
+        + (-26.07233106053395) * alpha8dot) - oo_12 * t131 + omega2 * t63);
+    jac[80] = t84;
+    jac[81] = -(t93 + t94);
+    jac[82] = t111;
+    jac[83] = -(t129 + t130);
     jac[84] = 19580832.66034832 - 0.9933453628144564 * oo_11 - (-25.078985697725145) * oo_22
         - (-26.07233106053395) * oo_33;
     jac[85] = -1.0;
-    const double t134 = 0.5400000000000003 * cj;
-    jac[86] = t134;
+    const double t136 = 0.5400000000000003 * cj;
+    jac[86] = t136;
     jac[87] = -1.0;
-    jac[88] = t134;
+    jac[88] = t136;
     jac[89] = -1.0;
-    jac[90] = t134;
-    const double t135 = 0.5 * e1;
-    jac[91] = t135;
-    const double t136 = (-0.5) * e0;
-    jac[92] = t136;
-    const double t137 = 0.5 * e3;
-    jac[93] = -t137;
-    const double t138 = 0.5 * e2;
-    jac[94] = t138;
-    const double t139 = J_13 * omega2;
-    const double t140 = J_12 * omega3;
-    jac[95] = t139 + 2.0 * Sdot_11 - t140 + cj * J_11;
-    const double t141 = 2.0 * Sdot_12;
-    const double t142 = J_33 * omega3;
-    const double t143 = cj * J_12;
-    jac[96] = J_11 * omega3 + t141 - J_13 * t73 - J_23 * omega2 - t142 + t143;
-    const double t144 = J_22 * omega2;
-    const double t145 = 2.0 * Sdot_13;
-    const double t146 = cj * J_13;
-    jac[97] = J_12 * t73 + t144 + J_23 * omega3 + t145 - J_11 * omega2 + t146;
-    const double t147 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7;
-    const double t148 = cj * t147;
-    jac[98] = -(S_1_11 * t73) - 2.0 * c7dot_1_1 - t148;
-    const double t149 = cj * d3_2_1;
-    jac[99] = t149 - (S_2_11 * t73 + 2.0 * c7dot_2_1);
-    const double t150 = (-0.9977452135227736) * alpha5;
-    const double t151 = cj * t150;
-    jac[100] = -(S_3_11 * t73) - (-4.90076566308965e-05) * omega3 - 2.0 * c7dot_3_1 - t151;
-    const double t152 = cj * d3_4_1;
-    jac[101] = t152 - (S_4_11 * t73 + 2.0 * c7dot_4_1);
-    const double t153 = cj * d3_5_1;
-    jac[102] = t153 - (S_5_11 * t73 + (-0.00019553393620539488) * omega2 + 2.0 * c7dot_5_1);
-    const double t154 = cj * d3_6_1;
-    jac[103] = 2.0 * t62 - (S_6_11 * t73 + (-4.9070138411873525e-05) * omega3) + t154;
-    const double t155 = cj * d3_7_1;
-    jac[104] = t155 - (S_7_11 * t73 + 2.0 * c7dot_7_1);
-    const double t156 = cj * d3_8_1;
-    jac[105] = 2.0 * t63 - S_8_11 * t73 + t156;
-    jac[106] = t138;
-    jac[107] = t137;
-    jac[108] = t136;
-    jac[109] = -t135;
-    jac[110] = J_13 * omega1 + J_23 * t75 + t142 + t141 - J_22 * omega3 + t143;
-    const double t157 = J_23 * omega1;
-    jac[111] = t140 + 2.0 * Sdot_22 - t157 + cj * J_22;
-    const double t158 = 2.0 * Sdot_23;
-    const double t159 = J_11 * omega1;
-    const double t160 = cj * J_23;
-    jac[112] = J_22 * omega1 + t158 - t159 - J_12 * t75 - J_13 * omega3 - d3dot_1 + t160;
-    const double t161 = 2.0 * S_1_23;
-    jac[113] = -(S_1_22 * t75) - t161 * omega3;
-    const double t162 = 2.0 * S_2_23;
-    jac[114] = -(S_2_22 * t75) - t162 * omega3;
-    jac[115] = -(S_3_22 * t75) - t95 * omega3;
-    const double t163 = 2.0 * S_4_23;
-    jac[116] = -(S_4_22 * t75) - t163 * omega3;
-    const double t164 = 2.0 * S_5_23;
-    jac[117] = 0.00019553393620539488 * omega1 - S_5_22 * t75 - t164 * omega3;
-    jac[118] = -(S_6_22 * t75) - t118 * omega3;
-    const double t165 = 2.0 * S_7_23;
-    jac[119] = -(S_7_22 * t75) - t165 * omega3;
-    const double t166 = 2.0 * S_8_23;
-    jac[120] = -(S_8_22 * t75) - t166 * omega3;
-    jac[121] = t137;
-    jac[122] = -t138;
-    jac[123] = t135;
-    jac[124] = t136;
-    jac[125] = J_33 * omega2 + t145 - J_12 * omega1 - t144 - J_23 * t76 + t146;
-    jac[126] = t159 + J_12 * omega2 + J_13 * t76 + t158 + d3dot_1 - J_33 * omega1 + t160;
-    jac[127] = t157 + 2.0 * Sdot_33 - t139 + cj * J_33;
-    jac[128] = -(t161 * omega2) - S_1_33 * t76;
-    jac[129] = -(t162 * omega2) - S_2_33 * t76;
-    jac[130] = 4.90076566308965e-05 * omega1 - t95 * omega2 - S_3_33 * t76;
-    jac[131] = -(t163 * omega2) - S_4_33 * t76;
-    jac[132] = -(t164 * omega2) - S_5_33 * t76;
-    jac[133] = 4.9070138411873525e-05 * omega1 - t118 * omega2 - S_6_33 * t76;
-    jac[134] = -(t165 * omega2) - S_7_33 * t76;
-    jac[135] = -(t166 * omega2) - S_8_33 * t76;
+    jac[90] = t136;
+    const double t137 = 0.5 * e1;
+    jac[91] = t137;
+    const double t138 = (-0.5) * e0;
+    jac[92] = t138;
+    const double t139 = 0.5 * e3;
+    jac[93] = -t139;
+    const double t140 = 0.5 * e2;
+    jac[94] = t140;
+    const double t141 = J_13 * omega2;
+    const double t142 = J_12 * omega3;
+    jac[95] = t141 + 2.0 * Sdot_11 - t142 + cj * J_11;
+    const double t143 = 2.0 * Sdot_12;
+    const double t144 = J_33 * omega3;
+    const double t145 = cj * J_12;
+    jac[96] = J_11 * omega3 - J_13 * t74 + (t143 - J_23 * omega2 - t144) + t145;
+    const double t146 = J_22 * omega2;
+    const double t147 = 2.0 * Sdot_13;
+    const double t148 = cj * J_13;
+    jac[97] = J_12 * t74 + t146 + J_23 * omega3 + (t147 - J_11 * omega2) + t148;
+    const double t149 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7;
+    const double t150 = cj * t149;
+    jac[98] = -(S_1_11 * t74) - 2.0 * c7dot_1_1 - t150;
+    const double t151 = cj * d3_2_1;
+    jac[99] = t151 - (S_2_11 * t74 + 2.0 * c7dot_2_1);
+    const double t152 = (-0.9977452135227736) * alpha5;
+    const double t153 = cj * t152;
+    jac[100] = -(S_3_11 * t74) - (-4.90076566308965e-05) * omega3 - 2.0 * c7dot_3_1 - t153;
+    const double t154 = cj * d3_4_1;
+    jac[101] = t154 - (S_4_11 * t74 + 2.0 * c7dot_4_1);
+    const double t155 = cj * d3_5_1;
+    jac[102] = t155 - (S_5_11 * t74 + (-0.00019553393620539488) * omega2 + 2.0 * c7dot_5_1);
+    const double t156 = cj * d3_6_1;
+    jac[103] = 2.0 * t62 - (S_6_11 * t74 + (-4.9070138411873525e-05) * omega3) + t156;
+    const double t157 = cj * d3_7_1;
+    jac[104] = t157 - (S_7_11 * t74 + 2.0 * c7dot_7_1);
+    const double t158 = cj * d3_8_1;
+    jac[105] = 2.0 * t63 - S_8_11 * t74 + t158;
+    jac[106] = t140;
+    jac[107] = t139;
+    jac[108] = t138;
+    jac[109] = -t137;
+    jac[110] = J_13 * omega1 + J_23 * t76 + (t144 + t143) - J_22 * omega3 + t145;
+    const double t159 = J_23 * omega1;
+    jac[111] = t142 + (2.0 * Sdot_22 - t159) + cj * J_22;
+    const double t160 = 2.0 * Sdot_23;
+    const double t161 = J_11 * omega1;
+    const double t162 = cj * J_23;
+    jac[112] = J_22 * omega1 - J_12 * t76 + (t160 - t161 - J_13 * omega3 - d3dot_1) + t162;
+    const double t163 = 2.0 * S_1_23;
+    jac[113] = -(S_1_22 * t76) - t163 * omega3;
+    const double t164 = 2.0 * S_2_23;
+    jac[114] = -(S_2_22 * t76) - t164 * omega3;
+    jac[115] = -(S_3_22 * t76) - t96 * omega3;
+    const double t165 = 2.0 * S_4_23;
+    jac[116] = -(S_4_22 * t76) - t165 * omega3;
+    const double t166 = 2.0 * S_5_23;
+    jac[117] = 0.00019553393620539488 * omega1 - (S_5_22 * t76 + t166 * omega3);
+    jac[118] = -(S_6_22 * t76) - t120 * omega3;
+    const double t167 = 2.0 * S_7_23;
+    jac[119] = -(S_7_22 * t76) - t167 * omega3;
+    const double t168 = 2.0 * S_8_23;
+    jac[120] = -(S_8_22 * t76) - t168 * omega3;
+    jac[121] = t139;
+    jac[122] = -t140;
+    jac[123] = t137;
+    jac[124] = t138;
+    jac[125] = J_33 * omega2 + t147 - J_23 * t77 - (J_12 * omega1 + t146) + t148;
+    jac[126] = t161 + J_12 * omega2 + J_13 * t77 + (t160 + d3dot_1 - J_33 * omega1) + t162;
+    jac[127] = t159 + (2.0 * Sdot_33 - t141) + cj * J_33;
+    jac[128] = -(t163 * omega2) - S_1_33 * t77;
+    jac[129] = -(t164 * omega2) - S_2_33 * t77;
+    jac[130] = 4.90076566308965e-05 * omega1 - (t96 * omega2 + S_3_33 * t77);
+    jac[131] = -(t165 * omega2) - S_4_33 * t77;
+    jac[132] = -(t166 * omega2) - S_5_33 * t77;
+    jac[133] = 4.9070138411873525e-05 * omega1 - (t120 * omega2 + S_6_33 * t77);
+    jac[134] = -(t167 * omega2) - S_7_33 * t77;
+    jac[135] = -(t168 * omega2) - S_8_33 * t77;
     jac[136] = -1.0;
-    jac[137] = t73 * S_1_11 - t148;
-    jac[138] = t75 * S_1_22 + t76 * S_1_23 - omega3 * t147;
-    jac[139] = t75 * S_1_23 + t76 * S_1_33 + omega2 * t147;
+    jac[137] = t74 * S_1_11 - t150;
+    jac[138] = t76 * S_1_22 + t77 * S_1_23 - omega3 * t149;
+    jac[139] = t76 * S_1_23 + t77 * S_1_33 + omega2 * t149;
     jac[140] = cj;
-    const double t167 = (-0.9989715125102133) * t73;
-    jac[141] = t167;
-    const double t168 = 0.001022720796073422 * t73;
-    jac[142] = t168;
+    const double t169 = (-0.9989715125102133) * t74;
+    jac[141] = t169;
+    const double t170 = 0.001022720796073422 * t74;
+    jac[142] = t170;
     jac[143] = -1.0;
-    jac[144] = t73 * S_2_11 + t149;
-    jac[145] = t75 * S_2_22 + t76 * S_2_23 + omega3 * d3_2_1;
-    jac[146] = t75 * S_2_23 + t76 * S_2_33 - omega2 * d3_2_1;
-    jac[147] = -t167;
+    jac[144] = t74 * S_2_11 + t151;
+    jac[145] = t76 * S_2_22 + t77 * S_2_23 + omega3 * d3_2_1;
+    jac[146] = t76 * S_2_23 + t77 * S_2_33 - omega2 * d3_2_1;
+    jac[147] = -t169;
     jac[148] = cj;
-    const double t169 = (-0.0004463527015693379) * t73;
-    jac[149] = t169;
-    const double t170 = (-0.00035665596750676827) * t73;
-    jac[150] = t170;
+    const double t171 = (-0.0004463527015693379) * t74;
+    jac[149] = t171;
+    const double t172 = (-0.00035665596750676827) * t74;
+    jac[150] = t172;
     jac[151] = -1.0;
-    jac[152] = t73 * S_3_11 + (-2.450382831544825e-05) * t76 - t151;
-    jac[153] = t75 * S_3_22 + t76 * S_3_23 - omega3 * t150;
-    jac[154] = (-2.450382831544825e-05) * t73 + t75 * S_3_23 + t76 * S_3_33 + omega2 * t150;
+    jac[152] = t74 * S_3_11 + (-2.450382831544825e-05) * t77 - t153;
+    jac[153] = t76 * S_3_22 + t77 * S_3_23 - omega3 * t152;
+    jac[154] = (-2.450382831544825e-05) * t74 + t76 * S_3_23 + t77 * S_3_33 + omega2 * t152;
     jac[155] = cj;
-    const double t171 = (-0.9977452135227736) * t73;
-    jac[156] = t171;
+    const double t173 = (-0.9977452135227736) * t74;
+    jac[156] = t173;
     jac[157] = -1.0;
-    jac[158] = t73 * S_4_11 + t152;
-    jac[159] = t75 * S_4_22 + t76 * S_4_23 + omega3 * d3_4_1;
-    jac[160] = t75 * S_4_23 + t76 * S_4_33 - omega2 * d3_4_1;
-    jac[161] = -t169;
+    jac[158] = t74 * S_4_11 + t154;
+    jac[159] = t76 * S_4_22 + t77 * S_4_23 + omega3 * d3_4_1;
+    jac[160] = t76 * S_4_23 + t77 * S_4_33 - omega2 * d3_4_1;
+    jac[161] = -t171;
     jac[162] = cj;
-    const double t172 = (-0.9961572772245384) * t73;
-    jac[163] = t172;
+    const double t174 = (-0.9961572772245384) * t74;
+    jac[163] = t174;
     jac[164] = -1.0;
-    jac[165] = t73 * S_5_11 + (-9.776696810269744e-05) * t75 + t153;
-    jac[166] = (-9.776696810269744e-05) * t73 + t75 * S_5_22 + t76 * S_5_23 + omega3 * d3_5_1;
-    jac[167] = t75 * S_5_23 + t76 * S_5_33 - omega2 * d3_5_1;
-    jac[168] = -t171;
+    jac[165] = t74 * S_5_11 + (-9.776696810269744e-05) * t76 + t155;
+    jac[166] = (-9.776696810269744e-05) * t74 + t76 * S_5_22 + t77 * S_5_23 + omega3 * d3_5_1;
+    jac[167] = t76 * S_5_23 + t77 * S_5_33 - omega2 * d3_5_1;
+    jac[168] = -t173;
     jac[169] = cj;
-    const double t173 = (-0.0009021519745269716) * t73;
-    jac[170] = t173;
+    const double t175 = (-0.0009021519745269716) * t74;
+    jac[170] = t175;
     jac[171] = -1.0;
-    jac[172] = t73 * S_6_11 + (-2.4535069205936762e-05) * t76 + t154;
-    jac[173] = t75 * S_6_22 + t76 * S_6_23 + omega3 * d3_6_1;
-    jac[174] = (-2.4535069205936762e-05) * t73 + t75 * S_6_23 + t76 * S_6_33 - omega2 * d3_6_1;
-    jac[175] = -t173;
+    jac[172] = t74 * S_6_11 + (-2.4535069205936762e-05) * t77 + t156;
+    jac[173] = t76 * S_6_22 + t77 * S_6_23 + omega3 * d3_6_1;
+    jac[174] = (-2.4535069205936762e-05) * t74 + t76 * S_6_23 + t77 * S_6_33 - omega2 * d3_6_1;
+    jac[175] = -t175;
     jac[176] = cj;
     jac[177] = -1.0;
-    jac[178] = t73 * S_7_11 + t155;
-    jac[179] = t75 * S_7_22 + t76 * S_7_23 + omega3 * d3_7_1;
-    jac[180] = t75 * S_7_23 + t76 * S_7_33 - omega2 * d3_7_1;
-    jac[181] = -t168;
-    jac[182] = -t172;
+    jac[178] = t74 * S_7_11 + t157;
+    jac[179] = t76 * S_7_22 + t77 * S_7_23 + omega3 * d3_7_1;
+    jac[180] = t76 * S_7_23 + t77 * S_7_33 - omega2 * d3_7_1;
+    jac[181] = -t170;
+    jac[182] = -t174;
     jac[183] = cj;
-    const double t174 = (-0.0014284685858196025) * t73;
-    jac[184] = t174;
+    const double t176 = (-0.0014284685858196025) * t74;
+    jac[184] = t176;
     jac[185] = -1.0;
-    jac[186] = t73 * S_8_11 + t156;
-    jac[187] = t75 * S_8_22 + t76 * S_8_23 + omega3 * d3_8_1;
-    jac[188] = t75 * S_8_23 + t76 * S_8_33 - omega2 * d3_8_1;
-    jac[189] = -t170;
-    jac[190] = -t174;
+    jac[186] = t74 * S_8_11 + t158;
+    jac[187] = t76 * S_8_22 + t77 * S_8_23 + omega3 * d3_8_1;
+    jac[188] = t76 * S_8_23 + t77 * S_8_33 - omega2 * d3_8_1;
+    jac[189] = -t172;
+    jac[190] = -t176;
     jac[191] = cj;
     return 0;
 }
@@ -3017,17 +3038,17 @@ TISSERAND_INLINE void solid_beam_mass_states(
             - (-0.0014284685858196025) * alpha8;
         const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
         const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
         const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
         const double t1 = (-2.450382831544825e-05) * alpha3;
         const double t2 = (-2.4535069205936762e-05) * alpha6;
         const double J_13 = t1 + t2 + t1 + t2;
         const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-            + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+            + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
         const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
             + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
         const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-            + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+            + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
         M[b] = 0.5400000000000003;
         M[all + b] = 0.5400000000000003;
         M[2 * all + b] = 0.5400000000000003;
@@ -3201,17 +3222,17 @@ TISSERAND_INLINE void solid_beam_force_states(
         const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
             + (-26.07233106053395) * alpha8;
         const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
         const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
         const double t1 = (-2.450382831544825e-05) * alpha3;
         const double t2 = (-2.4535069205936762e-05) * alpha6;
         const double J_13 = t1 + t2 + t1 + t2;
         const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-            + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+            + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
         const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
             + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
         const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-            + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+            + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
         const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
             + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
             + alpha8dot * S_8_11;
@@ -3247,12 +3268,12 @@ TISSERAND_INLINE void solid_beam_force_states(
         const double t5 = 2.0 * omega1;
         const double t6 = 2.0 * omega2;
         const double t7 = 2.0 * omega3;
-        h[3 * all + b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t5 * Sdot_11 + t6 * Sdot_12
-            + t7 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33;
-        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t5 * Sdot_12 + t6 * Sdot_22
-            + t7 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
-        h[5 * all + b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t5 * Sdot_13 + t6 * Sdot_23
-            + t7 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
+        h[3 * all + b] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t5 * Sdot_11
+            + t6 * Sdot_12 + t7 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23;
+        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t5 * Sdot_12
+            + t6 * Sdot_22 + (t7 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13);
+        h[5 * all + b] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t5 * Sdot_13
+            + t6 * Sdot_23 + (t7 * Sdot_33 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1);
         h[6 * all + b] = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
             - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t5 * c7dot_1_1;
         h[7 * all + b] = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22
@@ -3467,17 +3488,17 @@ TISSERAND_INLINE void solid_beam_mass_force_states(
             - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t1 * c7dot_1_1;
         M[17 * all + b] = 1.0;
         const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
         const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
         const double t4 = (-2.450382831544825e-05) * alpha3;
         const double t5 = (-2.4535069205936762e-05) * alpha6;
         const double J_13 = t4 + t5 + t4 + t5;
         const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-            + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+            + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
         const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
             + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
         const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-            + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+            + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
         const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
             + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
             + alpha8dot * S_8_11;
@@ -3497,11 +3518,11 @@ TISSERAND_INLINE void solid_beam_mass_force_states(
             + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t3 + alpha7 * c7dot_7_1 - alpha8 * t2;
         const double t6 = 2.0 * omega2;
         const double t7 = 2.0 * omega3;
-        h[5 * all + b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23
-            + t7 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
+        h[5 * all + b] = J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13
+            + t6 * Sdot_23 + (t7 * Sdot_33 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1);
         M[16 * all + b] = J_33;
-        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * Sdot_12 + t6 * Sdot_22
-            + t7 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
+        h[4 * all + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t1 * Sdot_12
+            + t6 * Sdot_22 + (t7 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13);
         M[14 * all + b] = J_22;
         M[15 * all + b] = J_23;
         const double d3_1_1 = 0.9989715125102133 * alpha2 - 0.001022720796073422 * alpha7;
@@ -3514,8 +3535,8 @@ TISSERAND_INLINE void solid_beam_mass_force_states(
         const double d3_7_1 = 0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
             - (-0.0014284685858196025) * alpha8;
         const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
-        h[3 * all + b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12
-            + t7 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33;
+        h[3 * all + b] = J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t1 * Sdot_11
+            + t6 * Sdot_12 + t7 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23;
         M[3 * all + b] = J_11;
         M[4 * all + b] = J_12;
         M[5 * all + b] = J_13;
@@ -3701,17 +3722,17 @@ TISSERAND_INLINE int solid_beam_accel_states(
             - (-0.0014284685858196025) * alpha8;
         const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
         const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
         const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
         const double t1 = (-2.450382831544825e-05) * alpha3;
         const double t2 = (-2.4535069205936762e-05) * alpha6;
         const double J_13 = t1 + t2 + t1 + t2;
         const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-            + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+            + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
         const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
             + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
         const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-            + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+            + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
         const double inverse_J_22 = 1.0 / J_22;
         const double t3 = J_23 * inverse_J_22;
         const double pivot_pi3 = J_33 - t3 * J_23;
@@ -3783,15 +3804,15 @@ TISSERAND_INLINE int solid_beam_accel_states(
             - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t11 * c7dot_2_1;
         const double t21 = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
             - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t11 * c7dot_1_1;
-        const double t22 = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t11 * Sdot_12 + t13 * Sdot_22
-            + t14 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
-        const double t23 = t3 * t22 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t11 * Sdot_13
-            + t13 * Sdot_23 + t14 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-            - omega2 * d3dot_1);
-        const double t24 = (d3_8_1 * t12 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t11 * Sdot_11
-            + t13 * Sdot_12 + t14 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33) + d3_7_1 * t15
-            + d3_6_1 * t16 + d3_5_1 * t17 + d3_4_1 * t18 - t4 * t19 + d3_2_1 * t20 - t5 * t21 + t6 * t22
-            - t8 * t23) / pivot_pi1;
+        const double t22 = J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t11 * Sdot_12
+            + t13 * Sdot_22 + (t14 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13);
+        const double t23 = t3 * t22 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13
+            + t11 * Sdot_13 + t13 * Sdot_23 + (t14 * Sdot_33 - J_11 * oo_12 - J_13 * oo_23
+            - omega2 * d3dot_1));
+        const double t24 = (d3_8_1 * t12 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23
+            + t11 * Sdot_11 + t13 * Sdot_12 + t14 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23)
+            + d3_7_1 * t15 + d3_6_1 * t16 + d3_5_1 * t17 + d3_4_1 * t18 - t4 * t19 + d3_2_1 * t20
+            - t5 * t21 + t6 * t22 - t8 * t23) / pivot_pi1;
         vdot[3 * all + b] = t24;
         const double t25 = t23 * inverse_pivot_pi3 - t8 * t24;
         const double t26 = t22 * inverse_J_22 + t3 * t25 + t6 * t24;
@@ -3996,17 +4017,17 @@ TISSERAND_INLINE void solid_beam_energy_states(
         const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
             + (-26.07233106053395) * alpha8;
         const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
         const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
         const double t1 = (-2.450382831544825e-05) * alpha3;
         const double t2 = (-2.4535069205936762e-05) * alpha6;
         const double J_13 = t1 + t2 + t1 + t2;
         const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-            + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+            + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
         const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
             + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
         const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-            + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+            + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
         const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
         const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
             + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
@@ -4022,11 +4043,11 @@ TISSERAND_INLINE void solid_beam_energy_states(
             + alpha7 * c7dot_7_1 - alpha8 * ((-0.00035665596750676827) * alpha2dot
             + (-0.0014284685858196025) * alpha7dot);
         energy[b] = 0.5 * (oo_11 * J_11 + oo_22 * J_22 + oo_33 * J_33 + alpha1dot * alpha1dot
-            + alpha2dot * alpha2dot + alpha3dot * alpha3dot + alpha4dot * alpha4dot
-            + alpha5dot * alpha5dot + alpha6dot * alpha6dot + alpha7dot * alpha7dot
+            + alpha2dot * alpha2dot + (alpha3dot * alpha3dot + alpha4dot * alpha4dot
+            + alpha5dot * alpha5dot + alpha6dot * alpha6dot) + (alpha7dot * alpha7dot
             + alpha8dot * alpha8dot + 0.5400000000000003 * (c1dot * c1dot)
             + 0.5400000000000003 * (c2dot * c2dot) + 0.5400000000000003 * (c3dot * c3dot)
-            + 2.0 * omega1 * d3dot_1 + 2.0 * oo_12 * J_12 + 2.0 * oo_13 * J_13 + 2.0 * oo_23 * J_23);
+            + (2.0 * omega1 * d3dot_1 + 2.0 * oo_12 * J_12 + 2.0 * oo_13 * J_13 + 2.0 * oo_23 * J_23)));
         energy[all + b] = 0.5 * (108201.92210329446 * alpha1 * alpha1
             + 431754.597252093 * alpha2 * alpha2 + 823854.9427167808 * alpha3 * alpha3
             + 3176799.8268579636 * alpha4 * alpha4 + 3271803.550599345 * alpha5 * alpha5
@@ -4197,17 +4218,17 @@ TISSERAND_INLINE int solid_beam_momentum_states(
         const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
             + (-26.07233106053395) * alpha8;
         const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8);
         const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
         const double t13 = (-2.450382831544825e-05) * alpha3;
         const double t14 = (-2.4535069205936762e-05) * alpha6;
         const double J_13 = t13 + t14 + t13 + t14;
         const double J_22 = 0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3
-            + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8;
+            + S_4_22 * alpha4 + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8);
         const double J_23 = S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4
             + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
         const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
-            + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
+            + S_4_33 * alpha4 + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8);
         const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
         const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
             + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;

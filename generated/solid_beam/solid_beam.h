@@ -432,8 +432,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SOLID_BEAM_HASH "195f68b3c84e6651"
-#define SOLID_BEAM_HASH_195f68b3c84e6651
+#define SOLID_BEAM_HASH "c7fde42a8b90177e"
+#define SOLID_BEAM_HASH_c7fde42a8b90177e
 
 /* ---- sizes and indices ---- */
 
@@ -482,7 +482,7 @@ enum {
 
 /* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
-   accel reports a NaN in its mass matrix as a vanished pivot.
+   accel reports a NaN in its mass matrix as a vanished pivot, if it checks the pivots, else as a value that is not finite.
    The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times a rotation tensor. Integrators
    have to normalise it. Functions that read it return 2 where it is zero or NaN, before they check anything else.
    Arrays that are written must not overlap each other or arrays that are read.
@@ -526,7 +526,7 @@ int solid_beam_mass(
  *     h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
  *
  * From (5), second order, appendix, (15).
- * 447 operations.
+ * 444 operations.
  */
 int solid_beam_force(
     double t,
@@ -547,7 +547,7 @@ int solid_beam_force(
  *     h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
  *
  * From (5), second order, (15), appendix.
- * 471 operations.
+ * 468 operations.
  */
 int solid_beam_mass_force(
     double t,
@@ -568,7 +568,7 @@ int solid_beam_mass_force(
  *     alpha2ddot, alpha3ddot, alpha4ddot, alpha5ddot, alpha6ddot, alpha7ddot, alpha8ddot
  *
  * From second order, appendix, LDL^T, (5).
- * 568 operations.
+ * 565 operations.
  */
 int solid_beam_accel(
     double t,
@@ -722,7 +722,7 @@ int solid_beam_load_right(
  *     alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
  *
  * From (5), second order, appendix, (15).
- * 577 operations.
+ * 574 operations.
  */
 int solid_beam_residual(
     double t,
@@ -743,7 +743,7 @@ int solid_beam_residual(
  * jac: values of the iteration matrix by columns, 29 x 29, 192 values
  *
  * From (5), second order, appendix, (15).
- * 1339 operations.
+ * 1320 operations.
  */
 int solid_beam_jacobian(
     double t,

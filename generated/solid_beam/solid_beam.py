@@ -284,7 +284,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "solid_beam"
-HASH = "195f68b3c84e6651"
+HASH = "c7fde42a8b90177e"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -531,8 +531,8 @@ def mass(q, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
-            + S_8_11 * alpha8
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
+            + S_8_11 * alpha8)
     )
     J_12 = 2 * ((-9.776696810269744e-05) * alpha5)
     t1 = (-2.450382831544825e-05) * alpha3
@@ -540,7 +540,7 @@ def mass(q, k):
     J_13 = t1 + t2 + t1 + t2
     J_22 = (
         0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4
-            + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8
+            + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4 + S_5_23 * alpha5
@@ -548,7 +548,7 @@ def mass(q, k):
     )
     J_33 = (
         0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3 + S_4_33 * alpha4
-            + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8
+            + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # M (15): factors of the accelerations
@@ -594,7 +594,7 @@ def force(t, q, v, k):
         h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
 
     From (5), second order, appendix, (15).
-    447 operations.
+    444 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -694,8 +694,8 @@ def force(t, q, v, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
-            + S_8_11 * alpha8
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
+            + S_8_11 * alpha8)
     )
     J_12 = 2 * ((-9.776696810269744e-05) * alpha5)
     t1 = (-2.450382831544825e-05) * alpha3
@@ -703,7 +703,7 @@ def force(t, q, v, k):
     J_13 = t1 + t2 + t1 + t2
     J_22 = (
         0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4
-            + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8
+            + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4 + S_5_23 * alpha5
@@ -711,7 +711,7 @@ def force(t, q, v, k):
     )
     J_33 = (
         0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3 + S_4_33 * alpha4
-            + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8
+            + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
@@ -766,16 +766,16 @@ def force(t, q, v, k):
     t6 = 2 * omega2
     t7 = 2 * omega3
     h_3 = (
-        J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t5 * Sdot_11 + t6 * Sdot_12 + t7 * Sdot_13
-            - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
+        J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t5 * Sdot_11 + t6 * Sdot_12
+            + t7 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23
     )
     h_4 = (
-        J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t5 * Sdot_12 + t6 * Sdot_22 + t7 * Sdot_23
-            + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+        J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t5 * Sdot_12 + t6 * Sdot_22
+            + (t7 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13)
     )
     h_5 = (
-        J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t5 * Sdot_13 + t6 * Sdot_23 + t7 * Sdot_33
-            - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1
+        J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t5 * Sdot_13 + t6 * Sdot_23
+            + (t7 * Sdot_33 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1)
     )
     h_6 = (
         108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22 - 2 * S_1_23 * oo_23
@@ -828,7 +828,7 @@ def mass_force(t, q, v, k):
         h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
 
     From (5), second order, (15), appendix.
-    471 operations.
+    468 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -1002,8 +1002,8 @@ def mass_force(t, q, v, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
-            + S_8_11 * alpha8
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
+            + S_8_11 * alpha8)
     )
     J_12 = 2 * ((-9.776696810269744e-05) * alpha5)
     t4 = (-2.450382831544825e-05) * alpha3
@@ -1011,7 +1011,7 @@ def mass_force(t, q, v, k):
     J_13 = t4 + t5 + t4 + t5
     J_22 = (
         0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4
-            + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8
+            + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4 + S_5_23 * alpha5
@@ -1019,7 +1019,7 @@ def mass_force(t, q, v, k):
     )
     J_33 = (
         0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3 + S_4_33 * alpha4
-            + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8
+            + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
@@ -1053,15 +1053,15 @@ def mass_force(t, q, v, k):
     t6 = 2 * omega2
     t7 = 2 * omega3
     h_5 = (
-        J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23 + t7 * Sdot_33
-            - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1
+        J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23
+            + (t7 * Sdot_33 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1)
     )
     M_16 = J_33
 
     # pi2 (15): force and column of M of pi2
     h_4 = (
-        J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * Sdot_12 + t6 * Sdot_22 + t7 * Sdot_23
-            + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+        J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t1 * Sdot_12 + t6 * Sdot_22
+            + (t7 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13)
     )
     M_14 = J_22
     M_15 = J_23
@@ -1085,8 +1085,8 @@ def mass_force(t, q, v, k):
 
     # pi1 (15): force and column of M of pi1
     h_3 = (
-        J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12 + t7 * Sdot_13
-            - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
+        J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12
+            + t7 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23
     )
     M_3 = J_11
     M_4 = J_12
@@ -1131,7 +1131,7 @@ def accel(t, q, v, k):
         alpha2ddot, alpha3ddot, alpha4ddot, alpha5ddot, alpha6ddot, alpha7ddot, alpha8ddot
 
     From second order, appendix, LDL^T, (5).
-    568 operations.
+    565 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == (15,) and v.shape == (14,) and k.shape == (0,) and isinstance(t, float)):
@@ -1238,8 +1238,8 @@ def accel(t, q, v, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
-            + S_8_11 * alpha8
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
+            + S_8_11 * alpha8)
     )
     J_12 = 2 * ((-9.776696810269744e-05) * alpha5)
     t1 = (-2.450382831544825e-05) * alpha3
@@ -1247,7 +1247,7 @@ def accel(t, q, v, k):
     J_13 = t1 + t2 + t1 + t2
     J_22 = (
         0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4
-            + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8
+            + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4 + S_5_23 * alpha5
@@ -1255,7 +1255,7 @@ def accel(t, q, v, k):
     )
     J_33 = (
         0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3 + S_4_33 * alpha4
-            + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8
+            + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # pivots (LDL^T): eliminate c1, c2, c3, alpha8, alpha7, alpha6, alpha5, alpha4, alpha3, alpha2,
@@ -1372,16 +1372,16 @@ def accel(t, q, v, k):
             - S_1_33 * oo_33 - t11 * c7dot_1_1
     )
     t22 = (
-        J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t11 * Sdot_12 + t13 * Sdot_22 + t14 * Sdot_23
-            + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+        J_11 * oo_13 + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + t11 * Sdot_12 + t13 * Sdot_22
+            + (t14 * Sdot_23 + omega3 * d3dot_1 - J_23 * oo_12 - J_33 * oo_13)
     )
     t23 = (
-        t3 * t22 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t11 * Sdot_13 + t13 * Sdot_23
-            + t14 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1)
+        t3 * t22 - (J_12 * (oo_11 - oo_22) + J_22 * oo_12 + J_23 * oo_13 + t11 * Sdot_13
+            + t13 * Sdot_23 + (t14 * Sdot_33 - J_11 * oo_12 - J_13 * oo_23 - omega2 * d3dot_1))
     )
     t24 = (
-        (d3_8_1 * t12 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t11 * Sdot_11 + t13 * Sdot_12
-            + t14 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33) + d3_7_1 * t15
+        (d3_8_1 * t12 - (J_13 * oo_12 + J_23 * (oo_22 - oo_33) + J_33 * oo_23 + t11 * Sdot_11
+            + t13 * Sdot_12 + t14 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23) + d3_7_1 * t15
             + d3_6_1 * t16 + d3_5_1 * t17 + d3_4_1 * t18 - t4 * t19 + d3_2_1 * t20 - t5 * t21
             + t6 * t22 - t8 * t23) / pivot_pi1
     )
@@ -1530,8 +1530,8 @@ def energy(q, v, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
-            + S_8_11 * alpha8
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
+            + S_8_11 * alpha8)
     )
     J_12 = 2 * ((-9.776696810269744e-05) * alpha5)
     t1 = (-2.450382831544825e-05) * alpha3
@@ -1539,7 +1539,7 @@ def energy(q, v, k):
     J_13 = t1 + t2 + t1 + t2
     J_22 = (
         0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4
-            + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8
+            + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4 + S_5_23 * alpha5
@@ -1547,7 +1547,7 @@ def energy(q, v, k):
     )
     J_33 = (
         0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3 + S_4_33 * alpha4
-            + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8
+            + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_1 = int rho Phi_8 x rdot
@@ -1576,11 +1576,11 @@ def energy(q, v, k):
     # energy (22): 1/2 int rho xdot . xdot and the strain energy
     energy_0 = (
         0.5 * (oo_11 * J_11 + oo_22 * J_22 + oo_33 * J_33 + alpha1dot * alpha1dot
-            + alpha2dot * alpha2dot + alpha3dot * alpha3dot + alpha4dot * alpha4dot
-            + alpha5dot * alpha5dot + alpha6dot * alpha6dot + alpha7dot * alpha7dot
+            + alpha2dot * alpha2dot + (alpha3dot * alpha3dot + alpha4dot * alpha4dot
+            + alpha5dot * alpha5dot + alpha6dot * alpha6dot) + (alpha7dot * alpha7dot
             + alpha8dot * alpha8dot + 0.5400000000000003 * (c1dot * c1dot)
             + 0.5400000000000003 * (c2dot * c2dot) + 0.5400000000000003 * (c3dot * c3dot)
-            + 2 * omega1 * d3dot_1 + 2 * oo_12 * J_12 + 2 * oo_13 * J_13 + 2 * oo_23 * J_23)
+            + (2 * omega1 * d3dot_1 + 2 * oo_12 * J_12 + 2 * oo_13 * J_13 + 2 * oo_23 * J_23)))
     )
     energy_1 = (
         0.5 * (108201.92210329446 * alpha1 * alpha1 + 431754.597252093 * alpha2 * alpha2
@@ -1732,8 +1732,8 @@ def momentum(q, v, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
-            + S_8_11 * alpha8
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
+            + S_8_11 * alpha8)
     )
     J_12 = 2 * ((-9.776696810269744e-05) * alpha5)
     t13 = (-2.450382831544825e-05) * alpha3
@@ -1741,7 +1741,7 @@ def momentum(q, v, k):
     J_13 = t13 + t14 + t13 + t14
     J_22 = (
         0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4
-            + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8
+            + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4 + S_5_23 * alpha5
@@ -1749,7 +1749,7 @@ def momentum(q, v, k):
     )
     J_33 = (
         0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3 + S_4_33 * alpha4
-            + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8
+            + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_1 = int rho Phi_8 x rdot
@@ -1933,8 +1933,8 @@ def marker_left(q, v, k):
     dr_1_3 = (
         2.7217523735453097 + 5.275658444448263e-09 * alpha1 + 1.8741296516620816e-09 * alpha2
             + 1.0194111056948625e-08 * alpha3 + 1.8848113207757135e-08 * alpha4
-            + 1.7606504193451894e-08 * alpha6 + 2.3993538551791485e-08 * alpha8
-            - 4.3546734317750944e-09 * alpha5 - 9.241391572837121e-09 * alpha7
+            + (1.7606504193451894e-08 * alpha6 + 2.3993538551791485e-08 * alpha8
+            - 4.3546734317750944e-09 * alpha5 - 9.241391572837121e-09 * alpha7)
     )
     dr_2_1 = (
         2.7318770946111964e-10 * alpha1 + 45.754512805789666 * alpha2
@@ -1945,8 +1945,8 @@ def marker_left(q, v, k):
     dr_2_2 = (
         2.7193706078839837 + 5.586821021465147e-09 * alpha1 + 6.375183544707702e-09 * alpha2
             + 1.469632109630821e-08 * alpha3 + 1.8575646169793687e-08 * alpha4
-            + 1.1229593882692394e-08 * alpha5 + 1.8039558052163488e-08 * alpha6
-            + 1.6916886279808614e-08 * alpha7 + 2.1044995789292094e-08 * alpha8
+            + (1.1229593882692394e-08 * alpha5 + 1.8039558052163488e-08 * alpha6
+            + 1.6916886279808614e-08 * alpha7 + 2.1044995789292094e-08 * alpha8)
     )
     dr_2_3 = (
         1.8741296516620816e-09 * alpha1 + 4.4271406321563335e-09 * alpha3
@@ -1969,8 +1969,8 @@ def marker_left(q, v, k):
     dr_3_3 = (
         2.72264614863392 + 1.0194111056948625e-08 * alpha1 + 4.4271406321563335e-09 * alpha2
             + 1.5396113042024895e-08 * alpha3 + 2.196289681177838e-08 * alpha4
-            + 6.812298793935837e-09 * alpha5 + 3.973370461836837e-08 * alpha6
-            + 1.7734247015934825e-08 * alpha7 + 3.429517847912071e-08 * alpha8
+            + (6.812298793935837e-09 * alpha5 + 3.973370461836837e-08 * alpha6
+            + 1.7734247015934825e-08 * alpha7 + 3.429517847912071e-08 * alpha8)
     )
     dr_4_1 = (
         32.80973194985495 * alpha1 + 8.724536122437667e-10 * alpha2 + 78.34266888132584 * alpha3
@@ -1987,8 +1987,8 @@ def marker_left(q, v, k):
     dr_4_3 = (
         2.7241141293364004 + 1.8848113207757135e-08 * alpha1 + 3.940924221903685e-09 * alpha2
             + 2.196289681177838e-08 * alpha3 + 2.936087456329258e-08 * alpha4
-            + 1.1875508121682824e-08 * alpha5 + 3.741561613487896e-08 * alpha6
-            + 2.0839688643769733e-08 * alpha7 + 5.998870609350073e-08 * alpha8
+            + (1.1875508121682824e-08 * alpha5 + 3.741561613487896e-08 * alpha6
+            + 2.0839688643769733e-08 * alpha7 + 5.998870609350073e-08 * alpha8)
     )
     dr_5_1 = (
         41.05867381334796 * alpha2 + 1.2422541126800772e-10 * alpha3
@@ -1999,8 +1999,8 @@ def marker_left(q, v, k):
     dr_5_2 = (
         2.7157262657986365 + 8.132051622011128e-09 * alpha1 + 1.1229593882692394e-08 * alpha2
             + 1.8333469873538143e-08 * alpha3 + 2.484760030071492e-08 * alpha4
-            + 1.9280747881542722e-08 * alpha5 + 3.1386011691552374e-08 * alpha6
-            + 2.7804692635280085e-08 * alpha7 + 3.3421974702797594e-08 * alpha8
+            + (1.9280747881542722e-08 * alpha5 + 3.1386011691552374e-08 * alpha6
+            + 2.7804692635280085e-08 * alpha7 + 3.3421974702797594e-08 * alpha8)
     )
     dr_5_3 = (
         6.812298793935837e-09 * alpha3 + 1.1875508121682824e-08 * alpha4
@@ -2022,8 +2022,8 @@ def marker_left(q, v, k):
     dr_6_3 = (
         2.7261035159023654 + 1.7606504193451894e-08 * alpha1 + 7.564635681868022e-09 * alpha2
             + 3.973370461836837e-08 * alpha3 + 3.741561613487896e-08 * alpha4
-            + 7.793135428561054e-09 * alpha5 + 4.042907610968243e-08 * alpha6
-            + 1.44312441824616e-08 * alpha7 + 5.377124169035429e-08 * alpha8
+            + (7.793135428561054e-09 * alpha5 + 4.042907610968243e-08 * alpha6
+            + 1.44312441824616e-08 * alpha7 + 5.377124169035429e-08 * alpha8)
     )
     dr_7_1 = (
         5.608873488531343e-11 * alpha1 + 32.580738678469814 * alpha2
@@ -2034,8 +2034,8 @@ def marker_left(q, v, k):
     dr_7_2 = (
         2.710614616123906 + 1.0712955138577353e-08 * alpha1 + 1.6916886279808614e-08 * alpha2
             + 1.4805432440167645e-08 * alpha3 + 2.738212340055006e-08 * alpha4
-            + 2.7804692635280085e-08 * alpha5 + 3.459693965920409e-08 * alpha6
-            + 3.8905122492394714e-08 * alpha7 + 4.557026805136592e-08 * alpha8
+            + (2.7804692635280085e-08 * alpha5 + 3.459693965920409e-08 * alpha6
+            + 3.8905122492394714e-08 * alpha7 + 4.557026805136592e-08 * alpha8)
     )
     dr_7_3 = (
         1.7734247015934825e-08 * alpha3 + 2.0839688643769733e-08 * alpha4
@@ -2058,8 +2058,8 @@ def marker_left(q, v, k):
     dr_8_3 = (
         2.728519232083843 + 2.3993538551791485e-08 * alpha1 + 8.821759353891837e-09 * alpha2
             + 3.429517847912071e-08 * alpha3 + 5.998870609350073e-08 * alpha4
-            + 1.3321811610978174e-08 * alpha5 + 5.377124169035429e-08 * alpha6
-            + 1.9859095724337694e-08 * alpha7 + 5.7856265552327726e-08 * alpha8
+            + (1.3321811610978174e-08 * alpha5 + 5.377124169035429e-08 * alpha6
+            + 1.9859095724337694e-08 * alpha7 + 5.7856265552327726e-08 * alpha8)
     )
     t1 = 0.5 * alpha1
     t2 = 0.5 * alpha2
@@ -2070,8 +2070,8 @@ def marker_left(q, v, k):
     t7 = 0.5 * alpha7
     t8 = 0.5 * alpha8
     r_1 = (
-        t1 * dr_1_1 + t2 * dr_2_1 + t3 * dr_3_1 + t4 * dr_4_1 + t5 * dr_5_1 + t6 * dr_6_1
-            + t7 * dr_7_1 + t8 * dr_8_1 - 0.5
+        t1 * dr_1_1 + t2 * dr_2_1 + t3 * dr_3_1 + t4 * dr_4_1 + t5 * dr_5_1 + (t6 * dr_6_1
+            + t7 * dr_7_1 + t8 * dr_8_1 - 0.5)
     )
     r_2 = (
         t1 * dr_1_2 + alpha2 * (1.3596853039419918 + 0.5 * dr_2_2) + t3 * dr_3_2 + t4 * dr_4_2
@@ -2246,8 +2246,8 @@ def marker_right(q, v, k):
     dr_1_3 = (
         2.7217523735453097 + 3.425733174640047e-10 * alpha1 + 3.967881020075775e-09 * alpha2
             + 3.3060009116341384e-09 * alpha3 + 1.1548486713564576e-08 * alpha4
-            + 6.21990737779783e-09 * alpha6 + 8.908397277577462e-09 * alpha7
-            + 1.5496500867017746e-08 * alpha8 - 3.622439379304641e-09 * alpha5
+            + (6.21990737779783e-09 * alpha6 + 8.908397277577462e-09 * alpha7
+            + 1.5496500867017746e-08 * alpha8 - 3.622439379304641e-09 * alpha5)
     )
     dr_2_1 = (
         1.3708012717695785e-10 * alpha1 + 1.5355818160601464e-09 * alpha4
@@ -2258,8 +2258,8 @@ def marker_right(q, v, k):
     dr_2_2 = (
         2.7193706078839837 + 3.601675491437855e-09 * alpha3 - 2.3355308861298462e-09 * alpha1
             - 3.835739656908794e-09 * alpha2 - 7.2045643217919904e-09 * alpha4
-            - 6.67757776942257e-09 * alpha5 - 2.7875657950582895e-09 * alpha6
-            - 8.183661349337352e-09 * alpha7 - 9.647019955651529e-09 * alpha8
+            - (6.67757776942257e-09 * alpha5 + 2.7875657950582895e-09 * alpha6
+            + 8.183661349337352e-09 * alpha7 + 9.647019955651529e-09 * alpha8)
     )
     dr_2_3 = (
         3.967881020075775e-09 * alpha1 + 6.81325035112332e-10 * alpha2
@@ -2282,8 +2282,8 @@ def marker_right(q, v, k):
     dr_3_3 = (
         3.3060009116341384e-09 * alpha1 + 4.972833185779605e-09 * alpha2
             + 3.1478113640448098e-09 * alpha3 + 7.009307858940666e-09 * alpha4
-            + 6.13256029855391e-09 * alpha5 + 2.65014203893447e-08 * alpha6
-            + 1.9533870027037748e-08 * alpha7 + 1.3003120772749962e-08 * alpha8 - 2.72264614863392
+            + 6.13256029855391e-09 * alpha5 + (2.65014203893447e-08 * alpha6
+            + 1.9533870027037748e-08 * alpha7 + 1.3003120772749962e-08 * alpha8 - 2.72264614863392)
     )
     dr_4_1 = (
         1.5355818160601464e-09 * alpha2 + 78.34266888028334 * alpha3 + 122.30508354090621 * alpha6
@@ -2300,20 +2300,14 @@ def marker_right(q, v, k):
     dr_4_3 = (
         2.7241141293364004 + 1.1548486713564576e-08 * alpha1 + 3.342412555259018e-09 * alpha2
             + 7.009307858940666e-09 * alpha3 + 8.495702799070072e-09 * alpha4
-            + 1.3502595196183432e-08 * alpha5 + 1.2799182063530078e-08 * alpha6
-            + 1.7396775923160617e-08 * alpha7 + 4.012341745123162e-08 * alpha8
+            + (1.3502595196183432e-08 * alpha5 + 1.2799182063530078e-08 * alpha6
+            + 1.7396775923160617e-08 * alpha7 + 4.012341745123162e-08 * alpha8)
     )
     dr_5_1 = (
         7.527354269073689e-10 * alpha1 + 41.05867381454907 * alpha2 + 77.88200817556651 * alpha7
             + 4.4174902886021136e-10 * alpha8 - 3.2098944348773357e-10 * alpha3
             - 2.1111166972442266e-10 * alpha4 - 100.60021711947142 * alpha5
             - 1.388426809904448e-10 * alpha6
-    )
-    dr_5_2 = (
-        -2.7157262657986365 - 3.6826744489255315e-09 * alpha1 - 6.67757776942257e-09 * alpha2
-            - 5.030991360769192e-10 * alpha3 - 8.22228532080599e-09 * alpha4
-            - 1.0290810703172517e-08 * alpha5 - 4.264461222974363e-09 * alpha6
-            - 1.4664785367865132e-08 * alpha7 - 1.483370089157153e-08 * alpha8
     )
     dr_5_3 = (
         6.13256029855391e-09 * alpha3 + 1.3502595196183432e-08 * alpha4
@@ -2336,8 +2330,9 @@ def marker_right(q, v, k):
     dr_6_3 = (
         6.21990737779783e-09 * alpha1 + 1.0131140859805744e-08 * alpha2
             + 2.65014203893447e-08 * alpha3 + 1.2799182063530078e-08 * alpha4
-            + 7.477995033442147e-09 * alpha5 + 8.761173135206788e-09 * alpha6
-            + 2.3573437737594384e-08 * alpha7 + 2.1913888046898247e-08 * alpha8 - 2.7261035159023654
+            + 7.477995033442147e-09 * alpha5 + (8.761173135206788e-09 * alpha6
+            + 2.3573437737594384e-08 * alpha7 + 2.1913888046898247e-08 * alpha8
+            - 2.7261035159023654)
     )
     dr_7_1 = (
         1.866423034752714e-09 * alpha4 + 77.88200817556651 * alpha5
@@ -2348,8 +2343,8 @@ def marker_right(q, v, k):
     dr_7_2 = (
         2.710614616123906 - 3.685632951212884e-09 * alpha1 - 8.183661349337352e-09 * alpha2
             - 1.1157754775746515e-08 * alpha3 - 1.94321008732073e-09 * alpha4
-            - 1.4664785367865132e-08 * alpha5 - 1.7006182476965767e-08 * alpha6
-            - 1.9191413261325677e-08 * alpha7 - 6.9386480494419265e-09 * alpha8
+            - (1.4664785367865132e-08 * alpha5 + 1.7006182476965767e-08 * alpha6
+            + 1.9191413261325677e-08 * alpha7 + 6.9386480494419265e-09 * alpha8)
     )
     dr_7_3 = (
         8.908397277577462e-09 * alpha1 + 1.0512780200248969e-08 * alpha2
@@ -2372,8 +2367,8 @@ def marker_right(q, v, k):
     dr_8_3 = (
         2.728519232083843 + 1.5496500867017746e-08 * alpha1 + 9.44272646842284e-09 * alpha2
             + 1.3003120772749962e-08 * alpha3 + 4.012341745123162e-08 * alpha4
-            + 1.7042004936851933e-08 * alpha5 + 2.1913888046898247e-08 * alpha6
-            + 2.5868696729956934e-08 * alpha7 + 1.655231862617257e-08 * alpha8
+            + (1.7042004936851933e-08 * alpha5 + 2.1913888046898247e-08 * alpha6
+            + 2.5868696729956934e-08 * alpha7 + 1.655231862617257e-08 * alpha8)
     )
     t1 = 0.5 * alpha1
     t2 = 0.5 * alpha2
@@ -2384,13 +2379,19 @@ def marker_right(q, v, k):
     t7 = 0.5 * alpha7
     t8 = 0.5 * alpha8
     r_1 = (
-        0.5 + t1 * dr_1_1 + t2 * dr_2_1 + t3 * dr_3_1 + t4 * dr_4_1 + t5 * dr_5_1 + t6 * dr_6_1
-            + t7 * dr_7_1 + t8 * dr_8_1
+        0.5 + t1 * dr_1_1 + t2 * dr_2_1 + t3 * dr_3_1 + t4 * dr_4_1 + (t5 * dr_5_1 + t6 * dr_6_1
+            + t7 * dr_7_1 + t8 * dr_8_1)
+    )
+    t9 = (
+        2.7157262657986365 + 3.6826744489255315e-09 * alpha1 + 6.67757776942257e-09 * alpha2
+            + 5.030991360769192e-10 * alpha3 + 8.22228532080599e-09 * alpha4
+            + (1.0290810703172517e-08 * alpha5 + 4.264461222974363e-09 * alpha6
+            + 1.4664785367865132e-08 * alpha7 + 1.483370089157153e-08 * alpha8)
     )
     r_2 = (
         t1 * dr_1_2 + alpha2 * (1.3596853039419918 + 0.5 * dr_2_2) + t3 * dr_3_2 + t4 * dr_4_2
-            + alpha5 * (0.5 * dr_5_2 - 1.3578631328993183) + t6 * dr_6_2
-            + alpha7 * (1.355307308061953 + 0.5 * dr_7_2) + t8 * dr_8_2
+            - alpha5 * (0.5 * t9 + 1.3578631328993183) + t6 * dr_6_2 + alpha7 * (1.355307308061953
+            + 0.5 * dr_7_2) + t8 * dr_8_2
     )
     r_3 = (
         alpha1 * (1.3608761867726549 + 0.5 * dr_1_3) + t2 * dr_2_3 + alpha3 * (0.5 * dr_3_3
@@ -2404,7 +2405,7 @@ def marker_right(q, v, k):
     )
     rdot_2 = (
         alpha1dot * dr_1_2 + alpha2dot * dr_2_2 + alpha3dot * dr_3_2 + alpha4dot * dr_4_2
-            + alpha5dot * dr_5_2 + alpha6dot * dr_6_2 + alpha7dot * dr_7_2 + alpha8dot * dr_8_2
+            - alpha5dot * t9 + alpha6dot * dr_6_2 + alpha7dot * dr_7_2 + alpha8dot * dr_8_2
     )
     rdot_3 = (
         alpha1dot * dr_1_3 + alpha2dot * dr_2_3 + alpha3dot * dr_3_3 + alpha4dot * dr_4_3
@@ -2412,38 +2413,38 @@ def marker_right(q, v, k):
     )
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
-    t9 = e0 * e0
-    t10 = e1 * e1
-    t11 = e2 * e2
-    t12 = e3 * e3
-    Q_11 = t9 + t10 - t11 - t12
-    t13 = 2 * e1
-    t14 = t13 * e2
-    t15 = 2 * e0
-    t16 = t15 * e3
-    Q_12 = t14 - t16
-    t17 = t15 * e2
-    t18 = t13 * e3
-    Q_13 = t17 + t18
-    Q_21 = t16 + t14
-    Q_22 = t9 + t11 - t10 - t12
-    t19 = 2 * e2 * e3
-    t20 = t15 * e1
-    Q_23 = t19 - t20
-    Q_31 = t18 - t17
-    Q_32 = t20 + t19
-    Q_33 = t9 + t12 - t10 - t11
+    t10 = e0 * e0
+    t11 = e1 * e1
+    t12 = e2 * e2
+    t13 = e3 * e3
+    Q_11 = t10 + t11 - t12 - t13
+    t14 = 2 * e1
+    t15 = t14 * e2
+    t16 = 2 * e0
+    t17 = t16 * e3
+    Q_12 = t15 - t17
+    t18 = t16 * e2
+    t19 = t14 * e3
+    Q_13 = t18 + t19
+    Q_21 = t17 + t15
+    Q_22 = t10 + t12 - t11 - t13
+    t20 = 2 * e2 * e3
+    t21 = t16 * e1
+    Q_23 = t20 - t21
+    Q_31 = t19 - t18
+    Q_32 = t21 + t20
+    Q_33 = t10 + t13 - t11 - t12
 
     # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = c1 + r_1 * Q_11 + r_2 * Q_12 + r_3 * Q_13
     x_1 = c2 + r_1 * Q_21 + r_2 * Q_22 + r_3 * Q_23
     x_2 = c3 + r_1 * Q_31 + r_2 * Q_32 + r_3 * Q_33
-    t21 = rdot_1 + omega2 * r_3 - omega3 * r_2
-    t22 = rdot_2 + omega3 * r_1 - omega1 * r_3
-    t23 = rdot_3 + omega1 * r_2 - omega2 * r_1
-    xdot_0 = c1dot + t21 * Q_11 + t22 * Q_12 + t23 * Q_13
-    xdot_1 = c2dot + t21 * Q_21 + t22 * Q_22 + t23 * Q_23
-    xdot_2 = c3dot + t21 * Q_31 + t22 * Q_32 + t23 * Q_33
+    t22 = rdot_1 + omega2 * r_3 - omega3 * r_2
+    t23 = rdot_2 + omega3 * r_1 - omega1 * r_3
+    t24 = rdot_3 + omega1 * r_2 - omega2 * r_1
+    xdot_0 = c1dot + t22 * Q_11 + t23 * Q_12 + t24 * Q_13
+    xdot_1 = c2dot + t22 * Q_21 + t23 * Q_22 + t24 * Q_23
+    xdot_2 = c3dot + t22 * Q_31 + t23 * Q_32 + t24 * Q_33
     jacobian_0 = 1
     jacobian_1 = 1
     jacobian_2 = 1
@@ -2468,9 +2469,9 @@ def marker_right(q, v, k):
     jacobian_21 = dr_4_1 * Q_11 + dr_4_2 * Q_12 + dr_4_3 * Q_13
     jacobian_22 = dr_4_1 * Q_21 + dr_4_2 * Q_22 + dr_4_3 * Q_23
     jacobian_23 = dr_4_1 * Q_31 + dr_4_2 * Q_32 + dr_4_3 * Q_33
-    jacobian_24 = dr_5_1 * Q_11 + dr_5_2 * Q_12 + dr_5_3 * Q_13
-    jacobian_25 = dr_5_1 * Q_21 + dr_5_2 * Q_22 + dr_5_3 * Q_23
-    jacobian_26 = dr_5_1 * Q_31 + dr_5_2 * Q_32 + dr_5_3 * Q_33
+    jacobian_24 = dr_5_1 * Q_11 - t9 * Q_12 + dr_5_3 * Q_13
+    jacobian_25 = dr_5_1 * Q_21 - t9 * Q_22 + dr_5_3 * Q_23
+    jacobian_26 = dr_5_1 * Q_31 - t9 * Q_32 + dr_5_3 * Q_33
     jacobian_27 = dr_6_1 * Q_11 + dr_6_2 * Q_12 + dr_6_3 * Q_13
     jacobian_28 = dr_6_1 * Q_21 + dr_6_2 * Q_22 + dr_6_3 * Q_23
     jacobian_29 = dr_6_1 * Q_31 + dr_6_2 * Q_32 + dr_6_3 * Q_33
@@ -2574,8 +2575,8 @@ def load_left(q, F, k):
     dr_1_3 = (
         2.7217523735453097 + 5.275658444448263e-09 * alpha1 + 1.8741296516620816e-09 * alpha2
             + 1.0194111056948625e-08 * alpha3 + 1.8848113207757135e-08 * alpha4
-            + 1.7606504193451894e-08 * alpha6 + 2.3993538551791485e-08 * alpha8
-            - 4.3546734317750944e-09 * alpha5 - 9.241391572837121e-09 * alpha7
+            + (1.7606504193451894e-08 * alpha6 + 2.3993538551791485e-08 * alpha8
+            - 4.3546734317750944e-09 * alpha5 - 9.241391572837121e-09 * alpha7)
     )
     dr_2_1 = (
         2.7318770946111964e-10 * alpha1 + 45.754512805789666 * alpha2
@@ -2586,8 +2587,8 @@ def load_left(q, F, k):
     dr_2_2 = (
         2.7193706078839837 + 5.586821021465147e-09 * alpha1 + 6.375183544707702e-09 * alpha2
             + 1.469632109630821e-08 * alpha3 + 1.8575646169793687e-08 * alpha4
-            + 1.1229593882692394e-08 * alpha5 + 1.8039558052163488e-08 * alpha6
-            + 1.6916886279808614e-08 * alpha7 + 2.1044995789292094e-08 * alpha8
+            + (1.1229593882692394e-08 * alpha5 + 1.8039558052163488e-08 * alpha6
+            + 1.6916886279808614e-08 * alpha7 + 2.1044995789292094e-08 * alpha8)
     )
     dr_2_3 = (
         1.8741296516620816e-09 * alpha1 + 4.4271406321563335e-09 * alpha3
@@ -2610,8 +2611,8 @@ def load_left(q, F, k):
     dr_3_3 = (
         2.72264614863392 + 1.0194111056948625e-08 * alpha1 + 4.4271406321563335e-09 * alpha2
             + 1.5396113042024895e-08 * alpha3 + 2.196289681177838e-08 * alpha4
-            + 6.812298793935837e-09 * alpha5 + 3.973370461836837e-08 * alpha6
-            + 1.7734247015934825e-08 * alpha7 + 3.429517847912071e-08 * alpha8
+            + (6.812298793935837e-09 * alpha5 + 3.973370461836837e-08 * alpha6
+            + 1.7734247015934825e-08 * alpha7 + 3.429517847912071e-08 * alpha8)
     )
     dr_4_1 = (
         32.80973194985495 * alpha1 + 8.724536122437667e-10 * alpha2 + 78.34266888132584 * alpha3
@@ -2628,8 +2629,8 @@ def load_left(q, F, k):
     dr_4_3 = (
         2.7241141293364004 + 1.8848113207757135e-08 * alpha1 + 3.940924221903685e-09 * alpha2
             + 2.196289681177838e-08 * alpha3 + 2.936087456329258e-08 * alpha4
-            + 1.1875508121682824e-08 * alpha5 + 3.741561613487896e-08 * alpha6
-            + 2.0839688643769733e-08 * alpha7 + 5.998870609350073e-08 * alpha8
+            + (1.1875508121682824e-08 * alpha5 + 3.741561613487896e-08 * alpha6
+            + 2.0839688643769733e-08 * alpha7 + 5.998870609350073e-08 * alpha8)
     )
     dr_5_1 = (
         41.05867381334796 * alpha2 + 1.2422541126800772e-10 * alpha3
@@ -2640,8 +2641,8 @@ def load_left(q, F, k):
     dr_5_2 = (
         2.7157262657986365 + 8.132051622011128e-09 * alpha1 + 1.1229593882692394e-08 * alpha2
             + 1.8333469873538143e-08 * alpha3 + 2.484760030071492e-08 * alpha4
-            + 1.9280747881542722e-08 * alpha5 + 3.1386011691552374e-08 * alpha6
-            + 2.7804692635280085e-08 * alpha7 + 3.3421974702797594e-08 * alpha8
+            + (1.9280747881542722e-08 * alpha5 + 3.1386011691552374e-08 * alpha6
+            + 2.7804692635280085e-08 * alpha7 + 3.3421974702797594e-08 * alpha8)
     )
     dr_5_3 = (
         6.812298793935837e-09 * alpha3 + 1.1875508121682824e-08 * alpha4
@@ -2663,8 +2664,8 @@ def load_left(q, F, k):
     dr_6_3 = (
         2.7261035159023654 + 1.7606504193451894e-08 * alpha1 + 7.564635681868022e-09 * alpha2
             + 3.973370461836837e-08 * alpha3 + 3.741561613487896e-08 * alpha4
-            + 7.793135428561054e-09 * alpha5 + 4.042907610968243e-08 * alpha6
-            + 1.44312441824616e-08 * alpha7 + 5.377124169035429e-08 * alpha8
+            + (7.793135428561054e-09 * alpha5 + 4.042907610968243e-08 * alpha6
+            + 1.44312441824616e-08 * alpha7 + 5.377124169035429e-08 * alpha8)
     )
     dr_7_1 = (
         5.608873488531343e-11 * alpha1 + 32.580738678469814 * alpha2
@@ -2675,8 +2676,8 @@ def load_left(q, F, k):
     dr_7_2 = (
         2.710614616123906 + 1.0712955138577353e-08 * alpha1 + 1.6916886279808614e-08 * alpha2
             + 1.4805432440167645e-08 * alpha3 + 2.738212340055006e-08 * alpha4
-            + 2.7804692635280085e-08 * alpha5 + 3.459693965920409e-08 * alpha6
-            + 3.8905122492394714e-08 * alpha7 + 4.557026805136592e-08 * alpha8
+            + (2.7804692635280085e-08 * alpha5 + 3.459693965920409e-08 * alpha6
+            + 3.8905122492394714e-08 * alpha7 + 4.557026805136592e-08 * alpha8)
     )
     dr_7_3 = (
         1.7734247015934825e-08 * alpha3 + 2.0839688643769733e-08 * alpha4
@@ -2699,8 +2700,8 @@ def load_left(q, F, k):
     dr_8_3 = (
         2.728519232083843 + 2.3993538551791485e-08 * alpha1 + 8.821759353891837e-09 * alpha2
             + 3.429517847912071e-08 * alpha3 + 5.998870609350073e-08 * alpha4
-            + 1.3321811610978174e-08 * alpha5 + 5.377124169035429e-08 * alpha6
-            + 1.9859095724337694e-08 * alpha7 + 5.7856265552327726e-08 * alpha8
+            + (1.3321811610978174e-08 * alpha5 + 5.377124169035429e-08 * alpha6
+            + 1.9859095724337694e-08 * alpha7 + 5.7856265552327726e-08 * alpha8)
     )
     t13 = 0.5 * alpha1
     t14 = 0.5 * alpha2
@@ -2711,8 +2712,8 @@ def load_left(q, F, k):
     t19 = 0.5 * alpha7
     t20 = 0.5 * alpha8
     r_1 = (
-        t13 * dr_1_1 + t14 * dr_2_1 + t15 * dr_3_1 + t16 * dr_4_1 + t17 * dr_5_1 + t18 * dr_6_1
-            + t19 * dr_7_1 + t20 * dr_8_1 - 0.5
+        t13 * dr_1_1 + t14 * dr_2_1 + t15 * dr_3_1 + t16 * dr_4_1 + t17 * dr_5_1 + (t18 * dr_6_1
+            + t19 * dr_7_1 + t20 * dr_8_1 - 0.5)
     )
     r_2 = (
         t13 * dr_1_2 + alpha2 * (1.3596853039419918 + 0.5 * dr_2_2) + t15 * dr_3_2 + t16 * dr_4_2
@@ -2829,8 +2830,8 @@ def load_right(q, F, k):
     dr_1_3 = (
         2.7217523735453097 + 3.425733174640047e-10 * alpha1 + 3.967881020075775e-09 * alpha2
             + 3.3060009116341384e-09 * alpha3 + 1.1548486713564576e-08 * alpha4
-            + 6.21990737779783e-09 * alpha6 + 8.908397277577462e-09 * alpha7
-            + 1.5496500867017746e-08 * alpha8 - 3.622439379304641e-09 * alpha5
+            + (6.21990737779783e-09 * alpha6 + 8.908397277577462e-09 * alpha7
+            + 1.5496500867017746e-08 * alpha8 - 3.622439379304641e-09 * alpha5)
     )
     dr_2_1 = (
         1.3708012717695785e-10 * alpha1 + 1.5355818160601464e-09 * alpha4
@@ -2841,8 +2842,8 @@ def load_right(q, F, k):
     dr_2_2 = (
         2.7193706078839837 + 3.601675491437855e-09 * alpha3 - 2.3355308861298462e-09 * alpha1
             - 3.835739656908794e-09 * alpha2 - 7.2045643217919904e-09 * alpha4
-            - 6.67757776942257e-09 * alpha5 - 2.7875657950582895e-09 * alpha6
-            - 8.183661349337352e-09 * alpha7 - 9.647019955651529e-09 * alpha8
+            - (6.67757776942257e-09 * alpha5 + 2.7875657950582895e-09 * alpha6
+            + 8.183661349337352e-09 * alpha7 + 9.647019955651529e-09 * alpha8)
     )
     dr_2_3 = (
         3.967881020075775e-09 * alpha1 + 6.81325035112332e-10 * alpha2
@@ -2865,8 +2866,8 @@ def load_right(q, F, k):
     dr_3_3 = (
         3.3060009116341384e-09 * alpha1 + 4.972833185779605e-09 * alpha2
             + 3.1478113640448098e-09 * alpha3 + 7.009307858940666e-09 * alpha4
-            + 6.13256029855391e-09 * alpha5 + 2.65014203893447e-08 * alpha6
-            + 1.9533870027037748e-08 * alpha7 + 1.3003120772749962e-08 * alpha8 - 2.72264614863392
+            + 6.13256029855391e-09 * alpha5 + (2.65014203893447e-08 * alpha6
+            + 1.9533870027037748e-08 * alpha7 + 1.3003120772749962e-08 * alpha8 - 2.72264614863392)
     )
     dr_4_1 = (
         1.5355818160601464e-09 * alpha2 + 78.34266888028334 * alpha3 + 122.30508354090621 * alpha6
@@ -2883,20 +2884,14 @@ def load_right(q, F, k):
     dr_4_3 = (
         2.7241141293364004 + 1.1548486713564576e-08 * alpha1 + 3.342412555259018e-09 * alpha2
             + 7.009307858940666e-09 * alpha3 + 8.495702799070072e-09 * alpha4
-            + 1.3502595196183432e-08 * alpha5 + 1.2799182063530078e-08 * alpha6
-            + 1.7396775923160617e-08 * alpha7 + 4.012341745123162e-08 * alpha8
+            + (1.3502595196183432e-08 * alpha5 + 1.2799182063530078e-08 * alpha6
+            + 1.7396775923160617e-08 * alpha7 + 4.012341745123162e-08 * alpha8)
     )
     dr_5_1 = (
         7.527354269073689e-10 * alpha1 + 41.05867381454907 * alpha2 + 77.88200817556651 * alpha7
             + 4.4174902886021136e-10 * alpha8 - 3.2098944348773357e-10 * alpha3
             - 2.1111166972442266e-10 * alpha4 - 100.60021711947142 * alpha5
             - 1.388426809904448e-10 * alpha6
-    )
-    dr_5_2 = (
-        -2.7157262657986365 - 3.6826744489255315e-09 * alpha1 - 6.67757776942257e-09 * alpha2
-            - 5.030991360769192e-10 * alpha3 - 8.22228532080599e-09 * alpha4
-            - 1.0290810703172517e-08 * alpha5 - 4.264461222974363e-09 * alpha6
-            - 1.4664785367865132e-08 * alpha7 - 1.483370089157153e-08 * alpha8
     )
     dr_5_3 = (
         6.13256029855391e-09 * alpha3 + 1.3502595196183432e-08 * alpha4
@@ -2919,8 +2914,9 @@ def load_right(q, F, k):
     dr_6_3 = (
         6.21990737779783e-09 * alpha1 + 1.0131140859805744e-08 * alpha2
             + 2.65014203893447e-08 * alpha3 + 1.2799182063530078e-08 * alpha4
-            + 7.477995033442147e-09 * alpha5 + 8.761173135206788e-09 * alpha6
-            + 2.3573437737594384e-08 * alpha7 + 2.1913888046898247e-08 * alpha8 - 2.7261035159023654
+            + 7.477995033442147e-09 * alpha5 + (8.761173135206788e-09 * alpha6
+            + 2.3573437737594384e-08 * alpha7 + 2.1913888046898247e-08 * alpha8
+            - 2.7261035159023654)
     )
     dr_7_1 = (
         1.866423034752714e-09 * alpha4 + 77.88200817556651 * alpha5
@@ -2931,8 +2927,8 @@ def load_right(q, F, k):
     dr_7_2 = (
         2.710614616123906 - 3.685632951212884e-09 * alpha1 - 8.183661349337352e-09 * alpha2
             - 1.1157754775746515e-08 * alpha3 - 1.94321008732073e-09 * alpha4
-            - 1.4664785367865132e-08 * alpha5 - 1.7006182476965767e-08 * alpha6
-            - 1.9191413261325677e-08 * alpha7 - 6.9386480494419265e-09 * alpha8
+            - (1.4664785367865132e-08 * alpha5 + 1.7006182476965767e-08 * alpha6
+            + 1.9191413261325677e-08 * alpha7 + 6.9386480494419265e-09 * alpha8)
     )
     dr_7_3 = (
         8.908397277577462e-09 * alpha1 + 1.0512780200248969e-08 * alpha2
@@ -2955,8 +2951,8 @@ def load_right(q, F, k):
     dr_8_3 = (
         2.728519232083843 + 1.5496500867017746e-08 * alpha1 + 9.44272646842284e-09 * alpha2
             + 1.3003120772749962e-08 * alpha3 + 4.012341745123162e-08 * alpha4
-            + 1.7042004936851933e-08 * alpha5 + 2.1913888046898247e-08 * alpha6
-            + 2.5868696729956934e-08 * alpha7 + 1.655231862617257e-08 * alpha8
+            + (1.7042004936851933e-08 * alpha5 + 2.1913888046898247e-08 * alpha6
+            + 2.5868696729956934e-08 * alpha7 + 1.655231862617257e-08 * alpha8)
     )
     t13 = 0.5 * alpha1
     t14 = 0.5 * alpha2
@@ -2967,13 +2963,19 @@ def load_right(q, F, k):
     t19 = 0.5 * alpha7
     t20 = 0.5 * alpha8
     r_1 = (
-        0.5 + t13 * dr_1_1 + t14 * dr_2_1 + t15 * dr_3_1 + t16 * dr_4_1 + t17 * dr_5_1
-            + t18 * dr_6_1 + t19 * dr_7_1 + t20 * dr_8_1
+        0.5 + t13 * dr_1_1 + t14 * dr_2_1 + t15 * dr_3_1 + t16 * dr_4_1 + (t17 * dr_5_1
+            + t18 * dr_6_1 + t19 * dr_7_1 + t20 * dr_8_1)
+    )
+    t21 = (
+        2.7157262657986365 + 3.6826744489255315e-09 * alpha1 + 6.67757776942257e-09 * alpha2
+            + 5.030991360769192e-10 * alpha3 + 8.22228532080599e-09 * alpha4
+            + (1.0290810703172517e-08 * alpha5 + 4.264461222974363e-09 * alpha6
+            + 1.4664785367865132e-08 * alpha7 + 1.483370089157153e-08 * alpha8)
     )
     r_2 = (
         t13 * dr_1_2 + alpha2 * (1.3596853039419918 + 0.5 * dr_2_2) + t15 * dr_3_2 + t16 * dr_4_2
-            + alpha5 * (0.5 * dr_5_2 - 1.3578631328993183) + t18 * dr_6_2
-            + alpha7 * (1.355307308061953 + 0.5 * dr_7_2) + t20 * dr_8_2
+            - alpha5 * (0.5 * t21 + 1.3578631328993183) + t18 * dr_6_2 + alpha7 * (1.355307308061953
+            + 0.5 * dr_7_2) + t20 * dr_8_2
     )
     r_3 = (
         alpha1 * (1.3608761867726549 + 0.5 * dr_1_3) + t14 * dr_2_3 + alpha3 * (0.5 * dr_3_3
@@ -2993,7 +2995,7 @@ def load_right(q, F, k):
     f_7 = Fb_1 * dr_2_1 + Fb_2 * dr_2_2 + Fb_3 * dr_2_3
     f_8 = Fb_1 * dr_3_1 + Fb_2 * dr_3_2 + Fb_3 * dr_3_3
     f_9 = Fb_1 * dr_4_1 + Fb_2 * dr_4_2 + Fb_3 * dr_4_3
-    f_10 = Fb_1 * dr_5_1 + Fb_2 * dr_5_2 + Fb_3 * dr_5_3
+    f_10 = Fb_1 * dr_5_1 - Fb_2 * t21 + Fb_3 * dr_5_3
     f_11 = Fb_1 * dr_6_1 + Fb_2 * dr_6_2 + Fb_3 * dr_6_3
     f_12 = Fb_1 * dr_7_1 + Fb_2 * dr_7_2 + Fb_3 * dr_7_3
     f_13 = Fb_1 * dr_8_1 + Fb_2 * dr_8_2 + Fb_3 * dr_8_3
@@ -3015,7 +3017,7 @@ def residual(t, y, ydot, k):
         alpha1dot, alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
 
     From (5), second order, appendix, (15).
-    577 operations.
+    574 operations.
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (29,) and k.shape == (0,) and isinstance(t, float)):
@@ -3170,8 +3172,8 @@ def residual(t, y, ydot, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
-            + S_8_11 * alpha8
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
+            + S_8_11 * alpha8)
     )
     J_12 = 2 * ((-9.776696810269744e-05) * alpha5)
     t1 = (-2.450382831544825e-05) * alpha3
@@ -3179,7 +3181,7 @@ def residual(t, y, ydot, k):
     J_13 = t1 + t2 + t1 + t2
     J_22 = (
         0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4
-            + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8
+            + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4 + S_5_23 * alpha5
@@ -3187,7 +3189,7 @@ def residual(t, y, ydot, k):
     )
     J_33 = (
         0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3 + S_4_33 * alpha4
-            + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8
+            + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
@@ -3262,21 +3264,21 @@ def residual(t, y, ydot, k):
     t11 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7
     t12 = (-0.9977452135227736) * alpha5
     F_18 = (
-        J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12 + J_23 * oo_22
-            + J_33 * oo_23 + t8 * Sdot_11 + t9 * Sdot_12 + t10 * Sdot_13 - alpha1ddot * t11
-            + alpha2ddot * d3_2_1 - alpha3ddot * t12 + alpha4ddot * d3_4_1 + alpha5ddot * d3_5_1
-            + alpha6ddot * d3_6_1 + alpha7ddot * d3_7_1 + alpha8ddot * d3_8_1 - J_12 * oo_13
-            - J_22 * oo_23 - J_23 * oo_33
+        J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12 + J_23 * (oo_22
+            - oo_33) + (J_33 * oo_23 + t8 * Sdot_11 + t9 * Sdot_12 + t10 * Sdot_13
+            - alpha1ddot * t11) + (alpha2ddot * d3_2_1 - alpha3ddot * t12 + alpha4ddot * d3_4_1
+            + alpha5ddot * d3_5_1 + alpha6ddot * d3_6_1 + (alpha7ddot * d3_7_1 + alpha8ddot * d3_8_1
+            - J_12 * oo_13 - J_22 * oo_23))
     )
     F_19 = (
-        J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * oo_33 + J_22 * omega2dot
-            + J_23 * omega3dot + t8 * Sdot_12 + t9 * Sdot_22 + t10 * Sdot_23 + omega3 * d3dot_1
-            - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+        J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * (oo_33 - oo_11) + J_22 * omega2dot
+            + J_23 * omega3dot + (t8 * Sdot_12 + t9 * Sdot_22 + t10 * Sdot_23 + omega3 * d3dot_1
+            - J_23 * oo_12 - J_33 * oo_13)
     )
     F_20 = (
-        J_12 * oo_11 + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot + J_23 * oo_13
-            + J_33 * omega3dot + t8 * Sdot_13 + t9 * Sdot_23 + t10 * Sdot_33 - J_11 * oo_12
-            - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1
+        J_12 * (oo_11 - oo_22) + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot + J_23 * oo_13
+            + J_33 * omega3dot + (t8 * Sdot_13 + t9 * Sdot_23 + t10 * Sdot_33 - J_11 * oo_12
+            - J_13 * oo_23 - omega2 * d3dot_1)
     )
     F_21 = (
         108201.92210329446 * alpha1 + alpha1ddot - t11 * omega1dot - S_1_11 * oo_11 - S_1_22 * oo_22
@@ -3288,8 +3290,8 @@ def residual(t, y, ydot, k):
     )
     F_23 = (
         823854.9427167808 * alpha3 + alpha3ddot - t12 * omega1dot - S_3_11 * oo_11
-            - (-4.90076566308965e-05) * oo_13 - S_3_22 * oo_22 - 2 * S_3_23 * oo_23 - S_3_33 * oo_33
-            - t8 * c7dot_3_1
+            - (-4.90076566308965e-05) * oo_13 - (S_3_22 * oo_22 + 2 * S_3_23 * oo_23
+            + S_3_33 * oo_33 + t8 * c7dot_3_1)
     )
     F_24 = (
         3176799.8268579636 * alpha4 + alpha4ddot + d3_4_1 * omega1dot - S_4_11 * oo_11
@@ -3297,13 +3299,13 @@ def residual(t, y, ydot, k):
     )
     F_25 = (
         3271803.550599345 * alpha5 + alpha5ddot + d3_5_1 * omega1dot - S_5_11 * oo_11
-            - (-0.00019553393620539488) * oo_12 - S_5_22 * oo_22 - 2 * S_5_23 * oo_23
-            - S_5_33 * oo_33 - t8 * c7dot_5_1
+            - (-0.00019553393620539488) * oo_12 - (S_5_22 * oo_22 + 2 * S_5_23 * oo_23
+            + S_5_33 * oo_33 + t8 * c7dot_5_1)
     )
     F_26 = (
         8721662.73758154 * alpha6 + alpha6ddot + d3_6_1 * omega1dot - S_6_11 * oo_11
-            - (-4.9070138411873525e-05) * oo_13 - S_6_22 * oo_22 - 2 * S_6_23 * oo_23
-            - S_6_33 * oo_33 + t8 * t3
+            - (-4.9070138411873525e-05) * oo_13 - (S_6_22 * oo_22 + 2 * S_6_23 * oo_23
+            + S_6_33 * oo_33 - t8 * t3)
     )
     F_27 = (
         12527942.688344836 * alpha7 + alpha7ddot + d3_7_1 * omega1dot - S_7_11 * oo_11
@@ -3331,7 +3333,7 @@ def jacobian(t, y, ydot, cj, k):
     jac: values of the iteration matrix by columns, 29 x 29, 192 values
 
     From (5), second order, appendix, (15).
-    1339 operations.
+    1320 operations.
     """
     if (type(y) is type(ydot) is type(k) is _ARRAY and y.dtype is ydot.dtype is k.dtype is _DOUBLE
         and y.shape == ydot.shape == (29,) and k.shape == (0,) and isinstance(t, float) and
@@ -3498,8 +3500,8 @@ def jacobian(t, y, ydot, cj, k):
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
-            + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
-            + S_8_11 * alpha8
+            + S_4_11 * alpha4 + (S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7
+            + S_8_11 * alpha8)
     )
     J_12 = 2 * ((-9.776696810269744e-05) * alpha5)
     t60 = (-2.450382831544825e-05) * alpha3
@@ -3507,7 +3509,7 @@ def jacobian(t, y, ydot, cj, k):
     J_13 = t60 + t61 + t60 + t61
     J_22 = (
         0.04500450000000502 + S_1_22 * alpha1 + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4
-            + S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8
+            + (S_5_22 * alpha5 + S_6_22 * alpha6 + S_7_22 * alpha7 + S_8_22 * alpha8)
     )
     J_23 = (
         S_1_23 * alpha1 + S_2_23 * alpha2 + S_3_23 * alpha3 + S_4_23 * alpha4 + S_5_23 * alpha5
@@ -3515,7 +3517,7 @@ def jacobian(t, y, ydot, cj, k):
     )
     J_33 = (
         0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3 + S_4_33 * alpha4
-            + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8
+            + (S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8)
     )
 
     # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
@@ -3590,417 +3592,419 @@ def jacobian(t, y, ydot, cj, k):
     jac_18 = cj
     jac_19 = cj
     t70 = t1 + S_1_11 + t2 + t3
-    t71 = S_1_23 + t7 + t8
-    t72 = t9 + S_1_33 + t10 + t11
-    t73 = 2 * omega1
-    t74 = t4 + S_1_22 + t5 + t6
+    t71 = oo_22 - oo_33
+    t72 = S_1_23 + t7 + t8
+    t73 = t9 + S_1_33 + t10 + t11
+    t74 = 2 * omega1
+    t75 = t4 + S_1_22 + t5 + t6
     jac_20 = (
-        omega1dot * t70 + oo_22 * t71 + oo_23 * t72 + t73 * (0.9991756475277713 * alpha1dot
-            + (-0.0005905758084566136) * alpha4dot + (-0.0006121400052571096) * alpha8dot)
-            + (-0.9989715125102133) * alpha2ddot + 0.001022720796073422 * alpha7ddot - oo_23 * t74
-            - oo_33 * t71
+        omega1dot * t70 + t71 * t72 + (oo_23 * t73 + t74 * (0.9991756475277713 * alpha1dot
+            + (-0.0005905758084566136) * alpha4dot + (-0.0006121400052571096) * alpha8dot))
+            + ((-0.9989715125102133) * alpha2ddot + (0.001022720796073422 * alpha7ddot
+            - oo_23 * t75))
     )
-    t75 = 2 * omega2
-    t76 = 2 * omega3
-    t77 = (-0.4991564468062653) * alpha2dot + 0.000746338321407394 * alpha7dot
+    t76 = 2 * omega2
+    t77 = 2 * omega3
+    t78 = (-0.4991564468062653) * alpha2dot + 0.000746338321407394 * alpha7dot
     jac_21 = (
-        oo_13 * t70 + omega2dot * t74 + omega3dot * t71 + t75 * ((-2.04921512374148) * alpha1dot
-            + 0.5868474096495008 * alpha4dot + 0.0902649376065483 * alpha8dot) + t76 * t77
-            + omega3 * c7dot_1_1 - oo_12 * t71 - oo_13 * t72
+        oo_13 * t70 + omega2dot * t75 + omega3dot * t72 + (t76 * ((-2.04921512374148) * alpha1dot
+            + 0.5868474096495008 * alpha4dot + 0.0902649376065483 * alpha8dot) + t77 * t78
+            + omega3 * c7dot_1_1 - oo_12 * t72 - oo_13 * t73)
     )
     jac_22 = (
-        oo_12 * t74 + omega2dot * t71 + oo_13 * t71 + omega3dot * t72 + t75 * t77
-            + t76 * ((-3.0483907712688536) * alpha1dot + 0.5874379854589185 * alpha4dot
-            + 0.09087707761334646 * alpha8dot) - oo_12 * t70 - omega2 * c7dot_1_1
+        oo_12 * t75 + omega2dot * t72 + oo_13 * t72 + omega3dot * t73 + (t76 * t78
+            + t77 * ((-3.0483907712688536) * alpha1dot + 0.5874379854589185 * alpha4dot
+            + 0.09087707761334646 * alpha8dot) - oo_12 * t70 - omega2 * c7dot_1_1)
     )
     jac_23 = (
         108201.92210329446 - 0.9991756475277713 * oo_11 - (-2.04921512374148) * oo_22
             - (-3.0483907712688536) * oo_33
     )
-    t78 = (-0.9989715125102133) * omega1dot
-    t79 = (-0.9983128936125306) * oo_23
-    jac_24 = t78 - t79
-    t80 = 0.0005905758084566136 * oo_11 - 0.5868474096495008 * oo_22 - 0.5874379854589185 * oo_33
-    jac_25 = t80
-    t81 = 0.001022720796073422 * omega1dot
-    t82 = 0.001492676642814788 * oo_23
-    jac_26 = t81 - t82
-    t83 = 0.0006121400052571096 * oo_11 - 0.0902649376065483 * oo_22 - 0.09087707761334646 * oo_33
-    jac_27 = t83
+    t79 = (-0.9989715125102133) * omega1dot
+    t80 = (-0.9983128936125306) * oo_23
+    jac_24 = t79 - t80
+    t81 = 0.0005905758084566136 * oo_11 - 0.5868474096495008 * oo_22 - 0.5874379854589185 * oo_33
+    jac_25 = t81
+    t82 = 0.001022720796073422 * omega1dot
+    t83 = 0.001492676642814788 * oo_23
+    jac_26 = t82 - t83
+    t84 = 0.0006121400052571096 * oo_11 - 0.0902649376065483 * oo_22 - 0.09087707761334646 * oo_33
+    jac_27 = t84
     jac_28 = cj
-    t84 = t12 + S_2_11 + t13
-    t85 = t16 + S_2_23 + t17 + t18
-    t86 = t19 + S_2_33 + t20
-    t87 = t14 + S_2_22 + t15
+    t85 = t12 + S_2_11 + t13
+    t86 = t16 + S_2_23 + t17 + t18
+    t87 = t19 + S_2_33 + t20
+    t88 = t14 + S_2_22 + t15
     jac_29 = (
-        omega1dot * t84 + oo_22 * t85 + oo_23 * t86 + t73 * (0.9967112149765225 * alpha2dot
-            + (-0.0023458735832320252) * alpha7dot) - (-0.9989715125102133) * alpha1ddot
-            + (-0.0004463527015693379) * alpha4ddot + (-0.00035665596750676827) * alpha8ddot
-            - oo_23 * t87 - oo_33 * t85
+        omega1dot * t85 + t71 * t86 + (oo_23 * t87 + t74 * (0.9967112149765225 * alpha2dot
+            + (-0.0023458735832320252) * alpha7dot) - (-0.9989715125102133) * alpha1ddot)
+            + ((-0.0004463527015693379) * alpha4ddot + ((-0.00035665596750676827) * alpha8ddot
+            - oo_23 * t88))
     )
-    t88 = (
+    t89 = (
         (-0.4991564468062653) * alpha1dot + 0.0004590138828816031 * alpha4dot
             + 0.00042276975451642734 * alpha8dot
     )
     jac_30 = (
-        oo_13 * t84 + omega2dot * t87 + omega3dot * t85 + t75 * ((-3.0450102697552275) * alpha2dot
-            + 0.5911378590347115 * alpha7dot) + t76 * t88 + omega3 * c7dot_2_1 - oo_12 * t85
-            - oo_13 * t86
+        oo_13 * t85 + omega2dot * t88 + omega3dot * t86 + (t76 * ((-3.0450102697552275) * alpha2dot
+            + 0.5911378590347115 * alpha7dot) + t77 * t89 + omega3 * c7dot_2_1 - oo_12 * t86
+            - oo_13 * t87)
     )
     jac_31 = (
-        oo_12 * t87 + omega2dot * t85 + oo_13 * t85 + omega3dot * t86 + t75 * t88
-            + t76 * ((-2.04829905477849) * alpha2dot + 0.5887919854520037 * alpha7dot) - oo_12 * t84
-            - omega2 * c7dot_2_1
+        oo_12 * t88 + omega2dot * t86 + oo_13 * t86 + omega3dot * t87 + (t76 * t89
+            + t77 * ((-2.04829905477849) * alpha2dot + 0.5887919854520037 * alpha7dot) - oo_12 * t85
+            - omega2 * c7dot_2_1)
     )
-    jac_32 = -(t78 + t79)
+    jac_32 = -(t79 + t80)
     jac_33 = (
         431754.597252093 - 0.9967112149765225 * oo_11 - (-3.0450102697552275) * oo_22
             - (-2.04829905477849) * oo_33
     )
-    t89 = (-0.0004463527015693379) * omega1dot
-    t90 = 0.0009180277657632062 * oo_23
-    jac_34 = t89 - t90
-    t91 = 0.0023458735832320252 * oo_11 - 0.5911378590347115 * oo_22 - 0.5887919854520037 * oo_33
-    jac_35 = t91
-    t92 = (-0.00035665596750676827) * omega1dot
-    t93 = 0.0008455395090328547 * oo_23
-    jac_36 = t92 - t93
+    t90 = (-0.0004463527015693379) * omega1dot
+    t91 = 0.0009180277657632062 * oo_23
+    jac_34 = t90 - t91
+    t92 = 0.0023458735832320252 * oo_11 - 0.5911378590347115 * oo_22 - 0.5887919854520037 * oo_33
+    jac_35 = t92
+    t93 = (-0.00035665596750676827) * omega1dot
+    t94 = 0.0008455395090328547 * oo_23
+    jac_36 = t93 - t94
     jac_37 = cj
-    t94 = t21 + S_3_11 + t22
-    t95 = 2 * S_3_23
-    t96 = t25 + S_3_33 + t26
-    t97 = t23 + S_3_22 + t24
+    t95 = t21 + S_3_11 + t22
+    t96 = 2 * S_3_23
+    t97 = t25 + S_3_33 + t26
+    t98 = t23 + S_3_22 + t24
     jac_38 = (
-        omega1dot * t94 + (-4.90076566308965e-05) * omega3dot + (-4.90076566308965e-05) * oo_12
-            + oo_22 * t95 + oo_23 * t96 + t73 * (0.9981865718898251 * alpha3dot
-            + (-0.000963473158974635) * alpha6dot) + (-0.9977452135227736) * alpha5ddot
-            - oo_23 * t97 - oo_33 * t95
+        omega1dot * t95 + (-4.90076566308965e-05) * omega3dot + (-4.90076566308965e-05) * oo_12
+            + t71 * t96 + (oo_23 * t97 + t74 * (0.9981865718898251 * alpha3dot
+            + (-0.000963473158974635) * alpha6dot)) + ((-0.9977452135227736) * alpha5ddot
+            - oo_23 * t98)
     )
-    t98 = (-0.49814985724483174) * alpha5dot
+    t99 = oo_33 - oo_11
+    t100 = (-0.49814985724483174) * alpha5dot
     jac_39 = (
-        oo_13 * t94 + (-4.90076566308965e-05) * oo_33 + omega2dot * t97 + omega3dot * t95
-            + t75 * ((-5.393738901681564) * alpha3dot + 1.8591274175401598 * alpha6dot) + t76 * t98
-            + omega3 * c7dot_3_1 - (-4.90076566308965e-05) * oo_11 - oo_12 * t95 - oo_13 * t96
+        oo_13 * t95 + (-4.90076566308965e-05) * t99 + omega2dot * t98 + omega3dot * t96
+            + (t76 * ((-5.393738901681564) * alpha3dot + 1.8591274175401598 * alpha6dot)
+            + t77 * t100 + omega3 * c7dot_3_1 - oo_12 * t96 - oo_13 * t97)
     )
     jac_40 = (
-        (-4.90076566308965e-05) * omega1dot + oo_12 * t97 + omega2dot * t95 + oo_13 * t95
-            + omega3dot * t96 + t75 * t98 + t76 * ((-6.391925473570236) * alpha3dot
-            + 1.860090890701248 * alpha6dot) - oo_12 * t94 - (-4.90076566308965e-05) * oo_23
-            - omega2 * c7dot_3_1
+        (-4.90076566308965e-05) * omega1dot + oo_12 * t98 + omega2dot * t96 + oo_13 * t96
+            + omega3dot * t97 + (t76 * t100 + t77 * ((-6.391925473570236) * alpha3dot
+            + 1.860090890701248 * alpha6dot) - oo_12 * t95 - (-4.90076566308965e-05) * oo_23
+            - omega2 * c7dot_3_1)
     )
     jac_41 = (
-        823854.9427167808 - 0.9981865718898251 * oo_11 - (-5.393738901681564) * oo_22
-            - (-6.391925473570236) * oo_33
+        823854.9427167808 - 0.9981865718898251 * oo_11 - ((-5.393738901681564) * oo_22
+            + (-6.391925473570236) * oo_33)
     )
-    t99 = (-0.9977452135227736) * omega1dot
-    t100 = (-0.9962997144896635) * oo_23
-    jac_42 = t99 - t100
-    t101 = 0.000963473158974635 * oo_11 - 1.8591274175401598 * oo_22 - 1.860090890701248 * oo_33
-    jac_43 = t101
+    t101 = (-0.9977452135227736) * omega1dot
+    t102 = (-0.9962997144896635) * oo_23
+    jac_42 = t101 - t102
+    t103 = 0.000963473158974635 * oo_11 - (1.8591274175401598 * oo_22 + 1.860090890701248 * oo_33)
+    jac_43 = t103
     jac_44 = cj
-    t102 = t27 + (t28 + S_4_11) + t29
-    t103 = t33 + S_4_23 + t34
-    t104 = t35 + (t36 + S_4_33) + t37
-    t105 = t30 + (t31 + S_4_22) + t32
+    t104 = t27 + (t28 + S_4_11) + t29
+    t105 = t33 + S_4_23 + t34
+    t106 = t35 + (t36 + S_4_33) + t37
+    t107 = t30 + (t31 + S_4_22) + t32
     jac_45 = (
-        omega1dot * t102 + oo_22 * t103 + oo_23 * t104 + t73 * ((-0.0005905758084566136) * alpha1dot
-            + 0.9968931480998653 * alpha4dot + (-0.0013107320248151129) * alpha8dot)
-            - (-0.0004463527015693379) * alpha2ddot + (-0.9961572772245384) * alpha7ddot
-            - oo_23 * t105 - oo_33 * t103
+        omega1dot * t104 + t71 * t105 + (oo_23 * t106 + t74 * ((-0.0005905758084566136) * alpha1dot
+            + 0.9968931480998653 * alpha4dot + (-0.0013107320248151129) * alpha8dot))
+            + ((-0.9961572772245384) * alpha7ddot - oo_23 * t107
+            - (-0.0004463527015693379) * alpha2ddot)
     )
-    t106 = 0.0004590138828816031 * alpha2dot + (-0.49684476625656726) * alpha7dot
+    t108 = 0.0004590138828816031 * alpha2dot + (-0.49684476625656726) * alpha7dot
     jac_46 = (
-        oo_13 * t102 + omega2dot * t105 + omega3dot * t103 + t75 * (0.5868474096495008 * alpha1dot
-            + (-10.312447658094197) * alpha4dot + 3.750869608173889 * alpha8dot) + t76 * t106
-            + omega3 * c7dot_4_1 - oo_12 * t103 - oo_13 * t104
+        oo_13 * t104 + omega2dot * t107 + omega3dot * t105 + (t76 * (0.5868474096495008 * alpha1dot
+            + (-10.312447658094197) * alpha4dot + 3.750869608173889 * alpha8dot) + t77 * t108
+            + omega3 * c7dot_4_1 - oo_12 * t105 - oo_13 * t106)
     )
     jac_47 = (
-        oo_12 * t105 + omega2dot * t103 + oo_13 * t103 + omega3dot * t104 + t75 * t106
-            + t76 * (0.5874379854589185 * alpha1dot + (-11.30934080619178) * alpha4dot
-            + 3.752180340202319 * alpha8dot) - oo_12 * t102 - omega2 * c7dot_4_1
+        oo_12 * t107 + omega2dot * t105 + oo_13 * t105 + omega3dot * t106 + (t76 * t108
+            + t77 * (0.5874379854589185 * alpha1dot + (-11.30934080619178) * alpha4dot
+            + 3.752180340202319 * alpha8dot) - oo_12 * t104 - omega2 * c7dot_4_1)
     )
-    jac_48 = t80
-    jac_49 = -(t89 + t90)
+    jac_48 = t81
+    jac_49 = -(t90 + t91)
     jac_50 = (
         3176799.8268579636 - 0.9968931480998653 * oo_11 - (-10.312447658094197) * oo_22
             - (-11.30934080619178) * oo_33
     )
-    t107 = (-0.9961572772245384) * omega1dot
-    t108 = (-0.9936895325131345) * oo_23
-    jac_51 = t107 - t108
-    t109 = 0.0013107320248151129 * oo_11 - 3.750869608173889 * oo_22 - 3.752180340202319 * oo_33
-    jac_52 = t109
+    t109 = (-0.9961572772245384) * omega1dot
+    t110 = (-0.9936895325131345) * oo_23
+    jac_51 = t109 - t110
+    t111 = 0.0013107320248151129 * oo_11 - 3.750869608173889 * oo_22 - 3.752180340202319 * oo_33
+    jac_52 = t111
     jac_53 = cj
-    t110 = 2 * S_5_11
-    t111 = t38 + S_5_23 + t39
-    t112 = 2 * S_5_33
-    t113 = 2 * S_5_22
+    t112 = 2 * S_5_11
+    t113 = t38 + S_5_23 + t39
+    t114 = 2 * S_5_33
+    t115 = 2 * S_5_22
     jac_54 = (
-        omega1dot * t110 + (-0.00019553393620539488) * omega2dot + oo_22 * t111 + oo_23 * t112
-            + t73 * (0.9927986189759623 * alpha5dot) - (-0.9977452135227736) * alpha3ddot
-            + (-0.0009021519745269716) * alpha6ddot - (-0.00019553393620539488) * oo_13
-            - oo_23 * t113 - oo_33 * t111
+        omega1dot * t112 + (-0.00019553393620539488) * omega2dot + t71 * t113 + (oo_23 * t114
+            + t74 * (0.9927986189759623 * alpha5dot)) + ((-0.0009021519745269716) * alpha6ddot
+            - (-0.9977452135227736) * alpha3ddot - ((-0.00019553393620539488) * oo_13
+            + oo_23 * t115))
     )
-    t114 = (-0.49814985724483174) * alpha3dot + 0.0008347844213729173 * alpha6dot
+    t116 = (-0.49814985724483174) * alpha3dot + 0.0008347844213729173 * alpha6dot
     jac_55 = (
-        oo_13 * t110 + (-0.00019553393620539488) * omega1dot + (-0.00019553393620539488) * oo_23
-            + omega2dot * t113 + omega3dot * t111 + t75 * ((-6.3829810941819485) * alpha5dot)
-            + t76 * t114 + omega3 * c7dot_5_1 - oo_12 * t111 - oo_13 * t112
+        oo_13 * t112 + (-0.00019553393620539488) * omega1dot + (-0.00019553393620539488) * oo_23
+            + omega2dot * t115 + omega3dot * t113 + (t76 * ((-6.3829810941819485) * alpha5dot)
+            + t77 * t116 + omega3 * c7dot_5_1 - oo_12 * t113 - oo_13 * t114)
     )
     jac_56 = (
-        (-0.00019553393620539488) * oo_11 + oo_12 * t113 + omega2dot * t111 + oo_13 * t111
-            + omega3dot * t112 + t75 * t114 + t76 * ((-5.390182475205362) * alpha5dot)
-            - oo_12 * t110 - (-0.00019553393620539488) * oo_22 - omega2 * c7dot_5_1
+        (-0.00019553393620539488) * (oo_11 - oo_22) + oo_12 * t115 + omega2dot * t113 + oo_13 * t113
+            + omega3dot * t114 + (t76 * t116 + t77 * ((-5.390182475205362) * alpha5dot)
+            - oo_12 * t112 - omega2 * c7dot_5_1)
     )
-    jac_57 = -(t99 + t100)
+    jac_57 = -(t101 + t102)
     jac_58 = (
-        3271803.550599345 - 0.9927986189759623 * oo_11 - (-6.3829810941819485) * oo_22
-            - (-5.390182475205362) * oo_33
+        3271803.550599345 - 0.9927986189759623 * oo_11 - ((-6.3829810941819485) * oo_22
+            + (-5.390182475205362) * oo_33)
     )
-    t115 = (-0.0009021519745269716) * omega1dot
-    t116 = 0.0016695688427458347 * oo_23
-    jac_59 = t115 - t116
+    t117 = (-0.0009021519745269716) * omega1dot
+    t118 = 0.0016695688427458347 * oo_23
+    jac_59 = t117 - t118
     jac_60 = cj
-    t117 = t40 + (t41 + S_6_11)
-    t118 = 2 * S_6_23
-    t119 = t44 + (t45 + S_6_33)
-    t120 = t42 + (t43 + S_6_22)
+    t119 = t40 + (t41 + S_6_11)
+    t120 = 2 * S_6_23
+    t121 = t44 + (t45 + S_6_33)
+    t122 = t42 + (t43 + S_6_22)
     jac_61 = (
-        omega1dot * t117 + (-4.9070138411873525e-05) * omega3dot + (-4.9070138411873525e-05) * oo_12
-            + oo_22 * t118 + oo_23 * t119 + t73 * ((-0.000963473158974635) * alpha3dot
-            + 0.9952767091853663 * alpha6dot) - (-0.0009021519745269716) * alpha5ddot - oo_23 * t120
-            - oo_33 * t118
+        omega1dot * t119 + (-4.9070138411873525e-05) * omega3dot + (-4.9070138411873525e-05) * oo_12
+            + t71 * t120 + (oo_23 * t121 + t74 * ((-0.000963473158974635) * alpha3dot
+            + 0.9952767091853663 * alpha6dot)) - ((-0.0009021519745269716) * alpha5ddot
+            + oo_23 * t122)
     )
-    t121 = 0.0008347844213729173 * alpha5dot
+    t123 = 0.0008347844213729173 * alpha5dot
     jac_62 = (
-        oo_13 * t117 + (-4.9070138411873525e-05) * oo_33 + omega2dot * t120 + omega3dot * t118
-            + t75 * (1.8591274175401598 * alpha3dot + (-16.87712375896818) * alpha6dot) + t76 * t121
-            - omega3 * t62 - (-4.9070138411873525e-05) * oo_11 - oo_12 * t118 - oo_13 * t119
+        oo_13 * t119 + (-4.9070138411873525e-05) * t99 + omega2dot * t122 + omega3dot * t120
+            + (t76 * (1.8591274175401598 * alpha3dot + (-16.87712375896818) * alpha6dot)
+            + t77 * t123 - omega3 * t62 - oo_12 * t120 - oo_13 * t121)
     )
     jac_63 = (
-        (-4.9070138411873525e-05) * omega1dot + oo_12 * t120 + omega2dot * t118 + oo_13 * t118
-            + omega3dot * t119 + t75 * t121 + t76 * (1.860090890701248 * alpha3dot
-            + (-17.872400468149774) * alpha6dot) - oo_12 * t117 - (-4.9070138411873525e-05) * oo_23
-            + omega2 * t62
+        (-4.9070138411873525e-05) * omega1dot + oo_12 * t122 + omega2dot * t120 + oo_13 * t120
+            + omega3dot * t121 + (t76 * t123 + t77 * (1.860090890701248 * alpha3dot
+            + (-17.872400468149774) * alpha6dot) - oo_12 * t119 - (-4.9070138411873525e-05) * oo_23
+            + omega2 * t62)
     )
-    jac_64 = t101
-    jac_65 = -(t115 + t116)
+    jac_64 = t103
+    jac_65 = -(t117 + t118)
     jac_66 = (
-        8721662.73758154 - 0.9952767091853663 * oo_11 - (-16.87712375896818) * oo_22
-            - (-17.872400468149774) * oo_33
+        8721662.73758154 - 0.9952767091853663 * oo_11 - ((-16.87712375896818) * oo_22
+            + (-17.872400468149774) * oo_33)
     )
     jac_67 = cj
-    t122 = t46 + (t47 + S_7_11)
-    t123 = t50 + S_7_23 + t51
-    t124 = t52 + (t53 + S_7_33)
-    t125 = t48 + (t49 + S_7_22)
+    t124 = t46 + (t47 + S_7_11)
+    t125 = t50 + S_7_23 + t51
+    t126 = t52 + (t53 + S_7_33)
+    t127 = t48 + (t49 + S_7_22)
     jac_68 = (
-        omega1dot * t122 + oo_22 * t123 + oo_23 * t124 + t73 * ((-0.0023458735832320252) * alpha2dot
-            + 0.9877492668287293 * alpha7dot) - 0.001022720796073422 * alpha1ddot
-            - (-0.9961572772245384) * alpha4ddot + (-0.0014284685858196025) * alpha8ddot
-            - oo_23 * t125 - oo_33 * t123
+        omega1dot * t124 + t71 * t125 + (oo_23 * t126 + t74 * ((-0.0023458735832320252) * alpha2dot
+            + 0.9877492668287293 * alpha7dot) - 0.001022720796073422 * alpha1ddot)
+            + ((-0.0014284685858196025) * alpha8ddot - oo_23 * t127
+            - (-0.9961572772245384) * alpha4ddot)
     )
-    t126 = (
+    t128 = (
         0.000746338321407394 * alpha1dot + (-0.49684476625656726) * alpha4dot
             + 0.001234085501770041 * alpha8dot
     )
     jac_69 = (
-        oo_13 * t122 + omega2dot * t125 + omega3dot * t123 + t75 * (0.5911378590347115 * alpha2dot
-            + (-11.293256830686499) * alpha7dot) + t76 * t126 + omega3 * c7dot_7_1 - oo_12 * t123
-            - oo_13 * t124
+        oo_13 * t124 + omega2dot * t127 + omega3dot * t125 + (t76 * (0.5911378590347115 * alpha2dot
+            + (-11.293256830686499) * alpha7dot) + t77 * t128 + omega3 * c7dot_7_1 - oo_12 * t125
+            - oo_13 * t126)
     )
     jac_70 = (
-        oo_12 * t125 + omega2dot * t123 + oo_13 * t123 + omega3dot * t124 + t75 * t126
-            + t76 * (0.5887919854520037 * alpha2dot + (-10.305507563856533) * alpha7dot)
-            - oo_12 * t122 - omega2 * c7dot_7_1
+        oo_12 * t127 + omega2dot * t125 + oo_13 * t125 + omega3dot * t126 + (t76 * t128
+            + t77 * (0.5887919854520037 * alpha2dot + (-10.305507563856533) * alpha7dot)
+            - oo_12 * t124 - omega2 * c7dot_7_1)
     )
-    jac_71 = -(t81 + t82)
-    jac_72 = t91
-    jac_73 = -(t107 + t108)
+    jac_71 = -(t82 + t83)
+    jac_72 = t92
+    jac_73 = -(t109 + t110)
     jac_74 = (
         12527942.688344836 - 0.9877492668287293 * oo_11 - (-11.293256830686499) * oo_22
             - (-10.305507563856533) * oo_33
     )
-    t127 = (-0.0014284685858196025) * omega1dot
-    t128 = 0.002468171003540082 * oo_23
-    jac_75 = t127 - t128
+    t129 = (-0.0014284685858196025) * omega1dot
+    t130 = 0.002468171003540082 * oo_23
+    jac_75 = t129 - t130
     jac_76 = cj
-    t129 = t54 + (t55 + S_8_11)
-    t130 = S_8_23 + S_8_23
-    t131 = t58 + (t59 + S_8_33)
-    t132 = t56 + (t57 + S_8_22)
+    t131 = t54 + (t55 + S_8_11)
+    t132 = S_8_23 + S_8_23
+    t133 = t58 + (t59 + S_8_33)
+    t134 = t56 + (t57 + S_8_22)
     jac_77 = (
-        omega1dot * t129 + oo_22 * t130 + oo_23 * t131 + t73 * ((-0.0006121400052571096) * alpha1dot
-            + (-0.0013107320248151129) * alpha4dot + 0.9933453628144564 * alpha8dot)
-            - (-0.00035665596750676827) * alpha2ddot - (-0.0014284685858196025) * alpha7ddot
-            - oo_23 * t132 - oo_33 * t130
+        omega1dot * t131 + t71 * t132 + (oo_23 * t133 + t74 * ((-0.0006121400052571096) * alpha1dot
+            + (-0.0013107320248151129) * alpha4dot + 0.9933453628144564 * alpha8dot))
+            - ((-0.00035665596750676827) * alpha2ddot + ((-0.0014284685858196025) * alpha7ddot
+            + oo_23 * t134))
     )
-    t133 = 0.00042276975451642734 * alpha2dot + 0.001234085501770041 * alpha7dot
+    t135 = 0.00042276975451642734 * alpha2dot + 0.001234085501770041 * alpha7dot
     jac_78 = (
-        oo_13 * t129 + omega2dot * t132 + omega3dot * t130 + t75 * (0.0902649376065483 * alpha1dot
-            + 3.750869608173889 * alpha4dot + (-25.078985697725145) * alpha8dot) + t76 * t133
-            - omega3 * t63 - oo_12 * t130 - oo_13 * t131
+        oo_13 * t131 + omega2dot * t134 + omega3dot * t132 + (t76 * (0.0902649376065483 * alpha1dot
+            + 3.750869608173889 * alpha4dot + (-25.078985697725145) * alpha8dot) + t77 * t135
+            - omega3 * t63 - oo_12 * t132 - oo_13 * t133)
     )
     jac_79 = (
-        oo_12 * t132 + omega2dot * t130 + oo_13 * t130 + omega3dot * t131 + t75 * t133
-            + t76 * (0.09087707761334646 * alpha1dot + 3.752180340202319 * alpha4dot
-            + (-26.07233106053395) * alpha8dot) - oo_12 * t129 + omega2 * t63
+        oo_12 * t134 + omega2dot * t132 + oo_13 * t132 + omega3dot * t133 + (t76 * t135
+            + t77 * (0.09087707761334646 * alpha1dot + 3.752180340202319 * alpha4dot
+            + (-26.07233106053395) * alpha8dot) - oo_12 * t131 + omega2 * t63)
     )
-    jac_80 = t83
-    jac_81 = -(t92 + t93)
-    jac_82 = t109
-    jac_83 = -(t127 + t128)
+    jac_80 = t84
+    jac_81 = -(t93 + t94)
+    jac_82 = t111
+    jac_83 = -(t129 + t130)
     jac_84 = (
         19580832.66034832 - 0.9933453628144564 * oo_11 - (-25.078985697725145) * oo_22
             - (-26.07233106053395) * oo_33
     )
     jac_85 = -1
-    t134 = 0.5400000000000003 * cj
-    jac_86 = t134
+    t136 = 0.5400000000000003 * cj
+    jac_86 = t136
     jac_87 = -1
-    jac_88 = t134
+    jac_88 = t136
     jac_89 = -1
-    jac_90 = t134
-    t135 = 0.5 * e1
-    jac_91 = t135
-    t136 = (-0.5) * e0
-    jac_92 = t136
-    t137 = 0.5 * e3
-    jac_93 = -t137
-    t138 = 0.5 * e2
-    jac_94 = t138
-    t139 = J_13 * omega2
-    t140 = J_12 * omega3
-    jac_95 = t139 + 2 * Sdot_11 - t140 + cj * J_11
-    t141 = 2 * Sdot_12
-    t142 = J_33 * omega3
-    t143 = cj * J_12
-    jac_96 = J_11 * omega3 + t141 - J_13 * t73 - J_23 * omega2 - t142 + t143
-    t144 = J_22 * omega2
-    t145 = 2 * Sdot_13
-    t146 = cj * J_13
-    jac_97 = J_12 * t73 + t144 + J_23 * omega3 + t145 - J_11 * omega2 + t146
-    t147 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7
-    t148 = cj * t147
-    jac_98 = -(S_1_11 * t73) - 2 * c7dot_1_1 - t148
-    t149 = cj * d3_2_1
-    jac_99 = t149 - (S_2_11 * t73 + 2 * c7dot_2_1)
-    t150 = (-0.9977452135227736) * alpha5
-    t151 = cj * t150
-    jac_100 = -(S_3_11 * t73) - (-4.90076566308965e-05) * omega3 - 2 * c7dot_3_1 - t151
-    t152 = cj * d3_4_1
-    jac_101 = t152 - (S_4_11 * t73 + 2 * c7dot_4_1)
-    t153 = cj * d3_5_1
-    jac_102 = t153 - (S_5_11 * t73 + (-0.00019553393620539488) * omega2 + 2 * c7dot_5_1)
-    t154 = cj * d3_6_1
-    jac_103 = 2 * t62 - (S_6_11 * t73 + (-4.9070138411873525e-05) * omega3) + t154
-    t155 = cj * d3_7_1
-    jac_104 = t155 - (S_7_11 * t73 + 2 * c7dot_7_1)
-    t156 = cj * d3_8_1
-    jac_105 = 2 * t63 - S_8_11 * t73 + t156
-    jac_106 = t138
-    jac_107 = t137
-    jac_108 = t136
-    jac_109 = -t135
-    jac_110 = J_13 * omega1 + J_23 * t75 + t142 + t141 - J_22 * omega3 + t143
-    t157 = J_23 * omega1
-    jac_111 = t140 + 2 * Sdot_22 - t157 + cj * J_22
-    t158 = 2 * Sdot_23
-    t159 = J_11 * omega1
-    t160 = cj * J_23
-    jac_112 = J_22 * omega1 + t158 - t159 - J_12 * t75 - J_13 * omega3 - d3dot_1 + t160
-    t161 = 2 * S_1_23
-    jac_113 = -(S_1_22 * t75) - t161 * omega3
-    t162 = 2 * S_2_23
-    jac_114 = -(S_2_22 * t75) - t162 * omega3
-    jac_115 = -(S_3_22 * t75) - t95 * omega3
-    t163 = 2 * S_4_23
-    jac_116 = -(S_4_22 * t75) - t163 * omega3
-    t164 = 2 * S_5_23
-    jac_117 = 0.00019553393620539488 * omega1 - S_5_22 * t75 - t164 * omega3
-    jac_118 = -(S_6_22 * t75) - t118 * omega3
-    t165 = 2 * S_7_23
-    jac_119 = -(S_7_22 * t75) - t165 * omega3
-    t166 = 2 * S_8_23
-    jac_120 = -(S_8_22 * t75) - t166 * omega3
-    jac_121 = t137
-    jac_122 = -t138
-    jac_123 = t135
-    jac_124 = t136
-    jac_125 = J_33 * omega2 + t145 - J_12 * omega1 - t144 - J_23 * t76 + t146
-    jac_126 = t159 + J_12 * omega2 + J_13 * t76 + t158 + d3dot_1 - J_33 * omega1 + t160
-    jac_127 = t157 + 2 * Sdot_33 - t139 + cj * J_33
-    jac_128 = -(t161 * omega2) - S_1_33 * t76
-    jac_129 = -(t162 * omega2) - S_2_33 * t76
-    jac_130 = 4.90076566308965e-05 * omega1 - t95 * omega2 - S_3_33 * t76
-    jac_131 = -(t163 * omega2) - S_4_33 * t76
-    jac_132 = -(t164 * omega2) - S_5_33 * t76
-    jac_133 = 4.9070138411873525e-05 * omega1 - t118 * omega2 - S_6_33 * t76
-    jac_134 = -(t165 * omega2) - S_7_33 * t76
-    jac_135 = -(t166 * omega2) - S_8_33 * t76
+    jac_90 = t136
+    t137 = 0.5 * e1
+    jac_91 = t137
+    t138 = (-0.5) * e0
+    jac_92 = t138
+    t139 = 0.5 * e3
+    jac_93 = -t139
+    t140 = 0.5 * e2
+    jac_94 = t140
+    t141 = J_13 * omega2
+    t142 = J_12 * omega3
+    jac_95 = t141 + 2 * Sdot_11 - t142 + cj * J_11
+    t143 = 2 * Sdot_12
+    t144 = J_33 * omega3
+    t145 = cj * J_12
+    jac_96 = J_11 * omega3 - J_13 * t74 + (t143 - J_23 * omega2 - t144) + t145
+    t146 = J_22 * omega2
+    t147 = 2 * Sdot_13
+    t148 = cj * J_13
+    jac_97 = J_12 * t74 + t146 + J_23 * omega3 + (t147 - J_11 * omega2) + t148
+    t149 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7
+    t150 = cj * t149
+    jac_98 = -(S_1_11 * t74) - 2 * c7dot_1_1 - t150
+    t151 = cj * d3_2_1
+    jac_99 = t151 - (S_2_11 * t74 + 2 * c7dot_2_1)
+    t152 = (-0.9977452135227736) * alpha5
+    t153 = cj * t152
+    jac_100 = -(S_3_11 * t74) - (-4.90076566308965e-05) * omega3 - 2 * c7dot_3_1 - t153
+    t154 = cj * d3_4_1
+    jac_101 = t154 - (S_4_11 * t74 + 2 * c7dot_4_1)
+    t155 = cj * d3_5_1
+    jac_102 = t155 - (S_5_11 * t74 + (-0.00019553393620539488) * omega2 + 2 * c7dot_5_1)
+    t156 = cj * d3_6_1
+    jac_103 = 2 * t62 - (S_6_11 * t74 + (-4.9070138411873525e-05) * omega3) + t156
+    t157 = cj * d3_7_1
+    jac_104 = t157 - (S_7_11 * t74 + 2 * c7dot_7_1)
+    t158 = cj * d3_8_1
+    jac_105 = 2 * t63 - S_8_11 * t74 + t158
+    jac_106 = t140
+    jac_107 = t139
+    jac_108 = t138
+    jac_109 = -t137
+    jac_110 = J_13 * omega1 + J_23 * t76 + (t144 + t143) - J_22 * omega3 + t145
+    t159 = J_23 * omega1
+    jac_111 = t142 + (2 * Sdot_22 - t159) + cj * J_22
+    t160 = 2 * Sdot_23
+    t161 = J_11 * omega1
+    t162 = cj * J_23
+    jac_112 = J_22 * omega1 - J_12 * t76 + (t160 - t161 - J_13 * omega3 - d3dot_1) + t162
+    t163 = 2 * S_1_23
+    jac_113 = -(S_1_22 * t76) - t163 * omega3
+    t164 = 2 * S_2_23
+    jac_114 = -(S_2_22 * t76) - t164 * omega3
+    jac_115 = -(S_3_22 * t76) - t96 * omega3
+    t165 = 2 * S_4_23
+    jac_116 = -(S_4_22 * t76) - t165 * omega3
+    t166 = 2 * S_5_23
+    jac_117 = 0.00019553393620539488 * omega1 - (S_5_22 * t76 + t166 * omega3)
+    jac_118 = -(S_6_22 * t76) - t120 * omega3
+    t167 = 2 * S_7_23
+    jac_119 = -(S_7_22 * t76) - t167 * omega3
+    t168 = 2 * S_8_23
+    jac_120 = -(S_8_22 * t76) - t168 * omega3
+    jac_121 = t139
+    jac_122 = -t140
+    jac_123 = t137
+    jac_124 = t138
+    jac_125 = J_33 * omega2 + t147 - J_23 * t77 - (J_12 * omega1 + t146) + t148
+    jac_126 = t161 + J_12 * omega2 + J_13 * t77 + (t160 + d3dot_1 - J_33 * omega1) + t162
+    jac_127 = t159 + (2 * Sdot_33 - t141) + cj * J_33
+    jac_128 = -(t163 * omega2) - S_1_33 * t77
+    jac_129 = -(t164 * omega2) - S_2_33 * t77
+    jac_130 = 4.90076566308965e-05 * omega1 - (t96 * omega2 + S_3_33 * t77)
+    jac_131 = -(t165 * omega2) - S_4_33 * t77
+    jac_132 = -(t166 * omega2) - S_5_33 * t77
+    jac_133 = 4.9070138411873525e-05 * omega1 - (t120 * omega2 + S_6_33 * t77)
+    jac_134 = -(t167 * omega2) - S_7_33 * t77
+    jac_135 = -(t168 * omega2) - S_8_33 * t77
     jac_136 = -1
-    jac_137 = t73 * S_1_11 - t148
-    jac_138 = t75 * S_1_22 + t76 * S_1_23 - omega3 * t147
-    jac_139 = t75 * S_1_23 + t76 * S_1_33 + omega2 * t147
+    jac_137 = t74 * S_1_11 - t150
+    jac_138 = t76 * S_1_22 + t77 * S_1_23 - omega3 * t149
+    jac_139 = t76 * S_1_23 + t77 * S_1_33 + omega2 * t149
     jac_140 = cj
-    t167 = (-0.9989715125102133) * t73
-    jac_141 = t167
-    t168 = 0.001022720796073422 * t73
-    jac_142 = t168
+    t169 = (-0.9989715125102133) * t74
+    jac_141 = t169
+    t170 = 0.001022720796073422 * t74
+    jac_142 = t170
     jac_143 = -1
-    jac_144 = t73 * S_2_11 + t149
-    jac_145 = t75 * S_2_22 + t76 * S_2_23 + omega3 * d3_2_1
-    jac_146 = t75 * S_2_23 + t76 * S_2_33 - omega2 * d3_2_1
-    jac_147 = -t167
+    jac_144 = t74 * S_2_11 + t151
+    jac_145 = t76 * S_2_22 + t77 * S_2_23 + omega3 * d3_2_1
+    jac_146 = t76 * S_2_23 + t77 * S_2_33 - omega2 * d3_2_1
+    jac_147 = -t169
     jac_148 = cj
-    t169 = (-0.0004463527015693379) * t73
-    jac_149 = t169
-    t170 = (-0.00035665596750676827) * t73
-    jac_150 = t170
+    t171 = (-0.0004463527015693379) * t74
+    jac_149 = t171
+    t172 = (-0.00035665596750676827) * t74
+    jac_150 = t172
     jac_151 = -1
-    jac_152 = t73 * S_3_11 + (-2.450382831544825e-05) * t76 - t151
-    jac_153 = t75 * S_3_22 + t76 * S_3_23 - omega3 * t150
-    jac_154 = (-2.450382831544825e-05) * t73 + t75 * S_3_23 + t76 * S_3_33 + omega2 * t150
+    jac_152 = t74 * S_3_11 + (-2.450382831544825e-05) * t77 - t153
+    jac_153 = t76 * S_3_22 + t77 * S_3_23 - omega3 * t152
+    jac_154 = (-2.450382831544825e-05) * t74 + t76 * S_3_23 + t77 * S_3_33 + omega2 * t152
     jac_155 = cj
-    t171 = (-0.9977452135227736) * t73
-    jac_156 = t171
+    t173 = (-0.9977452135227736) * t74
+    jac_156 = t173
     jac_157 = -1
-    jac_158 = t73 * S_4_11 + t152
-    jac_159 = t75 * S_4_22 + t76 * S_4_23 + omega3 * d3_4_1
-    jac_160 = t75 * S_4_23 + t76 * S_4_33 - omega2 * d3_4_1
-    jac_161 = -t169
+    jac_158 = t74 * S_4_11 + t154
+    jac_159 = t76 * S_4_22 + t77 * S_4_23 + omega3 * d3_4_1
+    jac_160 = t76 * S_4_23 + t77 * S_4_33 - omega2 * d3_4_1
+    jac_161 = -t171
     jac_162 = cj
-    t172 = (-0.9961572772245384) * t73
-    jac_163 = t172
+    t174 = (-0.9961572772245384) * t74
+    jac_163 = t174
     jac_164 = -1
-    jac_165 = t73 * S_5_11 + (-9.776696810269744e-05) * t75 + t153
-    jac_166 = (-9.776696810269744e-05) * t73 + t75 * S_5_22 + t76 * S_5_23 + omega3 * d3_5_1
-    jac_167 = t75 * S_5_23 + t76 * S_5_33 - omega2 * d3_5_1
-    jac_168 = -t171
+    jac_165 = t74 * S_5_11 + (-9.776696810269744e-05) * t76 + t155
+    jac_166 = (-9.776696810269744e-05) * t74 + t76 * S_5_22 + t77 * S_5_23 + omega3 * d3_5_1
+    jac_167 = t76 * S_5_23 + t77 * S_5_33 - omega2 * d3_5_1
+    jac_168 = -t173
     jac_169 = cj
-    t173 = (-0.0009021519745269716) * t73
-    jac_170 = t173
+    t175 = (-0.0009021519745269716) * t74
+    jac_170 = t175
     jac_171 = -1
-    jac_172 = t73 * S_6_11 + (-2.4535069205936762e-05) * t76 + t154
-    jac_173 = t75 * S_6_22 + t76 * S_6_23 + omega3 * d3_6_1
-    jac_174 = (-2.4535069205936762e-05) * t73 + t75 * S_6_23 + t76 * S_6_33 - omega2 * d3_6_1
-    jac_175 = -t173
+    jac_172 = t74 * S_6_11 + (-2.4535069205936762e-05) * t77 + t156
+    jac_173 = t76 * S_6_22 + t77 * S_6_23 + omega3 * d3_6_1
+    jac_174 = (-2.4535069205936762e-05) * t74 + t76 * S_6_23 + t77 * S_6_33 - omega2 * d3_6_1
+    jac_175 = -t175
     jac_176 = cj
     jac_177 = -1
-    jac_178 = t73 * S_7_11 + t155
-    jac_179 = t75 * S_7_22 + t76 * S_7_23 + omega3 * d3_7_1
-    jac_180 = t75 * S_7_23 + t76 * S_7_33 - omega2 * d3_7_1
-    jac_181 = -t168
-    jac_182 = -t172
+    jac_178 = t74 * S_7_11 + t157
+    jac_179 = t76 * S_7_22 + t77 * S_7_23 + omega3 * d3_7_1
+    jac_180 = t76 * S_7_23 + t77 * S_7_33 - omega2 * d3_7_1
+    jac_181 = -t170
+    jac_182 = -t174
     jac_183 = cj
-    t174 = (-0.0014284685858196025) * t73
-    jac_184 = t174
+    t176 = (-0.0014284685858196025) * t74
+    jac_184 = t176
     jac_185 = -1
-    jac_186 = t73 * S_8_11 + t156
-    jac_187 = t75 * S_8_22 + t76 * S_8_23 + omega3 * d3_8_1
-    jac_188 = t75 * S_8_23 + t76 * S_8_33 - omega2 * d3_8_1
-    jac_189 = -t170
-    jac_190 = -t174
+    jac_186 = t74 * S_8_11 + t158
+    jac_187 = t76 * S_8_22 + t77 * S_8_23 + omega3 * d3_8_1
+    jac_188 = t76 * S_8_23 + t77 * S_8_33 - omega2 * d3_8_1
+    jac_189 = -t172
+    jac_190 = -t176
     jac_191 = cj
 
     jac = _stack(xp, batch, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,

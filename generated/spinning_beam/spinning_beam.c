@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPINNING_BEAM_HASH_b72b4de5b243185d
+#ifndef SPINNING_BEAM_HASH_28c7ad64d21efc44
 #  error "spinning_beam.h and spinning_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,6 +21,13 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+
+/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
+#else
+#  define TISSERAND_SCALAR
+#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -114,19 +121,20 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
+TISSERAND_SCALAR
 int spinning_beam_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
 {
-    const double p_m = p[0];
-    const double p_l = p[1];
-    const double p_EI = p[2];
 
     /* integrals (appendix): shape integrals, stiffness, and constants computed from them */
+    const double p_l = p[1];
     const double t1 = p_l * p_l;
+    const double p_m = p[0];
     const double beam_C3 = t1 * p_m / 12.0;
     const double beam_c8_1_1 = p_m / 5.0;
     const double beam_c8_2_2 = p_m / 7.0;
+    const double p_EI = p[2];
     const double t2 = p_EI / (t1 * p_l);
     const double beam_K_1_1 = 144.0 * t2;
     const double beam_K_2_2 = 1200.0 * t2;
@@ -173,26 +181,27 @@ int spinning_beam_setup(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_mass = k[0];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = q[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = q[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* M (15): factors of the accelerations */
+    const double beam_mass = k[0];
     M[0] = beam_mass;
     M[1] = beam_mass;
     M[2] = beam_J;
@@ -201,6 +210,7 @@ int spinning_beam_mass(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -208,29 +218,26 @@ int spinning_beam_force(
     const double *TISSERAND_RESTRICT k,
     double *h)
 {
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
-    const double beam_K_1_1 = k[4];
-    const double beam_K_2_2 = k[5];
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = q[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = q[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
 
     /*
@@ -246,13 +253,17 @@ int spinning_beam_force(
     /* h (15): centrifugal, Coriolis and elastic terms */
     h[0] = 0.0;
     h[1] = -knock_2;
+    const double beam_phidot = v[2];
     h[2] = 2.0 * beam_phidot * beam_D2dot - beam_middle_s_1 * knock_2;
     const double t2 = beam_phidot * beam_phidot;
+    const double beam_K_1_1 = k[4];
     h[3] = beam_K_1_1 * beam_alpha1 + 0.5 * knock_2 * beam_cos_phi - t2 * beam_D2_1;
+    const double beam_K_2_2 = k[5];
     h[4] = beam_K_2_2 * beam_alpha2 - t2 * beam_D2_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -261,25 +272,19 @@ int spinning_beam_mass_force(
     double *M,
     double *h)
 {
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_mass = k[0];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
-    const double beam_K_1_1 = k[4];
-    const double beam_K_2_2 = k[5];
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = q[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = q[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam_alpha2 (15): force and column of M of beam_alpha2 */
+    const double beam_phidot = v[2];
     const double t1 = beam_phidot * beam_phidot;
+    const double beam_K_2_2 = k[5];
     h[4] = beam_K_2_2 * beam_alpha2 - t1 * beam_D2_2;
     M[4] = beam_c8_2_2;
 
@@ -287,6 +292,7 @@ int spinning_beam_mass_force(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
@@ -295,13 +301,17 @@ int spinning_beam_mass_force(
     const double knock_2 = (1.0 / 5.0) / (t2 * t2);
 
     /* beam_alpha1 (15): force and column of M of beam_alpha1 */
+    const double beam_K_1_1 = k[4];
     h[3] = beam_K_1_1 * beam_alpha1 + 0.5 * knock_2 * beam_cos_phi - t1 * beam_D2_1;
     M[3] = beam_c8_1_1;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
 
     /*
@@ -316,6 +326,7 @@ int spinning_beam_mass_force(
 
     /* beam_c2 (15): force and column of M of beam_c2 */
     h[1] = -knock_2;
+    const double beam_mass = k[0];
     M[1] = beam_mass;
 
     /* beam_c1 (15): force and column of M of beam_c1 */
@@ -324,6 +335,7 @@ int spinning_beam_mass_force(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -331,26 +343,17 @@ int spinning_beam_accel(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
-    const double beam_K_1_1 = k[4];
-    const double beam_K_2_2 = k[5];
-    const double inverse_beam_mass = k[8];
-    const double inverse_beam_c8_1_1 = k[9];
-    const double inverse_beam_c8_2_2 = k[10];
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = q[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = q[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; fill-in 0 */
@@ -360,10 +363,13 @@ int spinning_beam_accel(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
 
     /*
@@ -378,14 +384,20 @@ int spinning_beam_accel(
 
     /* solution (LDL^T): forward, diagonal and back substitution */
     vdot[0] = 0.0;
+    const double inverse_beam_mass = k[8];
     const double t2 = knock_2 * inverse_beam_mass;
     vdot[1] = t2;
+    const double beam_phidot = v[2];
     const double t3 = (2.0 * beam_phidot * beam_D2dot - beam_middle_s_1 * knock_2) / beam_J;
     vdot[2] = -t3;
     const double t4 = beam_phidot * beam_phidot;
+    const double beam_K_1_1 = k[4];
+    const double inverse_beam_c8_1_1 = k[9];
     const double t5 = (beam_K_1_1 * beam_alpha1 + 0.5 * knock_2 * beam_cos_phi
         - t4 * beam_D2_1) * inverse_beam_c8_1_1;
     vdot[3] = -t5;
+    const double beam_K_2_2 = k[5];
+    const double inverse_beam_c8_2_2 = k[10];
     const double t6 = (beam_K_2_2 * beam_alpha2 - t4 * beam_D2_2) * inverse_beam_c8_2_2;
     vdot[4] = -t6;
 
@@ -394,76 +406,79 @@ int spinning_beam_accel(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_c1dot = v[0];
-    const double beam_c2dot = v[1];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_mass = k[0];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
-    const double beam_K_1_1 = k[4];
-    const double beam_K_2_2 = k[5];
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = q[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = q[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* energy (22): 1/2 int rho xdot . xdot and the strain energy */
+    const double beam_phidot = v[2];
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
+    const double beam_c1dot = v[0];
+    const double beam_mass = k[0];
+    const double beam_c2dot = v[1];
     energy[0] = 0.5 * (beam_phidot * beam_phidot * beam_J
         + beam_alpha1dot * beam_alpha1dot * beam_c8_1_1
         + beam_alpha2dot * beam_alpha2dot * beam_c8_2_2 + beam_c1dot * beam_c1dot * beam_mass
         + beam_c2dot * beam_c2dot * beam_mass);
+    const double beam_K_1_1 = k[4];
+    const double beam_K_2_2 = k[5];
     energy[1] = 0.5 * (beam_K_1_1 * beam_alpha1 * beam_alpha1
         + beam_K_2_2 * beam_alpha2 * beam_alpha2);
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-    const double beam_c1 = q[0];
-    const double beam_c2 = q[1];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_c1dot = v[0];
-    const double beam_c2dot = v[1];
-    const double beam_phidot = v[2];
-    const double beam_mass = k[0];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = q[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = q[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* momentum (1): int rho xdot and int rho x x xdot */
+    const double beam_c1dot = v[0];
+    const double beam_mass = k[0];
     momentum[0] = beam_c1dot * beam_mass;
+    const double beam_c2dot = v[1];
     momentum[1] = beam_c2dot * beam_mass;
+    const double beam_phidot = v[2];
+    const double beam_c1 = q[0];
+    const double beam_c2 = q[1];
     momentum[2] = beam_phidot * beam_J + beam_c2dot * beam_c1 * beam_mass
         - beam_c1dot * beam_c2 * beam_mass;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -471,22 +486,23 @@ int spinning_beam_rates(
     double *qdot)
 {
     (void) q;
-    const double beam_c1dot = v[0];
-    const double beam_c2dot = v[1];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
     (void) k;
 
     /* rates (1): from Qdot = Q (omega x) */
+    const double beam_c1dot = v[0];
     qdot[0] = beam_c1dot;
+    const double beam_c2dot = v[1];
     qdot[1] = beam_c2dot;
+    const double beam_phidot = v[2];
     qdot[2] = beam_phidot;
+    const double beam_alpha1dot = v[3];
     qdot[3] = beam_alpha1dot;
+    const double beam_alpha2dot = v[4];
     qdot[4] = beam_alpha2dot;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_marker_beam_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -495,25 +511,20 @@ int spinning_beam_marker_beam_left(
     double *xdot,
     double *jacobian)
 {
-    const double beam_c1 = q[0];
-    const double beam_c2 = q[1];
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_c1dot = v[0];
-    const double beam_c2dot = v[1];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_X_left = k[6];
 
     /*
      * beam left (1): beam_left_r_2 = r = X + u at left, along e2; ...; beam_left_sdot_2 = Q rdot at
      *     left, along e2
      */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
     const double beam_left_r_2 = beam_alpha1 - beam_alpha2;
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
     const double beam_left_rdot_2 = beam_alpha1dot - beam_alpha2dot;
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_X_left = k[6];
     const double t1 = beam_X_left * beam_cos_phi;
     const double beam_sin_phi = tisserand_sin(beam_phi);
     const double t2 = beam_left_r_2 * beam_sin_phi;
@@ -523,11 +534,16 @@ int spinning_beam_marker_beam_left(
     const double beam_left_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double beam_c1 = q[0];
     x[0] = beam_c1 + t1 - t2;
+    const double beam_c2 = q[1];
     x[1] = beam_c2 + t3 + t4;
+    const double beam_phidot = v[2];
     const double t5 = beam_left_rdot_2 + beam_phidot * beam_X_left;
     const double t6 = beam_phidot * beam_left_r_2;
+    const double beam_c1dot = v[0];
     xdot[0] = beam_c1dot - t5 * beam_sin_phi - t6 * beam_cos_phi;
+    const double beam_c2dot = v[1];
     xdot[1] = beam_c2dot + t5 * beam_cos_phi - t6 * beam_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -540,6 +556,7 @@ int spinning_beam_marker_beam_left(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_marker_beam_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -548,23 +565,18 @@ int spinning_beam_marker_beam_middle(
     double *xdot,
     double *jacobian)
 {
-    const double beam_c1 = q[0];
-    const double beam_c2 = q[1];
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_c1dot = v[0];
-    const double beam_c2dot = v[1];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
     (void) k;
 
     /*
      * beam middle (1): beam_middle_r_2 = r = X + u at middle, along e2; ...; beam_middle_sdot_2 = Q
      *     rdot at middle, along e2
      */
+    const double beam_alpha1 = q[3];
     const double t1 = 0.5 * beam_alpha1;
+    const double beam_phi = q[2];
     const double beam_sin_phi = tisserand_sin(beam_phi);
     const double beam_middle_s_1 = t1 * beam_sin_phi;
+    const double beam_alpha1dot = v[3];
     const double t2 = 0.5 * beam_alpha1dot;
     const double beam_middle_sdot_1 = t2 * beam_sin_phi;
 
@@ -575,11 +587,16 @@ int spinning_beam_marker_beam_middle(
     const double beam_cos_phi = tisserand_cos(beam_phi);
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double beam_c1 = q[0];
     x[0] = beam_c1 + beam_middle_s_1;
     const double t3 = t1 * beam_cos_phi;
+    const double beam_c2 = q[1];
     x[1] = beam_c2 - t3;
+    const double beam_phidot = v[2];
     const double t4 = beam_phidot * t1;
+    const double beam_c1dot = v[0];
     xdot[0] = beam_c1dot + beam_middle_sdot_1 + t4 * beam_cos_phi;
+    const double beam_c2dot = v[1];
     xdot[1] = beam_c2dot - t2 * beam_cos_phi + t4 * beam_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -590,6 +607,7 @@ int spinning_beam_marker_beam_middle(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_marker_beam_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -598,25 +616,20 @@ int spinning_beam_marker_beam_right(
     double *xdot,
     double *jacobian)
 {
-    const double beam_c1 = q[0];
-    const double beam_c2 = q[1];
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_c1dot = v[0];
-    const double beam_c2dot = v[1];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_X_right = k[7];
 
     /*
      * beam right (1): beam_right_r_2 = r = X + u at right, along e2; ...; beam_right_sdot_2 = Q
      *     rdot at right, along e2
      */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
     const double beam_right_r_2 = beam_alpha1 + beam_alpha2;
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
     const double beam_right_rdot_2 = beam_alpha1dot + beam_alpha2dot;
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
+    const double beam_X_right = k[7];
     const double t1 = beam_X_right * beam_cos_phi;
     const double beam_sin_phi = tisserand_sin(beam_phi);
     const double t2 = beam_right_r_2 * beam_sin_phi;
@@ -626,11 +639,16 @@ int spinning_beam_marker_beam_right(
     const double beam_right_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double beam_c1 = q[0];
     x[0] = beam_c1 + t1 - t2;
+    const double beam_c2 = q[1];
     x[1] = beam_c2 + t3 + t4;
+    const double beam_phidot = v[2];
     const double t5 = beam_right_rdot_2 + beam_phidot * beam_X_right;
     const double t6 = beam_phidot * beam_right_r_2;
+    const double beam_c1dot = v[0];
     xdot[0] = beam_c1dot - t5 * beam_sin_phi - t6 * beam_cos_phi;
+    const double beam_c2dot = v[1];
     xdot[1] = beam_c2dot + t5 * beam_cos_phi - t6 * beam_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -644,27 +662,25 @@ int spinning_beam_marker_beam_right(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_load_beam_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
-    const double beam_X_left = k[6];
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double beam_left_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi;
     const double beam_left_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi;
 
@@ -672,70 +688,72 @@ int spinning_beam_load_beam_left(
      * beam left (1): beam_left_r_2 = r = X + u at left, along e2; ...; beam_left_s_2 = Q r at left,
      *     along e2
      */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
     const double beam_left_r_2 = beam_alpha1 - beam_alpha2;
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
     f[1] = F_2;
+    const double beam_X_left = k[6];
     f[2] = beam_X_left * beam_left_Fb_2 - beam_left_Fb_1 * beam_left_r_2;
     f[3] = beam_left_Fb_2;
     f[4] = -beam_left_Fb_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_load_beam_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double beam_middle_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi;
     const double beam_middle_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi;
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
     f[1] = F_2;
+    const double beam_alpha1 = q[3];
     f[2] = beam_middle_Fb_1 * (0.5 * beam_alpha1);
     f[3] = (-0.5) * beam_middle_Fb_2;
     f[4] = 0.0;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_load_beam_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
-    const double beam_X_right = k[7];
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double beam_right_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi;
     const double beam_right_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi;
 
@@ -743,17 +761,21 @@ int spinning_beam_load_beam_right(
      * beam right (1): beam_right_r_2 = r = X + u at right, along e2; ...; beam_right_s_2 = Q r at
      *     right, along e2
      */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
     const double beam_right_r_2 = beam_alpha1 + beam_alpha2;
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
     f[1] = F_2;
+    const double beam_X_right = k[7];
     f[2] = beam_X_right * beam_right_Fb_2 - beam_right_Fb_1 * beam_right_r_2;
     f[3] = beam_right_Fb_2;
     f[4] = beam_right_Fb_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_constraints(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -767,6 +789,7 @@ int spinning_beam_constraints(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_constraint_rates(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -782,6 +805,7 @@ int spinning_beam_constraint_rates(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_constraint_jacobian(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -795,6 +819,7 @@ int spinning_beam_constraint_jacobian(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_constraint_bias(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -810,6 +835,7 @@ int spinning_beam_constraint_bias(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_solve(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -818,27 +844,18 @@ int spinning_beam_solve(
     double *vdot,
     double *lam)
 {
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
-    const double beam_K_1_1 = k[4];
-    const double beam_K_2_2 = k[5];
-    const double inverse_beam_mass = k[8];
-    const double inverse_beam_c8_1_1 = k[9];
-    const double inverse_beam_c8_2_2 = k[10];
     (void) lam;
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = q[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = q[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; fill-in 0 */
@@ -848,10 +865,13 @@ int spinning_beam_solve(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
 
     /*
@@ -866,14 +886,20 @@ int spinning_beam_solve(
 
     /* solution (LDL^T): forward, diagonal and back substitution */
     vdot[0] = 0.0;
+    const double inverse_beam_mass = k[8];
     const double t2 = knock_2 * inverse_beam_mass;
     vdot[1] = t2;
+    const double beam_phidot = v[2];
     const double t3 = (2.0 * beam_phidot * beam_D2dot - beam_middle_s_1 * knock_2) / beam_J;
     vdot[2] = -t3;
     const double t4 = beam_phidot * beam_phidot;
+    const double beam_K_1_1 = k[4];
+    const double inverse_beam_c8_1_1 = k[9];
     const double t5 = (beam_K_1_1 * beam_alpha1 + 0.5 * knock_2 * beam_cos_phi
         - t4 * beam_D2_1) * inverse_beam_c8_1_1;
     vdot[3] = -t5;
+    const double beam_K_2_2 = k[5];
+    const double inverse_beam_c8_2_2 = k[10];
     const double t6 = (beam_K_2_2 * beam_alpha2 - t4 * beam_D2_2) * inverse_beam_c8_2_2;
     vdot[4] = -t6;
 
@@ -882,6 +908,7 @@ int spinning_beam_solve(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -890,18 +917,18 @@ int spinning_beam_project_velocity(
     double *dv)
 {
     (void) t;
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
     (void) r;
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = q[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = q[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; fill-in 0 */
@@ -916,6 +943,7 @@ int spinning_beam_project_velocity(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_poses(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -923,18 +951,19 @@ int spinning_beam_poses(
     double *pose)
 {
     (void) t;
-    const double beam_c1 = q[0];
-    const double beam_c2 = q[1];
-    const double beam_phi = q[2];
     (void) k;
 
     /* poses (1): bodies in the order of the specification */
+    const double beam_c1 = q[0];
     pose[0] = beam_c1;
+    const double beam_c2 = q[1];
     pose[1] = beam_c2;
+    const double beam_phi = q[2];
     pose[2] = beam_phi;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -942,46 +971,30 @@ int spinning_beam_residual(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-    const double beam_phi = y[2];
-    const double beam_alpha1 = y[3];
-    const double beam_alpha2 = y[4];
-    const double beam_c1dot = y[5];
-    const double beam_c2dot = y[6];
-    const double beam_phidot = y[7];
-    const double beam_alpha1dot = y[8];
-    const double beam_alpha2dot = y[9];
-    const double beam_c1_t = ydot[0];
-    const double beam_c2_t = ydot[1];
-    const double beam_phi_t = ydot[2];
-    const double beam_alpha1_t = ydot[3];
-    const double beam_alpha2_t = ydot[4];
-    const double beam_c1ddot = ydot[5];
-    const double beam_c2ddot = ydot[6];
-    const double beam_phiddot = ydot[7];
-    const double beam_alpha1ddot = ydot[8];
-    const double beam_alpha2ddot = ydot[9];
-    const double beam_mass = k[0];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
-    const double beam_K_1_1 = k[4];
-    const double beam_K_2_2 = k[5];
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = y[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = y[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = y[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
+    const double beam_alpha1dot = y[8];
+    const double beam_alpha2dot = y[9];
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
 
     /*
@@ -995,21 +1008,38 @@ int spinning_beam_residual(
     const double knock_2 = (1.0 / 5.0) / (t1 * t1);
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double beam_c1_t = ydot[0];
+    const double beam_c1dot = y[5];
     F[0] = beam_c1_t - beam_c1dot;
+    const double beam_c2_t = ydot[1];
+    const double beam_c2dot = y[6];
     F[1] = beam_c2_t - beam_c2dot;
+    const double beam_phi_t = ydot[2];
+    const double beam_phidot = y[7];
     F[2] = beam_phi_t - beam_phidot;
+    const double beam_alpha1_t = ydot[3];
     F[3] = beam_alpha1_t - beam_alpha1dot;
+    const double beam_alpha2_t = ydot[4];
     F[4] = beam_alpha2_t - beam_alpha2dot;
+    const double beam_c1ddot = ydot[5];
+    const double beam_mass = k[0];
     F[5] = beam_c1ddot * beam_mass;
+    const double beam_c2ddot = ydot[6];
     F[6] = beam_c2ddot * beam_mass - knock_2;
+    const double beam_phiddot = ydot[7];
     F[7] = 2.0 * beam_phidot * beam_D2dot + beam_J * beam_phiddot - beam_middle_s_1 * knock_2;
     const double t2 = beam_phidot * beam_phidot;
+    const double beam_K_1_1 = k[4];
+    const double beam_alpha1ddot = ydot[8];
     F[8] = beam_K_1_1 * beam_alpha1 + beam_alpha1ddot * beam_c8_1_1 + 0.5 * knock_2 * beam_cos_phi
         - t2 * beam_D2_1;
+    const double beam_K_2_2 = k[5];
+    const double beam_alpha2ddot = ydot[9];
     F[9] = beam_K_2_2 * beam_alpha2 + beam_alpha2ddot * beam_c8_2_2 - t2 * beam_D2_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1018,35 +1048,30 @@ int spinning_beam_jacobian(
     const double *TISSERAND_RESTRICT k,
     double *jac)
 {
-    const double beam_phi = y[2];
-    const double beam_alpha1 = y[3];
-    const double beam_alpha2 = y[4];
-    const double beam_phidot = y[7];
-    const double beam_alpha1dot = y[8];
-    const double beam_alpha2dot = y[9];
-    const double beam_phiddot = ydot[7];
-    const double beam_mass = k[0];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
-    const double beam_K_1_1 = k[4];
-    const double beam_K_2_2 = k[5];
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = y[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = y[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = y[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
+    const double beam_alpha1dot = y[8];
+    const double beam_alpha2dot = y[9];
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
 
     /* knock_2 (10): knock_2 = force knock along e2 */
@@ -1060,15 +1085,20 @@ int spinning_beam_jacobian(
     jac[3] = -(knock_2 * (0.5 * beam_alpha1 * beam_cos_phi));
     jac[4] = -(0.5 * knock_2 * beam_sin_phi);
     jac[5] = cj;
+    const double beam_phidot = y[7];
     const double t2 = 2.0 * beam_phidot;
+    const double beam_phiddot = ydot[7];
     jac[6] = t2 * (beam_alpha1dot * beam_c8_1_1) + beam_phiddot * (2.0 * beam_D2_1)
         - knock_2 * (0.5 * beam_sin_phi);
     const double t3 = beam_phidot * beam_phidot;
+    const double beam_K_1_1 = k[4];
     jac[7] = beam_K_1_1 - t3 * beam_c8_1_1;
     jac[8] = cj;
     jac[9] = t2 * (beam_alpha2dot * beam_c8_2_2) + beam_phiddot * (2.0 * beam_D2_2);
+    const double beam_K_2_2 = k[5];
     jac[10] = beam_K_2_2 - t3 * beam_c8_2_2;
     jac[11] = -1.0;
+    const double beam_mass = k[0];
     const double t4 = cj * beam_mass;
     jac[12] = t4;
     jac[13] = -1.0;
@@ -1088,6 +1118,7 @@ int spinning_beam_jacobian(
 
 #ifndef TISSERAND_WITHOUT_REDUCED_FORMS
 
+TISSERAND_SCALAR
 int spinning_beam_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1095,46 +1126,30 @@ int spinning_beam_residual_ggl(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-    const double beam_phi = y[2];
-    const double beam_alpha1 = y[3];
-    const double beam_alpha2 = y[4];
-    const double beam_c1dot = y[5];
-    const double beam_c2dot = y[6];
-    const double beam_phidot = y[7];
-    const double beam_alpha1dot = y[8];
-    const double beam_alpha2dot = y[9];
-    const double beam_c1_t = ydot[0];
-    const double beam_c2_t = ydot[1];
-    const double beam_phi_t = ydot[2];
-    const double beam_alpha1_t = ydot[3];
-    const double beam_alpha2_t = ydot[4];
-    const double beam_c1ddot = ydot[5];
-    const double beam_c2ddot = ydot[6];
-    const double beam_phiddot = ydot[7];
-    const double beam_alpha1ddot = ydot[8];
-    const double beam_alpha2ddot = ydot[9];
-    const double beam_mass = k[0];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
-    const double beam_K_1_1 = k[4];
-    const double beam_K_2_2 = k[5];
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = y[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = y[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = y[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
+    const double beam_alpha1dot = y[8];
+    const double beam_alpha2dot = y[9];
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
 
     /*
@@ -1148,21 +1163,38 @@ int spinning_beam_residual_ggl(
     const double knock_2 = (1.0 / 5.0) / (t1 * t1);
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double beam_c1_t = ydot[0];
+    const double beam_c1dot = y[5];
     F[0] = beam_c1_t - beam_c1dot;
+    const double beam_c2_t = ydot[1];
+    const double beam_c2dot = y[6];
     F[1] = beam_c2_t - beam_c2dot;
+    const double beam_phi_t = ydot[2];
+    const double beam_phidot = y[7];
     F[2] = beam_phi_t - beam_phidot;
+    const double beam_alpha1_t = ydot[3];
     F[3] = beam_alpha1_t - beam_alpha1dot;
+    const double beam_alpha2_t = ydot[4];
     F[4] = beam_alpha2_t - beam_alpha2dot;
+    const double beam_c1ddot = ydot[5];
+    const double beam_mass = k[0];
     F[5] = beam_c1ddot * beam_mass;
+    const double beam_c2ddot = ydot[6];
     F[6] = beam_c2ddot * beam_mass - knock_2;
+    const double beam_phiddot = ydot[7];
     F[7] = 2.0 * beam_phidot * beam_D2dot + beam_J * beam_phiddot - beam_middle_s_1 * knock_2;
     const double t2 = beam_phidot * beam_phidot;
+    const double beam_K_1_1 = k[4];
+    const double beam_alpha1ddot = ydot[8];
     F[8] = beam_K_1_1 * beam_alpha1 + beam_alpha1ddot * beam_c8_1_1 + 0.5 * knock_2 * beam_cos_phi
         - t2 * beam_D2_1;
+    const double beam_K_2_2 = k[5];
+    const double beam_alpha2ddot = ydot[9];
     F[9] = beam_K_2_2 * beam_alpha2 + beam_alpha2ddot * beam_c8_2_2 - t2 * beam_D2_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_jacobian_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1171,35 +1203,30 @@ int spinning_beam_jacobian_ggl(
     const double *TISSERAND_RESTRICT k,
     double *jac)
 {
-    const double beam_phi = y[2];
-    const double beam_alpha1 = y[3];
-    const double beam_alpha2 = y[4];
-    const double beam_phidot = y[7];
-    const double beam_alpha1dot = y[8];
-    const double beam_alpha2dot = y[9];
-    const double beam_phiddot = ydot[7];
-    const double beam_mass = k[0];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
-    const double beam_K_1_1 = k[4];
-    const double beam_K_2_2 = k[5];
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = y[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = y[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = y[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
+    const double beam_alpha1dot = y[8];
+    const double beam_alpha2dot = y[9];
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
 
     /* knock_2 (10): knock_2 = force knock along e2 */
@@ -1213,15 +1240,20 @@ int spinning_beam_jacobian_ggl(
     jac[3] = -(knock_2 * (0.5 * beam_alpha1 * beam_cos_phi));
     jac[4] = -(0.5 * knock_2 * beam_sin_phi);
     jac[5] = cj;
+    const double beam_phidot = y[7];
     const double t2 = 2.0 * beam_phidot;
+    const double beam_phiddot = ydot[7];
     jac[6] = t2 * (beam_alpha1dot * beam_c8_1_1) + beam_phiddot * (2.0 * beam_D2_1)
         - knock_2 * (0.5 * beam_sin_phi);
     const double t3 = beam_phidot * beam_phidot;
+    const double beam_K_1_1 = k[4];
     jac[7] = beam_K_1_1 - t3 * beam_c8_1_1;
     jac[8] = cj;
     jac[9] = t2 * (beam_alpha2dot * beam_c8_2_2) + beam_phiddot * (2.0 * beam_D2_2);
+    const double beam_K_2_2 = k[5];
     jac[10] = beam_K_2_2 - t3 * beam_c8_2_2;
     jac[11] = -1.0;
+    const double beam_mass = k[0];
     const double t4 = cj * beam_mass;
     jac[12] = t4;
     jac[13] = -1.0;
@@ -1239,6 +1271,7 @@ int spinning_beam_jacobian_ggl(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_residual_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1246,46 +1279,30 @@ int spinning_beam_residual_index1(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-    const double beam_phi = y[2];
-    const double beam_alpha1 = y[3];
-    const double beam_alpha2 = y[4];
-    const double beam_c1dot = y[5];
-    const double beam_c2dot = y[6];
-    const double beam_phidot = y[7];
-    const double beam_alpha1dot = y[8];
-    const double beam_alpha2dot = y[9];
-    const double beam_c1_t = ydot[0];
-    const double beam_c2_t = ydot[1];
-    const double beam_phi_t = ydot[2];
-    const double beam_alpha1_t = ydot[3];
-    const double beam_alpha2_t = ydot[4];
-    const double beam_c1ddot = ydot[5];
-    const double beam_c2ddot = ydot[6];
-    const double beam_phiddot = ydot[7];
-    const double beam_alpha1ddot = ydot[8];
-    const double beam_alpha2ddot = ydot[9];
-    const double beam_mass = k[0];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
-    const double beam_K_1_1 = k[4];
-    const double beam_K_2_2 = k[5];
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = y[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = y[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = y[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
+    const double beam_alpha1dot = y[8];
+    const double beam_alpha2dot = y[9];
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
 
     /*
@@ -1299,21 +1316,38 @@ int spinning_beam_residual_index1(
     const double knock_2 = (1.0 / 5.0) / (t1 * t1);
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double beam_c1_t = ydot[0];
+    const double beam_c1dot = y[5];
     F[0] = beam_c1_t - beam_c1dot;
+    const double beam_c2_t = ydot[1];
+    const double beam_c2dot = y[6];
     F[1] = beam_c2_t - beam_c2dot;
+    const double beam_phi_t = ydot[2];
+    const double beam_phidot = y[7];
     F[2] = beam_phi_t - beam_phidot;
+    const double beam_alpha1_t = ydot[3];
     F[3] = beam_alpha1_t - beam_alpha1dot;
+    const double beam_alpha2_t = ydot[4];
     F[4] = beam_alpha2_t - beam_alpha2dot;
+    const double beam_c1ddot = ydot[5];
+    const double beam_mass = k[0];
     F[5] = beam_c1ddot * beam_mass;
+    const double beam_c2ddot = ydot[6];
     F[6] = beam_c2ddot * beam_mass - knock_2;
+    const double beam_phiddot = ydot[7];
     F[7] = 2.0 * beam_phidot * beam_D2dot + beam_J * beam_phiddot - beam_middle_s_1 * knock_2;
     const double t2 = beam_phidot * beam_phidot;
+    const double beam_K_1_1 = k[4];
+    const double beam_alpha1ddot = ydot[8];
     F[8] = beam_K_1_1 * beam_alpha1 + beam_alpha1ddot * beam_c8_1_1 + 0.5 * knock_2 * beam_cos_phi
         - t2 * beam_D2_1;
+    const double beam_K_2_2 = k[5];
+    const double beam_alpha2ddot = ydot[9];
     F[9] = beam_K_2_2 * beam_alpha2 + beam_alpha2ddot * beam_c8_2_2 - t2 * beam_D2_2;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_jacobian_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1322,35 +1356,30 @@ int spinning_beam_jacobian_index1(
     const double *TISSERAND_RESTRICT k,
     double *jac)
 {
-    const double beam_phi = y[2];
-    const double beam_alpha1 = y[3];
-    const double beam_alpha2 = y[4];
-    const double beam_phidot = y[7];
-    const double beam_alpha1dot = y[8];
-    const double beam_alpha2dot = y[9];
-    const double beam_phiddot = ydot[7];
-    const double beam_mass = k[0];
-    const double beam_C3 = k[1];
-    const double beam_c8_1_1 = k[2];
-    const double beam_c8_2_2 = k[3];
-    const double beam_K_1_1 = k[4];
-    const double beam_K_2_2 = k[5];
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = y[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
+    const double beam_alpha1 = y[3];
+    const double beam_c8_1_1 = k[2];
     const double beam_D2_1 = beam_alpha1 * beam_c8_1_1;
+    const double beam_alpha2 = y[4];
+    const double beam_c8_2_2 = k[3];
     const double beam_D2_2 = beam_alpha2 * beam_c8_2_2;
 
     /* beam J (appendix): beam_J = int rho r . r */
+    const double beam_C3 = k[1];
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
+    const double beam_alpha1dot = y[8];
+    const double beam_alpha2dot = y[9];
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2;
 
     /* knock_2 (10): knock_2 = force knock along e2 */
@@ -1364,15 +1393,20 @@ int spinning_beam_jacobian_index1(
     jac[3] = -(knock_2 * (0.5 * beam_alpha1 * beam_cos_phi));
     jac[4] = -(0.5 * knock_2 * beam_sin_phi);
     jac[5] = cj;
+    const double beam_phidot = y[7];
     const double t2 = 2.0 * beam_phidot;
+    const double beam_phiddot = ydot[7];
     jac[6] = t2 * (beam_alpha1dot * beam_c8_1_1) + beam_phiddot * (2.0 * beam_D2_1)
         - knock_2 * (0.5 * beam_sin_phi);
     const double t3 = beam_phidot * beam_phidot;
+    const double beam_K_1_1 = k[4];
     jac[7] = beam_K_1_1 - t3 * beam_c8_1_1;
     jac[8] = cj;
     jac[9] = t2 * (beam_alpha2dot * beam_c8_2_2) + beam_phiddot * (2.0 * beam_D2_2);
+    const double beam_K_2_2 = k[5];
     jac[10] = beam_K_2_2 - t3 * beam_c8_2_2;
     jac[11] = -1.0;
+    const double beam_mass = k[0];
     const double t4 = cj * beam_mass;
     jac[12] = t4;
     jac[13] = -1.0;

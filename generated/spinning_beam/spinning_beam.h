@@ -271,8 +271,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPINNING_BEAM_HASH "b72b4de5b243185d"
-#define SPINNING_BEAM_HASH_b72b4de5b243185d
+#define SPINNING_BEAM_HASH "28c7ad64d21efc44"
+#define SPINNING_BEAM_HASH_28c7ad64d21efc44
 
 /* ---- sizes and indices ---- */
 
@@ -322,7 +322,7 @@ enum {
 
 /* ---- functions return 0 for success. setup, accel, solve and project_velocity return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
-   accel reports a NaN in its mass matrix as a vanished pivot.
+   accel reports a NaN in its mass matrix as a vanished pivot, if it checks the pivots, else as a value that is not finite.
    Arrays that are written must not overlap each other or arrays that are read.
    A source file that is compiled with TISSERAND_WITHOUT_BATCHES has no batches, and with
    TISSERAND_WITHOUT_REDUCED_FORMS no residuals and Jacobians of lower index than 3; its descriptor has none either. ---- */

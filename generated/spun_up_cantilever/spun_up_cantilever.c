@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPUN_UP_CANTILEVER_HASH_f710e2fdfbcf6dae
+#ifndef SPUN_UP_CANTILEVER_HASH_16756756dc16ec99
 #  error "spun_up_cantilever.h and spun_up_cantilever.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,6 +21,13 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+
+/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
+#else
+#  define TISSERAND_SCALAR
+#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -114,6 +121,7 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
+TISSERAND_SCALAR
 int spun_up_cantilever_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -123,25 +131,26 @@ int spun_up_cantilever_setup(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_alpha3 = q[5];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
+    const double beam_alpha3 = q[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; ...; beam_D2_3 = int rho r . Phi_3 */
@@ -180,6 +189,7 @@ int spun_up_cantilever_mass(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -188,27 +198,26 @@ int spun_up_cantilever_force(
     double *h)
 {
     (void) t;
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_alpha3 = q[5];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_alpha3dot = v[5];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
+    const double beam_alpha3 = q[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
+    const double beam_alpha3dot = v[5];
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
         + (24.0 / 5.0) * beam_alpha3dot;
 
@@ -225,6 +234,7 @@ int spun_up_cantilever_force(
         + beam_alpha3dot * beam_D2_3;
 
     /* h (15): centrifugal, Coriolis and elastic terms */
+    const double beam_phidot = v[2];
     const double t1 = beam_phidot * beam_phidot;
     const double t2 = t1 * beam_d1_2;
     const double t3 = 2.0 * beam_phidot;
@@ -239,6 +249,7 @@ int spun_up_cantilever_force(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -248,17 +259,12 @@ int spun_up_cantilever_mass_force(
     double *h)
 {
     (void) t;
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_alpha3 = q[5];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_alpha3dot = v[5];
     (void) k;
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; ...; beam_D2_3 = int rho r . Phi_3 */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
+    const double beam_alpha3 = q[5];
     const double beam_D2_1 = (12.0 / 5.0) * beam_alpha1 + (16.0 / 5.0) * beam_alpha2
         + (92.0 / 35.0) * beam_alpha3;
     const double beam_D2_2 = (16.0 / 5.0) * beam_alpha1 + (156.0 / 35.0) * beam_alpha2
@@ -268,6 +274,7 @@ int spun_up_cantilever_mass_force(
 
     /* beam_alpha3 (15): force and column of M of beam_alpha3 */
     const double t1 = 56.0 * beam_alpha1;
+    const double beam_phidot = v[2];
     const double t2 = beam_phidot * beam_phidot;
     h[5] = t1 + (504.0 / 5.0) * beam_alpha3 - t2 * beam_D2_3;
     M[19] = (44.0 / 15.0);
@@ -288,6 +295,9 @@ int spun_up_cantilever_mass_force(
         + beam_D2_3 * beam_alpha3;
 
     /* beam D2dot (appendix): beam_D2dot = int rho r . rdot */
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
+    const double beam_alpha3dot = v[5];
     const double beam_D2dot = beam_alpha1dot * beam_D2_1 + beam_alpha2dot * beam_D2_2
         + beam_alpha3dot * beam_D2_3;
 
@@ -303,6 +313,7 @@ int spun_up_cantilever_mass_force(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
@@ -333,6 +344,7 @@ int spun_up_cantilever_mass_force(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -340,24 +352,20 @@ int spun_up_cantilever_accel(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_alpha3 = q[5];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_alpha3dot = v[5];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
+    const double beam_alpha3 = q[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; ...; beam_D2_3 = int rho r . Phi_3 */
@@ -461,6 +469,9 @@ int spun_up_cantilever_accel(
         - (2.0 / 5.0) * tisserand_cos((176855943800711.0 / 422212465065984.0) * t);
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
+    const double beam_alpha3dot = v[5];
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
         + (24.0 / 5.0) * beam_alpha3dot;
 
@@ -469,6 +480,7 @@ int spun_up_cantilever_accel(
         + beam_alpha3dot * beam_D2_3;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
+    const double beam_phidot = v[2];
     const double t50 = beam_phidot * beam_phidot;
     const double t51 = t50 * beam_d1_2;
     const double t52 = 2.0 * beam_phidot;
@@ -512,35 +524,33 @@ int spun_up_cantilever_accel(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_alpha3 = q[5];
-    const double beam_c1dot = v[0];
-    const double beam_c2dot = v[1];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_alpha3dot = v[5];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
+    const double beam_alpha3 = q[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
+    const double beam_alpha3dot = v[5];
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
         + (24.0 / 5.0) * beam_alpha3dot;
 
@@ -560,53 +570,52 @@ int spun_up_cantilever_energy(
     const double beam_d3dot = 10.0 * beam_alpha1dot + 12.0 * beam_alpha2dot + 10.0 * beam_alpha3dot;
 
     /* energy (22): 1/2 int rho xdot . xdot and the strain energy */
+    const double beam_phidot = v[2];
+    const double beam_c1dot = v[0];
+    const double beam_c2dot = v[1];
     energy[0] = 0.5 * (beam_phidot * beam_phidot * beam_J
         + (12.0 / 5.0) * (beam_alpha1dot * beam_alpha1dot)
         + (156.0 / 35.0) * (beam_alpha2dot * beam_alpha2dot)
         + (44.0 / 15.0) * (beam_alpha3dot * beam_alpha3dot) + 12.0 * (beam_c1dot * beam_c1dot)
-        + 12.0 * (beam_c2dot * beam_c2dot) + (2.0 * beam_c2dot * beam_d1dot_2
+        + 12.0 * (beam_c2dot * beam_c2dot) + ((2.0 * beam_c2dot * beam_d1dot_2
         - 2.0 * (beam_c1dot * beam_phidot) * beam_d1_2) * beam_cos_phi
         + 2.0 * beam_phidot * beam_d3dot - (2.0 * beam_c1dot * beam_d1dot_2
         + 2.0 * (beam_c2dot * beam_phidot) * beam_d1_2) * beam_sin_phi
         + (16.0 / 5.0) * (2.0 * (beam_alpha1dot * beam_alpha2dot))
         + (92.0 / 35.0) * (2.0 * (beam_alpha1dot * beam_alpha3dot))
-        + (18.0 / 5.0) * (2.0 * (beam_alpha2dot * beam_alpha3dot)));
+        + (18.0 / 5.0) * (2.0 * (beam_alpha2dot * beam_alpha3dot))));
     energy[1] = 0.5 * (56.0 * beam_alpha1 * beam_alpha1 + 168.0 * beam_alpha2 * beam_alpha2
         + (504.0 / 5.0) * beam_alpha3 * beam_alpha3 + 112.0 * beam_alpha1 * beam_alpha3);
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-    const double beam_c1 = q[0];
-    const double beam_c2 = q[1];
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_alpha3 = q[5];
-    const double beam_c1dot = v[0];
-    const double beam_c2dot = v[1];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_alpha3dot = v[5];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
+    const double beam_alpha3 = q[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
+    const double beam_alpha3dot = v[5];
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
         + (24.0 / 5.0) * beam_alpha3dot;
 
@@ -626,9 +635,14 @@ int spun_up_cantilever_momentum(
     const double beam_d3dot = 10.0 * beam_alpha1dot + 12.0 * beam_alpha2dot + 10.0 * beam_alpha3dot;
 
     /* momentum (1): int rho xdot and int rho x x xdot */
+    const double beam_phidot = v[2];
     const double t1 = beam_phidot * beam_d1_2;
+    const double beam_c1dot = v[0];
     momentum[0] = 12.0 * beam_c1dot - beam_d1dot_2 * beam_sin_phi - t1 * beam_cos_phi;
+    const double beam_c2dot = v[1];
     momentum[1] = 12.0 * beam_c2dot + beam_d1dot_2 * beam_cos_phi - t1 * beam_sin_phi;
+    const double beam_c1 = q[0];
+    const double beam_c2 = q[1];
     momentum[2] = beam_d3dot + beam_phidot * beam_J + (beam_c1 * beam_d1dot_2
         + beam_phidot * beam_c2 * beam_d1_2 - beam_c1dot * beam_d1_2) * beam_cos_phi
         + (beam_c2 * beam_d1dot_2 - beam_c2dot * beam_d1_2
@@ -637,6 +651,7 @@ int spun_up_cantilever_momentum(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -644,24 +659,25 @@ int spun_up_cantilever_rates(
     double *qdot)
 {
     (void) q;
-    const double beam_c1dot = v[0];
-    const double beam_c2dot = v[1];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_alpha3dot = v[5];
     (void) k;
 
     /* rates (1): from Qdot = Q (omega x) */
+    const double beam_c1dot = v[0];
     qdot[0] = beam_c1dot;
+    const double beam_c2dot = v[1];
     qdot[1] = beam_c2dot;
+    const double beam_phidot = v[2];
     qdot[2] = beam_phidot;
+    const double beam_alpha1dot = v[3];
     qdot[3] = beam_alpha1dot;
+    const double beam_alpha2dot = v[4];
     qdot[4] = beam_alpha2dot;
+    const double beam_alpha3dot = v[5];
     qdot[5] = beam_alpha3dot;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_marker_beam_root(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -670,18 +686,13 @@ int spun_up_cantilever_marker_beam_root(
     double *xdot,
     double *jacobian)
 {
-    const double beam_c1 = q[0];
-    const double beam_c2 = q[1];
-    const double beam_phi = q[2];
-    const double beam_c1dot = v[0];
-    const double beam_c2dot = v[1];
-    const double beam_phidot = v[2];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
@@ -690,10 +701,15 @@ int spun_up_cantilever_marker_beam_root(
     const double beam_root_s_2 = (-5.0) * beam_sin_phi;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double beam_c1 = q[0];
     x[0] = beam_c1 + beam_root_s_1;
+    const double beam_c2 = q[1];
     x[1] = beam_c2 + beam_root_s_2;
+    const double beam_phidot = v[2];
     const double t1 = (-5.0) * beam_phidot;
+    const double beam_c1dot = v[0];
     xdot[0] = beam_c1dot - t1 * beam_sin_phi;
+    const double beam_c2dot = v[1];
     xdot[1] = beam_c2dot + t1 * beam_cos_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -702,6 +718,7 @@ int spun_up_cantilever_marker_beam_root(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_marker_beam_tip(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -710,26 +727,21 @@ int spun_up_cantilever_marker_beam_tip(
     double *xdot,
     double *jacobian)
 {
-    const double beam_c1 = q[0];
-    const double beam_c2 = q[1];
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_alpha3 = q[5];
-    const double beam_c1dot = v[0];
-    const double beam_c2dot = v[1];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_alpha3dot = v[5];
     (void) k;
 
     /*
      * beam tip (1): beam_tip_r_2 = r = X + u at tip, along e2; ...; beam_tip_sdot_2 = Q rdot at
      *     tip, along e2
      */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
+    const double beam_alpha3 = q[5];
     const double beam_tip_r_2 = beam_alpha1 + beam_alpha2 + beam_alpha3;
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
+    const double beam_alpha3dot = v[5];
     const double beam_tip_rdot_2 = beam_alpha1dot + beam_alpha2dot + beam_alpha3dot;
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double t1 = 5.0 * beam_cos_phi;
     const double beam_sin_phi = tisserand_sin(beam_phi);
@@ -740,11 +752,16 @@ int spun_up_cantilever_marker_beam_tip(
     const double beam_tip_s_2 = t3 + t4;
 
     /* marker (1): x = c + Q r, its time derivative and its Jacobian */
+    const double beam_c1 = q[0];
     x[0] = beam_c1 + t1 - t2;
+    const double beam_c2 = q[1];
     x[1] = beam_c2 + t3 + t4;
+    const double beam_phidot = v[2];
     const double t5 = beam_tip_rdot_2 + 5.0 * beam_phidot;
     const double t6 = beam_phidot * beam_tip_r_2;
+    const double beam_c1dot = v[0];
     xdot[0] = beam_c1dot - t5 * beam_sin_phi - t6 * beam_cos_phi;
+    const double beam_c2dot = v[1];
     xdot[1] = beam_c2dot + t5 * beam_cos_phi - t6 * beam_sin_phi;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
@@ -760,25 +777,26 @@ int spun_up_cantilever_marker_beam_tip(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_load_beam_root(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double beam_phi = q[2];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* F (10): the force in the body frame */
+    const double F_2 = F[1];
+    const double F_1 = F[0];
     const double beam_root_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi;
 
     /* f (10): virtual work of the force */
@@ -791,28 +809,26 @@ int spun_up_cantilever_load_beam_root(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_load_beam_tip(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_alpha3 = q[5];
-    const double F_1 = F[0];
-    const double F_2 = F[1];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* F (10): the force in the body frame */
+    const double F_1 = F[0];
+    const double F_2 = F[1];
     const double beam_tip_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi;
     const double beam_tip_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi;
 
@@ -820,6 +836,9 @@ int spun_up_cantilever_load_beam_tip(
      * beam tip (1): beam_tip_r_2 = r = X + u at tip, along e2; ...; beam_tip_s_2 = Q r at tip,
      *     along e2
      */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
+    const double beam_alpha3 = q[5];
     const double beam_tip_r_2 = beam_alpha1 + beam_alpha2 + beam_alpha3;
 
     /* f (10): virtual work of the force */
@@ -832,15 +851,13 @@ int spun_up_cantilever_load_beam_tip(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_constraints(
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *g)
 {
-    const double beam_c1 = q[0];
-    const double beam_c2 = q[1];
-    const double beam_phi = q[2];
     (void) k;
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
@@ -852,6 +869,7 @@ int spun_up_cantilever_constraints(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
@@ -860,12 +878,15 @@ int spun_up_cantilever_constraints(
     const double beam_root_s_2 = (-5.0) * beam_sin_phi;
 
     /* g (1): point of body 2 minus point of body 1, from x = c + Q r */
+    const double beam_c1 = q[0];
     g[0] = beam_c1 + beam_root_s_1;
+    const double beam_c2 = q[1];
     g[1] = beam_c2 + beam_root_s_2;
     g[2] = beam_phi - hub_phi;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_constraint_rates(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -873,10 +894,6 @@ int spun_up_cantilever_constraint_rates(
     const double *TISSERAND_RESTRICT k,
     double *gdot)
 {
-    const double beam_phi = q[2];
-    const double beam_c1dot = v[0];
-    const double beam_c2dot = v[1];
-    const double beam_phidot = v[2];
     (void) k;
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
@@ -887,6 +904,7 @@ int spun_up_cantilever_constraint_rates(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
@@ -895,12 +913,16 @@ int spun_up_cantilever_constraint_rates(
     const double beam_root_s_2 = (-5.0) * beam_sin_phi;
 
     /* gdot (1): velocity of the point of body 2 minus that of body 1 */
+    const double beam_c1dot = v[0];
+    const double beam_phidot = v[2];
     gdot[0] = beam_c1dot - beam_phidot * beam_root_s_2;
+    const double beam_c2dot = v[1];
     gdot[1] = beam_c2dot + beam_phidot * beam_root_s_1;
     gdot[2] = beam_phidot - hub_phidot;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_constraint_jacobian(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -908,13 +930,13 @@ int spun_up_cantilever_constraint_jacobian(
     double *G)
 {
     (void) t;
-    const double beam_phi = q[2];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
@@ -931,6 +953,7 @@ int spun_up_cantilever_constraint_jacobian(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_constraint_bias(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -938,8 +961,6 @@ int spun_up_cantilever_constraint_bias(
     const double *TISSERAND_RESTRICT k,
     double *gamma)
 {
-    const double beam_phi = q[2];
-    const double beam_phidot = v[2];
     (void) k;
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
@@ -950,6 +971,7 @@ int spun_up_cantilever_constraint_bias(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
@@ -958,6 +980,7 @@ int spun_up_cantilever_constraint_bias(
     const double beam_root_s_2 = (-5.0) * beam_sin_phi;
 
     /* gamma (5): centrifugal, Coriolis and prescribed parts */
+    const double beam_phidot = v[2];
     const double t1 = beam_phidot * beam_phidot;
     gamma[0] = t1 * beam_root_s_1;
     gamma[1] = t1 * beam_root_s_2;
@@ -965,6 +988,7 @@ int spun_up_cantilever_constraint_bias(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_solve(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -973,24 +997,20 @@ int spun_up_cantilever_solve(
     double *vdot,
     double *lam)
 {
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_alpha3 = q[5];
-    const double beam_phidot = v[2];
-    const double beam_alpha1dot = v[3];
-    const double beam_alpha2dot = v[4];
-    const double beam_alpha3dot = v[5];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
+    const double beam_alpha3 = q[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; ...; beam_D2_3 = int rho r . Phi_3 */
@@ -1094,6 +1114,9 @@ int spun_up_cantilever_solve(
         - (2.0 / 5.0) * tisserand_cos((176855943800711.0 / 422212465065984.0) * t);
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
+    const double beam_alpha1dot = v[3];
+    const double beam_alpha2dot = v[4];
+    const double beam_alpha3dot = v[5];
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
         + (24.0 / 5.0) * beam_alpha3dot;
 
@@ -1102,6 +1125,7 @@ int spun_up_cantilever_solve(
         + beam_alpha3dot * beam_D2_3;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
+    const double beam_phidot = v[2];
     const double t50 = beam_phidot * beam_phidot;
     const double t51 = t50 * beam_d1_2;
     const double t52 = 2.0 * beam_phidot;
@@ -1149,6 +1173,7 @@ int spun_up_cantilever_solve(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1157,23 +1182,20 @@ int spun_up_cantilever_project_velocity(
     double *dv)
 {
     (void) t;
-    const double beam_phi = q[2];
-    const double beam_alpha1 = q[3];
-    const double beam_alpha2 = q[4];
-    const double beam_alpha3 = q[5];
     (void) k;
-    const double r_clamp_1 = r[0];
-    const double r_clamp_2 = r[1];
-    const double r_clamp_turn = r[2];
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = q[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = q[3];
+    const double beam_alpha2 = q[4];
+    const double beam_alpha3 = q[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; ...; beam_D2_3 = int rho r . Phi_3 */
@@ -1273,7 +1295,10 @@ int spun_up_cantilever_project_velocity(
         + 5.684341886080802e-14 * inverse_pivot_beam_phi) > 0.0)) return 1; /* the pivot of clamp_turn vanished */
 
     /* solution (LDL^T): forward, diagonal and back substitution */
+    const double r_clamp_2 = r[1];
+    const double r_clamp_1 = r[0];
     const double t50 = r_clamp_2 + t45 * r_clamp_1;
+    const double r_clamp_turn = r[2];
     const double t51 = (t49 * t50 - (r_clamp_turn + t47 * r_clamp_1)) / pivot_clamp_turn;
     const double t52 = t50 * inverse_pivot_clamp_2 + t49 * t51;
     const double t53 = r_clamp_1 * inverse_t44 - t45 * t52 + t47 * t51;
@@ -1295,15 +1320,13 @@ int spun_up_cantilever_project_velocity(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_poses(
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *pose)
 {
-    const double beam_c1 = q[0];
-    const double beam_c2 = q[1];
-    const double beam_phi = q[2];
     (void) k;
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
@@ -1315,12 +1338,16 @@ int spun_up_cantilever_poses(
     pose[0] = 0.0;
     pose[1] = 0.0;
     pose[2] = hub_phi;
+    const double beam_c1 = q[0];
     pose[3] = beam_c1;
+    const double beam_c2 = q[1];
     pose[4] = beam_c2;
+    const double beam_phi = q[2];
     pose[5] = beam_phi;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1328,33 +1355,6 @@ int spun_up_cantilever_residual(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-    const double beam_c1 = y[0];
-    const double beam_c2 = y[1];
-    const double beam_phi = y[2];
-    const double beam_alpha1 = y[3];
-    const double beam_alpha2 = y[4];
-    const double beam_alpha3 = y[5];
-    const double beam_c1dot = y[6];
-    const double beam_c2dot = y[7];
-    const double beam_phidot = y[8];
-    const double beam_alpha1dot = y[9];
-    const double beam_alpha2dot = y[10];
-    const double beam_alpha3dot = y[11];
-    const double lambda_clamp_1 = y[12];
-    const double lambda_clamp_2 = y[13];
-    const double lambda_clamp_turn = y[14];
-    const double beam_c1_t = ydot[0];
-    const double beam_c2_t = ydot[1];
-    const double beam_phi_t = ydot[2];
-    const double beam_alpha1_t = ydot[3];
-    const double beam_alpha2_t = ydot[4];
-    const double beam_alpha3_t = ydot[5];
-    const double beam_c1ddot = ydot[6];
-    const double beam_c2ddot = ydot[7];
-    const double beam_phiddot = ydot[8];
-    const double beam_alpha1ddot = ydot[9];
-    const double beam_alpha2ddot = ydot[10];
-    const double beam_alpha3ddot = ydot[11];
     (void) k;
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
@@ -1366,13 +1366,20 @@ int spun_up_cantilever_residual(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = y[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = y[3];
+    const double beam_alpha2 = y[4];
+    const double beam_alpha3 = y[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
+    const double beam_alpha1dot = y[9];
+    const double beam_alpha2dot = y[10];
+    const double beam_alpha3dot = y[11];
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
         + (24.0 / 5.0) * beam_alpha3dot;
 
@@ -1397,23 +1404,41 @@ int spun_up_cantilever_residual(
     const double beam_root_s_2 = (-5.0) * beam_sin_phi;
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double beam_c1_t = ydot[0];
+    const double beam_c1dot = y[6];
     F[0] = beam_c1_t - beam_c1dot;
+    const double beam_c2_t = ydot[1];
+    const double beam_c2dot = y[7];
     F[1] = beam_c2_t - beam_c2dot;
+    const double beam_phi_t = ydot[2];
+    const double beam_phidot = y[8];
     F[2] = beam_phi_t - beam_phidot;
+    const double beam_alpha1_t = ydot[3];
     F[3] = beam_alpha1_t - beam_alpha1dot;
+    const double beam_alpha2_t = ydot[4];
     F[4] = beam_alpha2_t - beam_alpha2dot;
+    const double beam_alpha3_t = ydot[5];
     F[5] = beam_alpha3_t - beam_alpha3dot;
     const double t1 = 2.0 * beam_phidot;
+    const double beam_phiddot = ydot[8];
     const double t2 = beam_d1_2 * beam_phiddot + t1 * beam_d1dot_2;
     const double t3 = beam_phidot * beam_phidot;
     const double t4 = t3 * beam_d1_2;
+    const double beam_alpha1ddot = ydot[9];
     const double t5 = 4.0 * beam_alpha1ddot;
+    const double beam_alpha2ddot = ydot[10];
     const double t6 = 6.0 * beam_alpha2ddot;
+    const double beam_alpha3ddot = ydot[11];
     const double t7 = (24.0 / 5.0) * beam_alpha3ddot;
+    const double beam_c1ddot = ydot[6];
+    const double lambda_clamp_1 = y[12];
     F[6] = 12.0 * beam_c1ddot - t2 * beam_cos_phi + (t4 - t5 - t6 - t7) * beam_sin_phi
         - lambda_clamp_1;
+    const double beam_c2ddot = ydot[7];
+    const double lambda_clamp_2 = y[13];
     F[7] = 12.0 * beam_c2ddot + (t5 + t6 + t7 - t4) * beam_cos_phi - t2 * beam_sin_phi
         - lambda_clamp_2;
+    const double lambda_clamp_turn = y[14];
     F[8] = t1 * beam_D2dot + beam_J * beam_phiddot + 10.0 * beam_alpha1ddot + 12.0 * beam_alpha2ddot
         + 10.0 * beam_alpha3ddot - beam_c1ddot * beam_d1_2 * beam_cos_phi
         - beam_c2ddot * beam_d1_2 * beam_sin_phi - (beam_root_s_1 * lambda_clamp_2
@@ -1421,21 +1446,24 @@ int spun_up_cantilever_residual(
     const double t8 = 56.0 * beam_alpha1;
     const double t9 = 10.0 * beam_phiddot;
     F[9] = t8 + 56.0 * beam_alpha3 + (12.0 / 5.0) * beam_alpha1ddot + (16.0 / 5.0) * beam_alpha2ddot
-        + (92.0 / 35.0) * beam_alpha3ddot + t9 + 4.0 * beam_c2ddot * beam_cos_phi - t3 * beam_D2_1
-        - 4.0 * beam_c1ddot * beam_sin_phi;
+        + (92.0 / 35.0) * beam_alpha3ddot + (t9 + 4.0 * beam_c2ddot * beam_cos_phi - t3 * beam_D2_1
+        - 4.0 * beam_c1ddot * beam_sin_phi);
     F[10] = 168.0 * beam_alpha2 + (16.0 / 5.0) * beam_alpha1ddot + (156.0 / 35.0) * beam_alpha2ddot
         + (18.0 / 5.0) * beam_alpha3ddot + 12.0 * beam_phiddot + 6.0 * beam_c2ddot * beam_cos_phi
         - t3 * beam_D2_2 - 6.0 * beam_c1ddot * beam_sin_phi;
     F[11] = t8 + (504.0 / 5.0) * beam_alpha3 + (92.0 / 35.0) * beam_alpha1ddot
-        + (18.0 / 5.0) * beam_alpha2ddot + (44.0 / 15.0) * beam_alpha3ddot + t9
+        + (18.0 / 5.0) * beam_alpha2ddot + (44.0 / 15.0) * beam_alpha3ddot + (t9
         + (24.0 / 5.0) * beam_c2ddot * beam_cos_phi - t3 * beam_D2_3
-        - (24.0 / 5.0) * beam_c1ddot * beam_sin_phi;
+        - (24.0 / 5.0) * beam_c1ddot * beam_sin_phi);
+    const double beam_c1 = y[0];
     F[12] = beam_c1 + beam_root_s_1;
+    const double beam_c2 = y[1];
     F[13] = beam_c2 + beam_root_s_2;
     F[14] = beam_phi - hub_phi;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1445,35 +1473,26 @@ int spun_up_cantilever_jacobian(
     double *jac)
 {
     (void) t;
-    const double beam_phi = y[2];
-    const double beam_alpha1 = y[3];
-    const double beam_alpha2 = y[4];
-    const double beam_alpha3 = y[5];
-    const double beam_phidot = y[8];
-    const double beam_alpha1dot = y[9];
-    const double beam_alpha2dot = y[10];
-    const double beam_alpha3dot = y[11];
-    const double lambda_clamp_1 = y[12];
-    const double lambda_clamp_2 = y[13];
-    const double beam_c1ddot = ydot[6];
-    const double beam_c2ddot = ydot[7];
-    const double beam_phiddot = ydot[8];
-    const double beam_alpha1ddot = ydot[9];
-    const double beam_alpha2ddot = ydot[10];
-    const double beam_alpha3ddot = ydot[11];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = y[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = y[3];
+    const double beam_alpha2 = y[4];
+    const double beam_alpha3 = y[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
+    const double beam_alpha1dot = y[9];
+    const double beam_alpha2dot = y[10];
+    const double beam_alpha3dot = y[11];
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
         + (24.0 / 5.0) * beam_alpha3dot;
 
@@ -1508,15 +1527,24 @@ int spun_up_cantilever_jacobian(
     jac[2] = cj;
     jac[3] = 1.0;
     jac[4] = cj;
+    const double beam_phidot = y[8];
     const double t9 = 2.0 * beam_phidot;
+    const double beam_phiddot = ydot[8];
     const double t10 = beam_d1_2 * beam_phiddot + t9 * beam_d1dot_2;
     const double t11 = beam_phidot * beam_phidot;
     const double t12 = t11 * beam_d1_2;
+    const double beam_alpha1ddot = ydot[9];
     const double t13 = 4.0 * beam_alpha1ddot;
+    const double beam_alpha2ddot = ydot[10];
     const double t14 = 6.0 * beam_alpha2ddot;
+    const double beam_alpha3ddot = ydot[11];
     const double t15 = (24.0 / 5.0) * beam_alpha3ddot;
     jac[5] = t10 * beam_sin_phi + (t12 - t13 - t14 - t15) * beam_cos_phi;
     jac[6] = -((t13 + t14 + t15 - t12) * beam_sin_phi) - t10 * beam_cos_phi;
+    const double beam_c1ddot = ydot[6];
+    const double beam_c2ddot = ydot[7];
+    const double lambda_clamp_2 = y[13];
+    const double lambda_clamp_1 = y[12];
     jac[7] = beam_c1ddot * beam_d1_2 * beam_sin_phi - beam_c2ddot * beam_d1_2 * beam_cos_phi
         + (lambda_clamp_2 * beam_root_s_2 + lambda_clamp_1 * beam_root_s_1);
     const double t16 = 4.0 * beam_c2ddot;
@@ -1638,6 +1666,7 @@ int spun_up_cantilever_jacobian(
 
 #ifndef TISSERAND_WITHOUT_REDUCED_FORMS
 
+TISSERAND_SCALAR
 int spun_up_cantilever_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1645,36 +1674,6 @@ int spun_up_cantilever_residual_ggl(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-    const double beam_c1 = y[0];
-    const double beam_c2 = y[1];
-    const double beam_phi = y[2];
-    const double beam_alpha1 = y[3];
-    const double beam_alpha2 = y[4];
-    const double beam_alpha3 = y[5];
-    const double beam_c1dot = y[6];
-    const double beam_c2dot = y[7];
-    const double beam_phidot = y[8];
-    const double beam_alpha1dot = y[9];
-    const double beam_alpha2dot = y[10];
-    const double beam_alpha3dot = y[11];
-    const double lambda_clamp_1 = y[12];
-    const double lambda_clamp_2 = y[13];
-    const double lambda_clamp_turn = y[14];
-    const double mu_clamp_1 = y[15];
-    const double mu_clamp_2 = y[16];
-    const double mu_clamp_turn = y[17];
-    const double beam_c1_t = ydot[0];
-    const double beam_c2_t = ydot[1];
-    const double beam_phi_t = ydot[2];
-    const double beam_alpha1_t = ydot[3];
-    const double beam_alpha2_t = ydot[4];
-    const double beam_alpha3_t = ydot[5];
-    const double beam_c1ddot = ydot[6];
-    const double beam_c2ddot = ydot[7];
-    const double beam_phiddot = ydot[8];
-    const double beam_alpha1ddot = ydot[9];
-    const double beam_alpha2ddot = ydot[10];
-    const double beam_alpha3ddot = ydot[11];
     (void) k;
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
@@ -1687,13 +1686,20 @@ int spun_up_cantilever_residual_ggl(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = y[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = y[3];
+    const double beam_alpha2 = y[4];
+    const double beam_alpha3 = y[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
+    const double beam_alpha1dot = y[9];
+    const double beam_alpha2dot = y[10];
+    const double beam_alpha3dot = y[11];
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
         + (24.0 / 5.0) * beam_alpha3dot;
 
@@ -1718,24 +1724,45 @@ int spun_up_cantilever_residual_ggl(
     const double beam_root_s_2 = (-5.0) * beam_sin_phi;
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double beam_c1_t = ydot[0];
+    const double beam_c1dot = y[6];
+    const double mu_clamp_1 = y[15];
     F[0] = beam_c1_t - beam_c1dot + mu_clamp_1;
+    const double beam_c2_t = ydot[1];
+    const double beam_c2dot = y[7];
+    const double mu_clamp_2 = y[16];
     F[1] = beam_c2_t - beam_c2dot + mu_clamp_2;
+    const double beam_phi_t = ydot[2];
+    const double beam_phidot = y[8];
+    const double mu_clamp_turn = y[17];
     F[2] = beam_phi_t - beam_phidot + (beam_root_s_1 * mu_clamp_2 - beam_root_s_2 * mu_clamp_1
         + mu_clamp_turn);
+    const double beam_alpha1_t = ydot[3];
     F[3] = beam_alpha1_t - beam_alpha1dot;
+    const double beam_alpha2_t = ydot[4];
     F[4] = beam_alpha2_t - beam_alpha2dot;
+    const double beam_alpha3_t = ydot[5];
     F[5] = beam_alpha3_t - beam_alpha3dot;
     const double t2 = 2.0 * beam_phidot;
+    const double beam_phiddot = ydot[8];
     const double t3 = beam_d1_2 * beam_phiddot + t2 * beam_d1dot_2;
     const double t4 = beam_phidot * beam_phidot;
     const double t5 = t4 * beam_d1_2;
+    const double beam_alpha1ddot = ydot[9];
     const double t6 = 4.0 * beam_alpha1ddot;
+    const double beam_alpha2ddot = ydot[10];
     const double t7 = 6.0 * beam_alpha2ddot;
+    const double beam_alpha3ddot = ydot[11];
     const double t8 = (24.0 / 5.0) * beam_alpha3ddot;
+    const double beam_c1ddot = ydot[6];
+    const double lambda_clamp_1 = y[12];
     F[6] = 12.0 * beam_c1ddot - t3 * beam_cos_phi + (t5 - t6 - t7 - t8) * beam_sin_phi
         - lambda_clamp_1;
+    const double beam_c2ddot = ydot[7];
+    const double lambda_clamp_2 = y[13];
     F[7] = 12.0 * beam_c2ddot + (t6 + t7 + t8 - t5) * beam_cos_phi - t3 * beam_sin_phi
         - lambda_clamp_2;
+    const double lambda_clamp_turn = y[14];
     F[8] = t2 * beam_D2dot + beam_J * beam_phiddot + 10.0 * beam_alpha1ddot + 12.0 * beam_alpha2ddot
         + 10.0 * beam_alpha3ddot - beam_c1ddot * beam_d1_2 * beam_cos_phi
         - beam_c2ddot * beam_d1_2 * beam_sin_phi - (beam_root_s_1 * lambda_clamp_2
@@ -1743,24 +1770,27 @@ int spun_up_cantilever_residual_ggl(
     const double t9 = 56.0 * beam_alpha1;
     const double t10 = 10.0 * beam_phiddot;
     F[9] = t9 + 56.0 * beam_alpha3 + (12.0 / 5.0) * beam_alpha1ddot + (16.0 / 5.0) * beam_alpha2ddot
-        + (92.0 / 35.0) * beam_alpha3ddot + t10 + 4.0 * beam_c2ddot * beam_cos_phi - t4 * beam_D2_1
-        - 4.0 * beam_c1ddot * beam_sin_phi;
+        + (92.0 / 35.0) * beam_alpha3ddot + (t10 + 4.0 * beam_c2ddot * beam_cos_phi - t4 * beam_D2_1
+        - 4.0 * beam_c1ddot * beam_sin_phi);
     F[10] = 168.0 * beam_alpha2 + (16.0 / 5.0) * beam_alpha1ddot + (156.0 / 35.0) * beam_alpha2ddot
         + (18.0 / 5.0) * beam_alpha3ddot + 12.0 * beam_phiddot + 6.0 * beam_c2ddot * beam_cos_phi
         - t4 * beam_D2_2 - 6.0 * beam_c1ddot * beam_sin_phi;
     F[11] = t9 + (504.0 / 5.0) * beam_alpha3 + (92.0 / 35.0) * beam_alpha1ddot
-        + (18.0 / 5.0) * beam_alpha2ddot + (44.0 / 15.0) * beam_alpha3ddot + t10
+        + (18.0 / 5.0) * beam_alpha2ddot + (44.0 / 15.0) * beam_alpha3ddot + (t10
         + (24.0 / 5.0) * beam_c2ddot * beam_cos_phi - t4 * beam_D2_3
-        - (24.0 / 5.0) * beam_c1ddot * beam_sin_phi;
+        - (24.0 / 5.0) * beam_c1ddot * beam_sin_phi);
     F[12] = beam_c1dot - beam_phidot * beam_root_s_2;
     F[13] = beam_c2dot + beam_phidot * beam_root_s_1;
     F[14] = beam_phidot - hub_phidot;
+    const double beam_c1 = y[0];
     F[15] = beam_c1 + beam_root_s_1;
+    const double beam_c2 = y[1];
     F[16] = beam_c2 + beam_root_s_2;
     F[17] = beam_phi - hub_phi;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_jacobian_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1770,37 +1800,26 @@ int spun_up_cantilever_jacobian_ggl(
     double *jac)
 {
     (void) t;
-    const double beam_phi = y[2];
-    const double beam_alpha1 = y[3];
-    const double beam_alpha2 = y[4];
-    const double beam_alpha3 = y[5];
-    const double beam_phidot = y[8];
-    const double beam_alpha1dot = y[9];
-    const double beam_alpha2dot = y[10];
-    const double beam_alpha3dot = y[11];
-    const double lambda_clamp_1 = y[12];
-    const double lambda_clamp_2 = y[13];
-    const double mu_clamp_1 = y[15];
-    const double mu_clamp_2 = y[16];
-    const double beam_c1ddot = ydot[6];
-    const double beam_c2ddot = ydot[7];
-    const double beam_phiddot = ydot[8];
-    const double beam_alpha1ddot = ydot[9];
-    const double beam_alpha2ddot = ydot[10];
-    const double beam_alpha3ddot = ydot[11];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = y[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = y[3];
+    const double beam_alpha2 = y[4];
+    const double beam_alpha3 = y[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
+    const double beam_alpha1dot = y[9];
+    const double beam_alpha2dot = y[10];
+    const double beam_alpha3dot = y[11];
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
         + (24.0 / 5.0) * beam_alpha3dot;
 
@@ -1834,16 +1853,27 @@ int spun_up_cantilever_jacobian_ggl(
     jac[1] = 1.0;
     jac[2] = cj;
     jac[3] = 1.0;
+    const double mu_clamp_2 = y[16];
+    const double mu_clamp_1 = y[15];
     jac[4] = cj - (mu_clamp_2 * beam_root_s_2 + mu_clamp_1 * beam_root_s_1);
+    const double beam_phidot = y[8];
     const double t9 = 2.0 * beam_phidot;
+    const double beam_phiddot = ydot[8];
     const double t10 = beam_d1_2 * beam_phiddot + t9 * beam_d1dot_2;
     const double t11 = beam_phidot * beam_phidot;
     const double t12 = t11 * beam_d1_2;
+    const double beam_alpha1ddot = ydot[9];
     const double t13 = 4.0 * beam_alpha1ddot;
+    const double beam_alpha2ddot = ydot[10];
     const double t14 = 6.0 * beam_alpha2ddot;
+    const double beam_alpha3ddot = ydot[11];
     const double t15 = (24.0 / 5.0) * beam_alpha3ddot;
     jac[5] = t10 * beam_sin_phi + (t12 - t13 - t14 - t15) * beam_cos_phi;
     jac[6] = -((t13 + t14 + t15 - t12) * beam_sin_phi) - t10 * beam_cos_phi;
+    const double beam_c1ddot = ydot[6];
+    const double beam_c2ddot = ydot[7];
+    const double lambda_clamp_2 = y[13];
+    const double lambda_clamp_1 = y[12];
     jac[7] = beam_c1ddot * beam_d1_2 * beam_sin_phi - beam_c2ddot * beam_d1_2 * beam_cos_phi
         + (lambda_clamp_2 * beam_root_s_2 + lambda_clamp_1 * beam_root_s_1);
     const double t16 = 4.0 * beam_c2ddot;
@@ -1979,6 +2009,7 @@ int spun_up_cantilever_jacobian_ggl(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_residual_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1986,31 +2017,6 @@ int spun_up_cantilever_residual_index1(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-    const double beam_phi = y[2];
-    const double beam_alpha1 = y[3];
-    const double beam_alpha2 = y[4];
-    const double beam_alpha3 = y[5];
-    const double beam_c1dot = y[6];
-    const double beam_c2dot = y[7];
-    const double beam_phidot = y[8];
-    const double beam_alpha1dot = y[9];
-    const double beam_alpha2dot = y[10];
-    const double beam_alpha3dot = y[11];
-    const double lambda_clamp_1 = y[12];
-    const double lambda_clamp_2 = y[13];
-    const double lambda_clamp_turn = y[14];
-    const double beam_c1_t = ydot[0];
-    const double beam_c2_t = ydot[1];
-    const double beam_phi_t = ydot[2];
-    const double beam_alpha1_t = ydot[3];
-    const double beam_alpha2_t = ydot[4];
-    const double beam_alpha3_t = ydot[5];
-    const double beam_c1ddot = ydot[6];
-    const double beam_c2ddot = ydot[7];
-    const double beam_phiddot = ydot[8];
-    const double beam_alpha1ddot = ydot[9];
-    const double beam_alpha2ddot = ydot[10];
-    const double beam_alpha3ddot = ydot[11];
     (void) k;
 
     /* hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub */
@@ -2021,13 +2027,20 @@ int spun_up_cantilever_residual_index1(
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = y[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = y[3];
+    const double beam_alpha2 = y[4];
+    const double beam_alpha3 = y[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
+    const double beam_alpha1dot = y[9];
+    const double beam_alpha2dot = y[10];
+    const double beam_alpha3dot = y[11];
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
         + (24.0 / 5.0) * beam_alpha3dot;
 
@@ -2052,23 +2065,41 @@ int spun_up_cantilever_residual_index1(
     const double beam_root_s_2 = (-5.0) * beam_sin_phi;
 
     /* residual (15): kinematics, equations of motion, constraints */
+    const double beam_c1_t = ydot[0];
+    const double beam_c1dot = y[6];
     F[0] = beam_c1_t - beam_c1dot;
+    const double beam_c2_t = ydot[1];
+    const double beam_c2dot = y[7];
     F[1] = beam_c2_t - beam_c2dot;
+    const double beam_phi_t = ydot[2];
+    const double beam_phidot = y[8];
     F[2] = beam_phi_t - beam_phidot;
+    const double beam_alpha1_t = ydot[3];
     F[3] = beam_alpha1_t - beam_alpha1dot;
+    const double beam_alpha2_t = ydot[4];
     F[4] = beam_alpha2_t - beam_alpha2dot;
+    const double beam_alpha3_t = ydot[5];
     F[5] = beam_alpha3_t - beam_alpha3dot;
     const double t1 = 2.0 * beam_phidot;
+    const double beam_phiddot = ydot[8];
     const double t2 = beam_d1_2 * beam_phiddot + t1 * beam_d1dot_2;
     const double t3 = beam_phidot * beam_phidot;
     const double t4 = t3 * beam_d1_2;
+    const double beam_alpha1ddot = ydot[9];
     const double t5 = 4.0 * beam_alpha1ddot;
+    const double beam_alpha2ddot = ydot[10];
     const double t6 = 6.0 * beam_alpha2ddot;
+    const double beam_alpha3ddot = ydot[11];
     const double t7 = (24.0 / 5.0) * beam_alpha3ddot;
+    const double beam_c1ddot = ydot[6];
+    const double lambda_clamp_1 = y[12];
     F[6] = 12.0 * beam_c1ddot - t2 * beam_cos_phi + (t4 - t5 - t6 - t7) * beam_sin_phi
         - lambda_clamp_1;
+    const double beam_c2ddot = ydot[7];
+    const double lambda_clamp_2 = y[13];
     F[7] = 12.0 * beam_c2ddot + (t5 + t6 + t7 - t4) * beam_cos_phi - t2 * beam_sin_phi
         - lambda_clamp_2;
+    const double lambda_clamp_turn = y[14];
     F[8] = t1 * beam_D2dot + beam_J * beam_phiddot + 10.0 * beam_alpha1ddot + 12.0 * beam_alpha2ddot
         + 10.0 * beam_alpha3ddot - beam_c1ddot * beam_d1_2 * beam_cos_phi
         - beam_c2ddot * beam_d1_2 * beam_sin_phi - (beam_root_s_1 * lambda_clamp_2
@@ -2076,21 +2107,22 @@ int spun_up_cantilever_residual_index1(
     const double t8 = 56.0 * beam_alpha1;
     const double t9 = 10.0 * beam_phiddot;
     F[9] = t8 + 56.0 * beam_alpha3 + (12.0 / 5.0) * beam_alpha1ddot + (16.0 / 5.0) * beam_alpha2ddot
-        + (92.0 / 35.0) * beam_alpha3ddot + t9 + 4.0 * beam_c2ddot * beam_cos_phi - t3 * beam_D2_1
-        - 4.0 * beam_c1ddot * beam_sin_phi;
+        + (92.0 / 35.0) * beam_alpha3ddot + (t9 + 4.0 * beam_c2ddot * beam_cos_phi - t3 * beam_D2_1
+        - 4.0 * beam_c1ddot * beam_sin_phi);
     F[10] = 168.0 * beam_alpha2 + (16.0 / 5.0) * beam_alpha1ddot + (156.0 / 35.0) * beam_alpha2ddot
         + (18.0 / 5.0) * beam_alpha3ddot + 12.0 * beam_phiddot + 6.0 * beam_c2ddot * beam_cos_phi
         - t3 * beam_D2_2 - 6.0 * beam_c1ddot * beam_sin_phi;
     F[11] = t8 + (504.0 / 5.0) * beam_alpha3 + (92.0 / 35.0) * beam_alpha1ddot
-        + (18.0 / 5.0) * beam_alpha2ddot + (44.0 / 15.0) * beam_alpha3ddot + t9
+        + (18.0 / 5.0) * beam_alpha2ddot + (44.0 / 15.0) * beam_alpha3ddot + (t9
         + (24.0 / 5.0) * beam_c2ddot * beam_cos_phi - t3 * beam_D2_3
-        - (24.0 / 5.0) * beam_c1ddot * beam_sin_phi;
+        - (24.0 / 5.0) * beam_c1ddot * beam_sin_phi);
     F[12] = beam_c1ddot - t3 * beam_root_s_1 - beam_root_s_2 * beam_phiddot;
     F[13] = beam_c2ddot - t3 * beam_root_s_2 + beam_root_s_1 * beam_phiddot;
     F[14] = beam_phiddot - hub_phiddot;
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_jacobian_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2100,35 +2132,26 @@ int spun_up_cantilever_jacobian_index1(
     double *jac)
 {
     (void) t;
-    const double beam_phi = y[2];
-    const double beam_alpha1 = y[3];
-    const double beam_alpha2 = y[4];
-    const double beam_alpha3 = y[5];
-    const double beam_phidot = y[8];
-    const double beam_alpha1dot = y[9];
-    const double beam_alpha2dot = y[10];
-    const double beam_alpha3dot = y[11];
-    const double lambda_clamp_1 = y[12];
-    const double lambda_clamp_2 = y[13];
-    const double beam_c1ddot = ydot[6];
-    const double beam_c2ddot = ydot[7];
-    const double beam_phiddot = ydot[8];
-    const double beam_alpha1ddot = ydot[9];
-    const double beam_alpha2ddot = ydot[10];
-    const double beam_alpha3ddot = ydot[11];
     (void) k;
 
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
      */
+    const double beam_phi = y[2];
     const double beam_cos_phi = tisserand_cos(beam_phi);
     const double beam_sin_phi = tisserand_sin(beam_phi);
 
     /* beam d1 (appendix): beam_d1_2 = int rho r . e2 */
+    const double beam_alpha1 = y[3];
+    const double beam_alpha2 = y[4];
+    const double beam_alpha3 = y[5];
     const double beam_d1_2 = 4.0 * beam_alpha1 + 6.0 * beam_alpha2 + (24.0 / 5.0) * beam_alpha3;
 
     /* beam d1dot (appendix): beam_d1dot_2 = int rho rdot . e2 */
+    const double beam_alpha1dot = y[9];
+    const double beam_alpha2dot = y[10];
+    const double beam_alpha3dot = y[11];
     const double beam_d1dot_2 = 4.0 * beam_alpha1dot + 6.0 * beam_alpha2dot
         + (24.0 / 5.0) * beam_alpha3dot;
 
@@ -2161,15 +2184,24 @@ int spun_up_cantilever_jacobian_index1(
     jac[0] = cj;
     jac[1] = cj;
     jac[2] = cj;
+    const double beam_phidot = y[8];
     const double t9 = 2.0 * beam_phidot;
+    const double beam_phiddot = ydot[8];
     const double t10 = beam_d1_2 * beam_phiddot + t9 * beam_d1dot_2;
     const double t11 = beam_phidot * beam_phidot;
     const double t12 = t11 * beam_d1_2;
+    const double beam_alpha1ddot = ydot[9];
     const double t13 = 4.0 * beam_alpha1ddot;
+    const double beam_alpha2ddot = ydot[10];
     const double t14 = 6.0 * beam_alpha2ddot;
+    const double beam_alpha3ddot = ydot[11];
     const double t15 = (24.0 / 5.0) * beam_alpha3ddot;
     jac[3] = t10 * beam_sin_phi + (t12 - t13 - t14 - t15) * beam_cos_phi;
     jac[4] = -((t13 + t14 + t15 - t12) * beam_sin_phi) - t10 * beam_cos_phi;
+    const double beam_c1ddot = ydot[6];
+    const double beam_c2ddot = ydot[7];
+    const double lambda_clamp_2 = y[13];
+    const double lambda_clamp_1 = y[12];
     jac[5] = beam_c1ddot * beam_d1_2 * beam_sin_phi - beam_c2ddot * beam_d1_2 * beam_cos_phi
         + (lambda_clamp_2 * beam_root_s_2 + lambda_clamp_1 * beam_root_s_1);
     const double t16 = 4.0 * beam_c2ddot;
@@ -2946,13 +2978,13 @@ TISSERAND_INLINE void spun_up_cantilever_energy_states(
             + (12.0 / 5.0) * (beam_alpha1dot * beam_alpha1dot)
             + (156.0 / 35.0) * (beam_alpha2dot * beam_alpha2dot)
             + (44.0 / 15.0) * (beam_alpha3dot * beam_alpha3dot) + 12.0 * (beam_c1dot * beam_c1dot)
-            + 12.0 * (beam_c2dot * beam_c2dot) + (2.0 * beam_c2dot * beam_d1dot_2
+            + 12.0 * (beam_c2dot * beam_c2dot) + ((2.0 * beam_c2dot * beam_d1dot_2
             - 2.0 * (beam_c1dot * beam_phidot) * beam_d1_2) * beam_cos_phi[b]
             + 2.0 * beam_phidot * beam_d3dot - (2.0 * beam_c1dot * beam_d1dot_2
             + 2.0 * (beam_c2dot * beam_phidot) * beam_d1_2) * beam_sin_phi[b]
             + (16.0 / 5.0) * (2.0 * (beam_alpha1dot * beam_alpha2dot))
             + (92.0 / 35.0) * (2.0 * (beam_alpha1dot * beam_alpha3dot))
-            + (18.0 / 5.0) * (2.0 * (beam_alpha2dot * beam_alpha3dot)));
+            + (18.0 / 5.0) * (2.0 * (beam_alpha2dot * beam_alpha3dot))));
         energy[all + b] = 0.5 * (56.0 * beam_alpha1 * beam_alpha1 + 168.0 * beam_alpha2 * beam_alpha2
             + (504.0 / 5.0) * beam_alpha3 * beam_alpha3 + 112.0 * beam_alpha1 * beam_alpha3);
     }

@@ -239,8 +239,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPUN_UP_CANTILEVER_HASH "f710e2fdfbcf6dae"
-#define SPUN_UP_CANTILEVER_HASH_f710e2fdfbcf6dae
+#define SPUN_UP_CANTILEVER_HASH "16756756dc16ec99"
+#define SPUN_UP_CANTILEVER_HASH_16756756dc16ec99
 
 /* ---- sizes and indices ---- */
 
@@ -280,7 +280,7 @@ enum {
 
 /* ---- functions return 0 for success. setup, accel, solve and project_velocity return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
-   accel reports a NaN in its mass matrix as a vanished pivot.
+   accel reports a NaN in its mass matrix as a vanished pivot, if it checks the pivots, else as a value that is not finite.
    Arrays that are written must not overlap each other or arrays that are read.
    A source file that is compiled with TISSERAND_WITHOUT_BATCHES has no batches, and with
    TISSERAND_WITHOUT_REDUCED_FORMS no residuals and Jacobians of lower index than 3; its descriptor has none either. ---- */

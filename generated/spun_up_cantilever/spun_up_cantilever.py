@@ -100,7 +100,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spun_up_cantilever"
-HASH = "f710e2fdfbcf6dae"
+HASH = "16756756dc16ec99"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2", "beam_alpha3")
 VELOCITIES = (
     "beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot",
@@ -739,13 +739,13 @@ def energy(q, v, k):
         0.5 * (beam_phidot * beam_phidot * beam_J + (12 / 5) * (beam_alpha1dot * beam_alpha1dot)
             + (156 / 35) * (beam_alpha2dot * beam_alpha2dot)
             + (44 / 15) * (beam_alpha3dot * beam_alpha3dot) + 12 * (beam_c1dot * beam_c1dot)
-            + 12 * (beam_c2dot * beam_c2dot) + (2 * beam_c2dot * beam_d1dot_2
+            + 12 * (beam_c2dot * beam_c2dot) + ((2 * beam_c2dot * beam_d1dot_2
             - 2 * (beam_c1dot * beam_phidot) * beam_d1_2) * beam_cos_phi
             + 2 * beam_phidot * beam_d3dot - (2 * beam_c1dot * beam_d1dot_2
             + 2 * (beam_c2dot * beam_phidot) * beam_d1_2) * beam_sin_phi
             + (16 / 5) * (2 * (beam_alpha1dot * beam_alpha2dot))
             + (92 / 35) * (2 * (beam_alpha1dot * beam_alpha3dot))
-            + (18 / 5) * (2 * (beam_alpha2dot * beam_alpha3dot)))
+            + (18 / 5) * (2 * (beam_alpha2dot * beam_alpha3dot))))
     )
     energy_1 = (
         0.5 * (56 * beam_alpha1 * beam_alpha1 + 168 * beam_alpha2 * beam_alpha2
@@ -1738,8 +1738,8 @@ def residual(t, y, ydot, k):
     t9 = 10 * beam_phiddot
     F_9 = (
         t8 + 56 * beam_alpha3 + (12 / 5) * beam_alpha1ddot + (16 / 5) * beam_alpha2ddot
-            + (92 / 35) * beam_alpha3ddot + t9 + 4 * beam_c2ddot * beam_cos_phi - t3 * beam_D2_1
-            - 4 * beam_c1ddot * beam_sin_phi
+            + (92 / 35) * beam_alpha3ddot + (t9 + 4 * beam_c2ddot * beam_cos_phi - t3 * beam_D2_1
+            - 4 * beam_c1ddot * beam_sin_phi)
     )
     F_10 = (
         168 * beam_alpha2 + (16 / 5) * beam_alpha1ddot + (156 / 35) * beam_alpha2ddot
@@ -1748,8 +1748,8 @@ def residual(t, y, ydot, k):
     )
     F_11 = (
         t8 + (504 / 5) * beam_alpha3 + (92 / 35) * beam_alpha1ddot + (18 / 5) * beam_alpha2ddot
-            + (44 / 15) * beam_alpha3ddot + t9 + (24 / 5) * beam_c2ddot * beam_cos_phi
-            - t3 * beam_D2_3 - (24 / 5) * beam_c1ddot * beam_sin_phi
+            + (44 / 15) * beam_alpha3ddot + (t9 + (24 / 5) * beam_c2ddot * beam_cos_phi
+            - t3 * beam_D2_3 - (24 / 5) * beam_c1ddot * beam_sin_phi)
     )
     F_12 = beam_c1 + beam_root_s_1
     F_13 = beam_c2 + beam_root_s_2
@@ -2097,8 +2097,8 @@ def residual_ggl(t, y, ydot, k):
     t10 = 10 * beam_phiddot
     F_9 = (
         t9 + 56 * beam_alpha3 + (12 / 5) * beam_alpha1ddot + (16 / 5) * beam_alpha2ddot
-            + (92 / 35) * beam_alpha3ddot + t10 + 4 * beam_c2ddot * beam_cos_phi - t4 * beam_D2_1
-            - 4 * beam_c1ddot * beam_sin_phi
+            + (92 / 35) * beam_alpha3ddot + (t10 + 4 * beam_c2ddot * beam_cos_phi - t4 * beam_D2_1
+            - 4 * beam_c1ddot * beam_sin_phi)
     )
     F_10 = (
         168 * beam_alpha2 + (16 / 5) * beam_alpha1ddot + (156 / 35) * beam_alpha2ddot
@@ -2107,8 +2107,8 @@ def residual_ggl(t, y, ydot, k):
     )
     F_11 = (
         t9 + (504 / 5) * beam_alpha3 + (92 / 35) * beam_alpha1ddot + (18 / 5) * beam_alpha2ddot
-            + (44 / 15) * beam_alpha3ddot + t10 + (24 / 5) * beam_c2ddot * beam_cos_phi
-            - t4 * beam_D2_3 - (24 / 5) * beam_c1ddot * beam_sin_phi
+            + (44 / 15) * beam_alpha3ddot + (t10 + (24 / 5) * beam_c2ddot * beam_cos_phi
+            - t4 * beam_D2_3 - (24 / 5) * beam_c1ddot * beam_sin_phi)
     )
     F_12 = beam_c1dot - beam_phidot * beam_root_s_2
     F_13 = beam_c2dot + beam_phidot * beam_root_s_1
@@ -2466,8 +2466,8 @@ def residual_index1(t, y, ydot, k):
     t9 = 10 * beam_phiddot
     F_9 = (
         t8 + 56 * beam_alpha3 + (12 / 5) * beam_alpha1ddot + (16 / 5) * beam_alpha2ddot
-            + (92 / 35) * beam_alpha3ddot + t9 + 4 * beam_c2ddot * beam_cos_phi - t3 * beam_D2_1
-            - 4 * beam_c1ddot * beam_sin_phi
+            + (92 / 35) * beam_alpha3ddot + (t9 + 4 * beam_c2ddot * beam_cos_phi - t3 * beam_D2_1
+            - 4 * beam_c1ddot * beam_sin_phi)
     )
     F_10 = (
         168 * beam_alpha2 + (16 / 5) * beam_alpha1ddot + (156 / 35) * beam_alpha2ddot
@@ -2476,8 +2476,8 @@ def residual_index1(t, y, ydot, k):
     )
     F_11 = (
         t8 + (504 / 5) * beam_alpha3 + (92 / 35) * beam_alpha1ddot + (18 / 5) * beam_alpha2ddot
-            + (44 / 15) * beam_alpha3ddot + t9 + (24 / 5) * beam_c2ddot * beam_cos_phi
-            - t3 * beam_D2_3 - (24 / 5) * beam_c1ddot * beam_sin_phi
+            + (44 / 15) * beam_alpha3ddot + (t9 + (24 / 5) * beam_c2ddot * beam_cos_phi
+            - t3 * beam_D2_3 - (24 / 5) * beam_c1ddot * beam_sin_phi)
     )
     F_12 = beam_c1ddot - t3 * beam_root_s_1 - beam_root_s_2 * beam_phiddot
     F_13 = beam_c2ddot - t3 * beam_root_s_2 + beam_root_s_1 * beam_phiddot

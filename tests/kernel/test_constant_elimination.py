@@ -11,7 +11,8 @@ import pytest
 import beams
 import derive
 from conftest import QUICK
-from derive.ir.expressions import Number, Operation, Operator, ScalarRef, walk
+from derive.ir.expressions import Number, Operation, Operator, walk
+from derive.ir.statements import Require, ReturnCode
 from derive.lowering.flat.constant_elimination import reduced_system
 from derive.runtime.native_call import ModelError
 
@@ -77,18 +78,61 @@ def test_centrifugal_forces_on_the_shapes_cancel_exactly() -> None:
 
 
 @pytest.mark.parametrize("frame", beams.FRAMES)
-def test_a_pivot_that_is_positive_in_every_state_is_compared_with_zero_alone(frame: str) -> None:
+def test_of_a_pivot_that_is_positive_in_every_state_setup_checks_the_constant(frame: str) -> None:
     """Its constant part and its quadratic form are positive definite beyond rounding errors."""
-    system = reduced_system(made(frame, 4).equations.expanded())
-    assert system is not None and system.is_definite
-    (required,) = (s for s in made(frame, 4).model.kernel("accel").statements if getattr(s, "code", 0) == 1)
-    assert isinstance(required.expr, ScalarRef)
+    built = made(frame, 4)
+    system = reduced_system(built.equations.expanded())
+    assert system is not None and system.is_definite and system.is_positive
+    checks = [s for s in built.model.kernel("accel").statements if isinstance(s, Require)]
+    assert [s.code for s in checks] == [ReturnCode.NOT_FINITE]
+    texts = [s.text for s in built.model.kernel("setup").statements if isinstance(s, Require)]
+    assert "the pivot of phi vanished" in texts
 
 
-@pytest.mark.parametrize(("part", "code"), [("1/10^3", 0), ("1/10^9", 1)])
-def test_shapes_too_nearly_dependent_return_1(part: str, code: int) -> None:
-    """The pivot of the second is part^2 times its moment; below VANISHING of that, setup says that it vanished."""
-    spec = derive.planar_beam(
+@pytest.mark.parametrize("frame", beams.FRAMES)
+@pytest.mark.parametrize("size", [1.0, 1e5, 1e150])
+def test_without_a_check_of_the_pivot_every_amplitude_has_finite_accelerations_or_a_code(
+    frame: str, size: float
+) -> None:
+    """Amplitudes of any size: what is not finite has a code."""
+    built = made(frame, 4)
+    native = derive.load(built.files, QUICK)
+    k = native.setup()
+    for direction in np.vstack([np.eye(4), -np.eye(4), np.random.default_rng(1).normal(size=(20, 4))]):
+        q, v = np.zeros(7), np.zeros(7)
+        q[3:], v[2] = size * direction, 1.0
+        try:
+            vdot = native.accel(0.0, q, v, k)
+        except ModelError as error:
+            assert error.code == 2 and size > 1e100
+            continue
+        assert np.all(np.isfinite(vdot))
+
+
+@pytest.mark.parametrize("state", ["q", "v"])
+def test_a_nan_in_any_amplitude_or_velocity_returns_2(state: str) -> None:
+    """The sum of the accelerations has all of them, so that the pivot need not be compared."""
+    native = derive.load(made("point", 3).files, QUICK)
+    k = native.setup()
+    for element in range(2, 6):
+        q, v = beams.state(3)
+        (q if state == "q" else v)[element] = np.nan
+        with pytest.raises(ModelError) as caught:
+            native.accel(0.0, q, v, k)
+        assert caught.value.code == 2
+
+
+def test_a_pivot_within_rounding_errors_of_zero_is_checked() -> None:
+    """The form has a pivot of 8e-14 of its diagonal: above VANISHING, but below what rounding its products may take."""
+    built = beams.build(dependent("11/(2*10^7)"))
+    system = reduced_system(built.equations.expanded())
+    assert system is not None and not system.is_positive
+    assert any(s.code == 1 for s in built.model.kernel("accel").statements if isinstance(s, Require))
+
+
+def dependent(part: str) -> derive.PlanarBeam:
+    """A beam with two shapes that differ by `part` of a third one."""
+    return derive.planar_beam(
         "dependent",
         ansatz=["xi^2 - 1/3", f"xi^2 - 1/3 + ({part})*(xi^3 - 3/5*xi)"],
         frame="given",
@@ -96,7 +140,12 @@ def test_shapes_too_nearly_dependent_return_1(part: str, code: int) -> None:
         length=beams.LENGTH,
         bending_stiffness=beams.BENDING,
     )
-    built = beams.build(spec)
+
+
+@pytest.mark.parametrize(("part", "code"), [("1/10^3", 0), ("1/10^9", 1)])
+def test_shapes_too_nearly_dependent_return_1(part: str, code: int) -> None:
+    """The pivot of the second is part^2 times its moment; below VANISHING of that, setup says that it vanished."""
+    built = beams.build(dependent(part))
     native = derive.load(built.files, QUICK)
     assert (reduced_system(built.equations.expanded()) is None) is bool(code)
     if code == 0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import accumulate, groupby
+from itertools import accumulate, chain, groupby
 from typing import assert_never
 
 from derive.artifacts import MARK, File
@@ -16,6 +16,7 @@ from derive.backends.c.loops import CLoops
 from derive.backends.c.matrix_loops import diagonal, stored_in_blocks, stores_in_block
 from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
 from derive.backends.c.packed import entries, packed_functions
+from derive.backends.c.scalar import SCALAR_MACRO, before
 from derive.backends.c.signatures import parameters, signature
 from derive.backends.c.splines import spline_lines
 from derive.backends.description import (
@@ -30,7 +31,7 @@ from derive.backends.description import (
 from derive.backends.expression_text import C, text
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
 from derive.backends.wrapping import comment, join, prefixed, statement
-from derive.ir.analysis import expressions
+from derive.ir.analysis import expressions, reads
 from derive.ir.expressions import Operation, Operator, walk
 from derive.ir.model import Kernel, Model, Section, Variable
 from derive.ir.statements import (
@@ -72,6 +73,7 @@ class CBackend:
         for part, kernels in groupby(model.kernels, lambda kernel: optional_part(kernel.name)):
             builder.text(f"#ifndef {part.value}\n\n" if part else "")
             for kernel in kernels:
+                builder.text(before(kernel))
                 builder.function(kernel, _function(model, kernel))
                 builder.text("\n")
             builder.text("#endif\n\n" if part else "")
@@ -154,27 +156,36 @@ def _helpers(model: Model) -> str:
     """What the functions of a model call."""
     every = [s for kernel in model.kernels for s in kernel.statements]
     lanes = any(isinstance(s, Accumulate | MatVec | MatrixStore) for s in every)
-    lines = [LANES_MACRO] if lanes else []
+    lines = [SCALAR_MACRO, *([LANES_MACRO] if lanes else [])]
     lines += [STATES_MACRO, *([render("c/sine.c.jinja", {})] if any(map(_has_sine, every)) else [])]
     return "\n".join([*lines, *spline_lines(model)])
 
 
 def _function(model: Model, kernel: Kernel) -> list[SourceLine]:
-    """The function of a kernel."""
-    lines = plain(*_signature_of(model, kernel), "{", *_loads(kernel))
-    loops = CLoops()
+    """The function of a kernel. Elements of arguments are loaded where they are needed first.
+
+    Compilers keep values in the order of the text: what is loaded before a call, such as that of a sine far from 0, or
+    long before its use, goes to the stack in between.
+    """
+    lines = plain(*_signature_of(model, kernel), "{", *_arguments(kernel))
+    loops, loads = CLoops(), _element_loads(kernel)
     for k, section in enumerate(kernel.sections):
         lines += plain("", *comment([section_text(section)], "    "))
-        lines += _section(section, k, loops)
+        lines += _section(section, k, loops, loads)
     return [*lines, *plain("    return 0;", "}")]
 
 
-def _section(section: Section, number: int, loops: CLoops) -> list[SourceLine]:
-    """The lines of a section; matrices that are stored block by block are within the products before them."""
+def _section(section: Section, number: int, loops: CLoops, loads: dict[str, str]) -> list[SourceLine]:
+    """The lines of a section; matrices that are stored block by block are within the products before them.
+
+    loads: the lines that load elements; those that the section needs are taken out.
+    """
     lines: list[SourceLine] = []
     blocks = stored_in_blocks(section.body)
     within = {m for stores in blocks.values() for m in stores}
     for n, item in enumerate(section.body):
+        needed = chain(reads(item), *(reads(section.body[m]) for m in blocks.get(n, {})))
+        lines += plain(*(loads.pop(name) for name in dict.fromkeys(needed) if name in loads))
         match item:
             case Let() | Store() | Require():
                 printed = _statement(item)
@@ -196,14 +207,22 @@ def _signature_of(model: Model, kernel: Kernel) -> list[str]:
     return signature(f"int {model.name}_{kernel.name}", parameters(kernel))
 
 
-def _loads(kernel: Kernel) -> list[str]:
-    """Name the elements and arrays that are read; mark the arguments that are not."""
+def _element_loads(kernel: Kernel) -> dict[str, str]:
+    """The lines that name the elements of arguments, by these names."""
+    return {
+        name: f"    const double {name} = {argument.name}[{index}];"
+        for argument in kernel.arguments
+        for index, name in argument.named_elements
+    }
+
+
+def _arguments(kernel: Kernel) -> list[str]:
+    """Name the arrays that are read; mark the arguments that are not."""
     lines = []
     used = kernel.used | {s.argument for s in kernel.statements if isinstance(s, RequireFinite)}
     for argument in kernel.arguments:
-        read = [(k, n) for k, n in argument.named_elements if n in used]
+        read = any(name in used for name in argument.elements)
         arrays = [view for view in argument.arrays if view.name in used]
-        lines += [f"    const double {name} = {argument.name}[{k}];" for k, name in read]
         lines += [
             f"    const double *{v.name} = {argument.name}{f' + {v.offset}' if v.offset else ''};" for v in arrays
         ]

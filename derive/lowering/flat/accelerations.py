@@ -63,7 +63,9 @@ def _reduced(context: Context, function: ModelFunction, system: ReducedSystem) -
     names, row = _names(context), context.rows[system.row]
     pivot = code(system.pivot, Label(f"inertia_{row}", f"inertia of {row} that elimination leaves"))
     moment = code(system.right, Label(f"force_{row}", f"force of {row} that elimination leaves"))
-    together = (total for totals in zip_longest(*code.running) for total in totals if total is not None)
+    together = (
+        total for totals in zip_longest(*code.running) for total in totals if total is not None and total is not pivot
+    )
     sums = tuple(NamedValue(f"sum_{n}", total) for n, total in enumerate(together, 1))
     x = {system.row: moment / pivot}
     for i, free in system.free.items():
@@ -72,12 +74,16 @@ def _reduced(context: Context, function: ModelFunction, system: ReducedSystem) -
             x[i] = x[i] - code(system.coupling[i], _coupling(names[i], row)) * x[system.row]
     taken = None if system.is_definite else _eliminated_inertia(system, code, names)
     above = pivot if taken is None else pivot - symbols.number(VANISHING) * taken
-    required = [RequiredValue(Requirement.POSITIVE, above, ReturnCode.PIVOT, f"the pivot of {row} vanished")]
-    for block in system.blocks:
-        first = context.rows[block.rows[0]]
-        _, unit = coefficients(block.unit, Label(f"inertia_{first}", f"inertia of {first}"))
-        text = f"the pivot of {first} vanished"
-        required.append(RequiredValue(Requirement.POSITIVE, unit, ReturnCode.PIVOT, text))
+    units = {context.rows[block.rows[0]]: block.unit for block in system.blocks}
+    if system.is_positive:
+        units[row] = system.pivot.coeff(1)
+    pivots = {} if system.is_positive else {row: above}
+    for first, unit in units.items():
+        _, pivots[first] = coefficients(unit, Label(f"inertia_{first}", f"inertia of {first}"))
+    required = [
+        RequiredValue(Requirement.POSITIVE, value, ReturnCode.PIVOT, f"the pivot of {name} vanished")
+        for name, value in pivots.items()
+    ]
     order = ", ".join([*(names[i] for block in system.blocks for i in block.rows), row])
     vdot = _in_inertial_frame(context, symbols, x)
     rotation = tuple(d for d in context.equations.definitions if d.symbol in rotation_symbols([d]))
@@ -94,7 +100,7 @@ def _reduced(context: Context, function: ModelFunction, system: ReducedSystem) -
             (*sums, NamedValue(f"pivot_{row}", pivot)),
         ),
         Step("solution", Source.FACTORISATION, "back substitution; x in the inertial frame", stores("vdot", vdot)),
-        _check(vdot, required),
+        _check(vdot, required, "" if system.is_positive else "the pivot and "),
         method=", by elimination of the constant rows of M in the body frame, fixed at generation time.",
     )
 
@@ -147,7 +153,7 @@ def _eliminated_inertia(system: ReducedSystem, code: PolynomialCode, names: list
     return balanced(terms) if terms else None
 
 
-def _check(values: list[ca.SX], required: Iterable[RequiredValue] = ()) -> Step:
+def _check(values: list[ca.SX], required: Iterable[RequiredValue] = (), before: str = "") -> Step:
     """The step that checks the pivots and the result, the latter by a sum: it is not finite if one of its terms is not.
 
     The checks come last because a branch before the call for the sine would put what it tests on the stack.
@@ -159,7 +165,7 @@ def _check(values: list[ca.SX], required: Iterable[RequiredValue] = ()) -> Step:
     return Step(
         "check",
         "",
-        "check the pivot and that the result is finite" if required else "check that the result is finite",
+        f"check {before}that the result is finite",
         (*required, finite),
     )
 

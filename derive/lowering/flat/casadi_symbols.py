@@ -6,7 +6,7 @@ integer becomes a CasADi symbol; `Symbols.leaves` maps these symbols to the leav
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import partial, reduce
 
@@ -14,6 +14,7 @@ import casadi as ca
 import sympy as sp
 
 from derive.ir.expressions import Expr, Leaf, Number, Operation, Operator, ScalarRef, TableValue
+from derive.lowering.flat.shared_sums import SharedSums
 from derive.mechanics.time_functions import (
     Absolute,
     Atan2,
@@ -36,17 +37,27 @@ added, subtracted, multiplied, divided = (
 The operators of Python do the same and take eight times as long, since they look for NumPy arrays first.
 """
 
+CHAIN = 8
+"""The largest number of terms that are added one after the other."""
+
 
 class Symbols:
     """The CasADi values of SymPy symbols, and the kernel leaves of CasADi symbols.
 
     early, late: the symbols that come first and last in products, so that products share sub-expressions: velocities,
     whose products occur in many terms, are early; the rotation, in which the rows of a vector differ, is late.
-    model: the name of the model, with which the functions of its tables begin.
+    model: the name of the model, with which the functions of its tables begin. sums: what sums share.
     """
 
-    def __init__(self, early: frozenset[sp.Symbol], late: frozenset[sp.Symbol], model: str = "") -> None:
+    def __init__(
+        self,
+        early: frozenset[sp.Symbol],
+        late: frozenset[sp.Symbol],
+        model: str = "",
+        sums: SharedSums | None = None,
+    ) -> None:
         self.early, self.late, self.model = early, late, model
+        self.sums = sums or SharedSums()
         self.values: dict[sp.Symbol, ca.SX] = {}
         self.inputs: list[ca.SX] = []
         self.leaves: list[Leaf] = []
@@ -55,7 +66,7 @@ class Symbols:
 
     def copy(self) -> Symbols:
         """The same symbols and values, to which others can be added."""
-        result = Symbols(self.early, self.late, self.model)
+        result = Symbols(self.early, self.late, self.model, self.sums)
         result.values, result.inputs, result.leaves = dict(self.values), [*self.inputs], [*self.leaves]
         result._numbers, result._converted = dict(self._numbers), dict(self._converted)
         return result
@@ -124,19 +135,38 @@ class Symbols:
         return self._leaf(TableValue(table_name(self.model, str(table)), int(order), _argument(argument)))
 
     def _sum(self, expr: sp.Expr) -> ca.SX:
-        """A sum in a fixed order, collected by the factors in `late`, with a positive term first if there is one."""
-        terms = [_signed(term) for term in self._collected(expr)]
-        terms.sort(key=lambda signed: (signed[0] < 0, sp.default_sort_key(signed[1])))
-        total = self(terms[0][1] if terms[0][0] > 0 else -terms[0][1])
-        for sign, term in terms[1:]:
-            total = (added if sign > 0 else subtracted)(total, self(term))
-        return total
+        """A sum in a fixed order, with a positive term first if there is one.
 
-    def _collected(self, expr: sp.Expr) -> list[sp.Expr]:
+        A long sum is made of several, whose additions do not wait for each other.
+        """
+        varying, constant = self.sums.divided(expr)
+        if constant:
+            return reduce(added, map(self, constant), self(varying))
+        if not varying.is_Add:
+            return self(varying)
+        terms = [_signed(term) for term in self._collected(self.sums.collected(varying))]
+        terms.sort(key=lambda signed: (signed[0] < 0, sp.default_sort_key(signed[1])))
+        sign, total = self._total(terms)
+        return total if sign > 0 else -total
+
+    def _total(self, terms: list[tuple[int, sp.Expr]]) -> tuple[int, ca.SX]:
+        """The sign and the value of a sum of terms with their signs, of which positive ones come first."""
+        if len(terms) > CHAIN:
+            half = (len(terms) + 1) // 2
+            (sign, first), (other, second) = self._total(terms[:half]), self._total(terms[half:])
+            return sign, (added if sign == other else subtracted)(first, second)
+        sign = terms[0][0]
+        total = self(terms[0][1])
+        for other, term in terms[1:]:
+            total = (added if other == sign else subtracted)(total, self(term))
+        return sign, total
+
+    def _collected(self, terms: Sequence[sp.Expr]) -> list[sp.Expr]:
         """The terms of a sum, with a cos + b cos as (a + b) cos, so that the rows of a rotated vector share a + b."""
-        remaining = list(expr.args)
+        remaining = list(terms)
         collected = []
-        for symbol in sorted(self.late & expr.free_symbols, key=sp.default_sort_key):
+        symbols = {symbol for term in terms for symbol in term.free_symbols}
+        for symbol in sorted(self.late & symbols, key=sp.default_sort_key):
             group = [t for t in remaining if t.as_powers_dict().get(symbol) == 1]
             if len(group) > 1:
                 remaining = [t for t in remaining if t not in group]

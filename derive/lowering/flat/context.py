@@ -19,6 +19,7 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph, representable
 from derive.lowering.flat.schedule import NamedValue, OutputValue, RequiredValue, Step, StepItem, schedule
 from derive.lowering.flat.setup_constants import Constants
+from derive.lowering.flat.shared_sums import SharedSums
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import local, state_rate, t
@@ -58,6 +59,7 @@ class Context:
         symbolic = (str(c.symbol) for c in self.coefficients if not c.value.is_Rational)
         self.constants = Constants(frozenset(symbolic))
         self.names = tuple(str(c.q) for c in equations.coordinates)
+        self.sums = SharedSums(equations.definitions, self.coefficients)
         self.rows = tuple(row.name for row in equations.rows)
         self.rates = tuple(str(row.v) for row in equations.rows)
         self.accelerations = tuple(str(row.a) for row in equations.rows)
@@ -95,7 +97,10 @@ class Context:
     def _new_symbols(self, inputs: tuple[sp.Symbol, ...]) -> Symbols:
         eq = self.equations
         symbols = Symbols(
-            early=frozenset(row.v for row in eq.rows), late=rotation_symbols(eq.definitions), model=eq.name
+            early=frozenset(row.v for row in eq.rows),
+            late=rotation_symbols(eq.definitions),
+            model=eq.name,
+            sums=self.sums,
         )
         for c in self.coefficients:
             value = c.value

@@ -77,9 +77,10 @@ class PolynomialCode:
         for (velocities, degree), form in parts.items():
             inner = label.per(*self._named(velocities))
             if degree == 0:
-                constant[velocities] = form.LC
+                constant |= {} if (velocities, 2) in parts else {velocities: form.LC}
             elif degree == 2:
-                result.append((1, self._times(velocities, self._quadratic(form, inner))))
+                first = [self.leaf(parts[velocities, 0].LC, inner)] if (velocities, 0) in parts else []
+                result.append((1, self._times(velocities, self._quadratic(form, inner, first))))
             elif len(linear) == 1 or self._is_known(form):
                 ratio, value = self._linear(form, inner)
                 shared.setdefault(abs(ratio), {})[velocities] = (1 if ratio > 0 else -1, value)
@@ -103,15 +104,18 @@ class PolynomialCode:
             result[key] = result.get(key, self.ring.zero) + self.ring({inner: coefficient})
         return result
 
-    def _quadratic(self, form: Polynomial, label: Label) -> ca.SX:
-        """A quadratic form as the sum of each amplitude times half of the derivative with respect to it."""
-        terms: list[Signed] = []
+    def _quadratic(self, form: Polynomial, label: Label, first: list[Signed]) -> ca.SX:
+        """A quadratic form as the sum of each amplitude times half of the derivative with respect to it.
+
+        `first` are values that are added to it: the sum begins with them, so that its products can be fused with it.
+        """
+        terms = [*first]
         for k in sorted(self.amplitudes):
             half = form.diff(self.ring.gens[k]) / 2
             if half:
                 ratio, value = self._linear(half, label.per(self.names[k]))
                 terms.append((1 if ratio > 0 else -1, self._scaled(abs(ratio), self.values[k]) * value))
-        sign, total = self._running(terms)
+        sign, total = self._running(terms, len(first))
         return total if sign > 0 else -total
 
     def _is_known(self, form: Polynomial) -> bool:
@@ -166,12 +170,15 @@ class PolynomialCode:
         if not any(common) and ratio == 1:
             return terms
         sign, total = self._running(terms)
-        return [(sign, _times(self._scaled(ratio, self._times(common, ca.SX(1))), total))]
+        factor = self._times(common, ca.SX(1))
+        if ratio == 2 and sign < 0:
+            return [(1, _times(-2 * factor, total))]  # no operation for the sign
+        return [(sign, _times(self._scaled(ratio, factor), total))]
 
-    def _running(self, terms: list[Signed]) -> Signed:
-        """A sum whose partial totals are kept."""
+    def _running(self, terms: list[Signed], before: int = 0) -> Signed:
+        """A sum whose partial totals are kept, those that have two terms beside the number `before` of first ones."""
         sign, totals = _totals(terms)
-        self.running.append(totals[1:])
+        self.running.append(totals[before + 1 :])
         return sign, totals[-1]
 
     def _scaled(self, ratio: Fraction, value: ca.SX) -> ca.SX:
