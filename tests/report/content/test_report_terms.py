@@ -93,7 +93,7 @@ def test_a_term_leads_to_the_line_that_stores_it_and_back(name: str) -> None:
             for link in stores:
                 line = shown[link.to.removeprefix("#")]
                 assert Hyperlink(f"{term.name} {notation(built.equations).delta(term.row)}", own) in line.links
-                stored = re.match(r"\s*(h|M)\[(\d+)", line.text)
+                stored = re.search(r"\b(h|M)(?:\[| \+ )(\d+)", line.text)
                 assert stored
                 if stored[1] == "h":
                     assert int(stored[2]) == index[term.row]
