@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_a4a527db715e7429
+#ifndef BLOCK_HASH_fa98447ecdee72d7
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -3105,6 +3105,7 @@ TISSERAND_APART int block_mass_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -3354,6 +3355,7 @@ TISSERAND_APART int block_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_force_batch(
     int n,
     double t,
@@ -3666,6 +3668,7 @@ TISSERAND_APART int block_mass_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_mass_force_batch(
     int n,
     double t,
@@ -4024,6 +4027,7 @@ TISSERAND_APART int block_accel_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int block_accel_batch(
     int n,
     double t,
@@ -4231,6 +4235,7 @@ TISSERAND_APART int block_energy_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int block_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4470,6 +4475,7 @@ TISSERAND_APART int block_momentum_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int block_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4596,6 +4602,7 @@ TISSERAND_APART int block_rates_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int block_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

@@ -340,8 +340,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "a4a527db715e7429"
-#define BLOCK_HASH_a4a527db715e7429
+#define BLOCK_HASH "fa98447ecdee72d7"
+#define BLOCK_HASH_fa98447ecdee72d7
 
 /* ---- sizes and indices ---- */
 

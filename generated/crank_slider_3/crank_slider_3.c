@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef CRANK_SLIDER_3_HASH_6bf7f9af4f2ca25c
+#ifndef CRANK_SLIDER_3_HASH_f30860ea67314737
 #  error "crank_slider_3.h and crank_slider_3.c are of different builds; run tisserand build again"
 #endif
 
@@ -5668,6 +5668,7 @@ TISSERAND_APART int crank_slider_3_mass_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -5783,6 +5784,7 @@ TISSERAND_APART int crank_slider_3_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_force_batch(
     int n,
     double t,
@@ -5926,6 +5928,7 @@ TISSERAND_APART int crank_slider_3_mass_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_mass_force_batch(
     int n,
     double t,
@@ -6423,6 +6426,7 @@ TISSERAND_APART int crank_slider_3_accel_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_accel_batch(
     int n,
     double t,
@@ -6554,6 +6558,7 @@ TISSERAND_APART int crank_slider_3_energy_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -6669,6 +6674,7 @@ TISSERAND_APART int crank_slider_3_momentum_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -6771,6 +6777,7 @@ TISSERAND_APART int crank_slider_3_rates_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int crank_slider_3_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_d5e353cc48b36390
+#ifndef DOUBLE_PENDULUM_HASH_557caf16fd9df6a6
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -3433,6 +3433,7 @@ TISSERAND_APART int double_pendulum_mass_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -3533,6 +3534,7 @@ TISSERAND_APART int double_pendulum_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_force_batch(
     int n,
     double t,
@@ -3653,6 +3655,7 @@ TISSERAND_APART int double_pendulum_mass_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_mass_force_batch(
     int n,
     double t,
@@ -3905,6 +3908,7 @@ TISSERAND_APART int double_pendulum_accel_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_accel_batch(
     int n,
     double t,
@@ -4020,6 +4024,7 @@ TISSERAND_APART int double_pendulum_energy_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4120,6 +4125,7 @@ TISSERAND_APART int double_pendulum_momentum_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4210,6 +4216,7 @@ TISSERAND_APART int double_pendulum_rates_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int double_pendulum_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

@@ -297,8 +297,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "d5e353cc48b36390"
-#define DOUBLE_PENDULUM_HASH_d5e353cc48b36390
+#define DOUBLE_PENDULUM_HASH "557caf16fd9df6a6"
+#define DOUBLE_PENDULUM_HASH_557caf16fd9df6a6
 
 /* ---- sizes and indices ---- */
 

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_683920c798c9f021
+#ifndef FOUR_BAR_HASH_f41c396000238482
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 
@@ -5742,6 +5742,7 @@ TISSERAND_APART int four_bar_mass_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -5862,6 +5863,7 @@ TISSERAND_APART int four_bar_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_force_batch(
     int n,
     double t,
@@ -6009,6 +6011,7 @@ TISSERAND_APART int four_bar_mass_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_mass_force_batch(
     int n,
     double t,
@@ -6444,6 +6447,7 @@ TISSERAND_APART int four_bar_accel_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int four_bar_accel_batch(
     int n,
     double t,
@@ -6577,6 +6581,7 @@ TISSERAND_APART int four_bar_energy_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -6690,6 +6695,7 @@ TISSERAND_APART int four_bar_momentum_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -6790,6 +6796,7 @@ TISSERAND_APART int four_bar_rates_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int four_bar_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

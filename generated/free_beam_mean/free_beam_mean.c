@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_3655fd2eaac06386
+#ifndef FREE_BEAM_MEAN_HASH_1b940a4e988d5656
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -895,6 +895,7 @@ TISSERAND_APART int free_beam_mean_mass_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -984,6 +985,7 @@ TISSERAND_APART int free_beam_mean_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_force_batch(
     int n,
     double t,
@@ -1087,6 +1089,7 @@ TISSERAND_APART int free_beam_mean_mass_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_mass_force_batch(
     int n,
     double t,
@@ -1200,6 +1203,7 @@ TISSERAND_APART int free_beam_mean_accel_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_accel_batch(
     int n,
     double t,
@@ -1293,6 +1297,7 @@ TISSERAND_APART int free_beam_mean_energy_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1378,6 +1383,7 @@ TISSERAND_APART int free_beam_mean_momentum_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1458,6 +1464,7 @@ TISSERAND_APART int free_beam_mean_rates_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_mean_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

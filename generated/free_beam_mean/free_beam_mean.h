@@ -261,8 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "3655fd2eaac06386"
-#define FREE_BEAM_MEAN_HASH_3655fd2eaac06386
+#define FREE_BEAM_MEAN_HASH "1b940a4e988d5656"
+#define FREE_BEAM_MEAN_HASH_1b940a4e988d5656
 
 /* ---- sizes and indices ---- */
 

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_POINT_HASH_3e6cf25fbcc21b67
+#ifndef FREE_BEAM_POINT_HASH_d893f572d6f4a5ef
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
@@ -1074,6 +1074,7 @@ TISSERAND_APART int free_beam_point_mass_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1171,6 +1172,7 @@ TISSERAND_APART int free_beam_point_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_force_batch(
     int n,
     double t,
@@ -1289,6 +1291,7 @@ TISSERAND_APART int free_beam_point_mass_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_mass_force_batch(
     int n,
     double t,
@@ -1413,6 +1416,7 @@ TISSERAND_APART int free_beam_point_accel_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_accel_batch(
     int n,
     double t,
@@ -1516,6 +1520,7 @@ TISSERAND_APART int free_beam_point_energy_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1613,6 +1618,7 @@ TISSERAND_APART int free_beam_point_momentum_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1693,6 +1699,7 @@ TISSERAND_APART int free_beam_point_rates_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int free_beam_point_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

@@ -110,7 +110,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_point"
-HASH = "3e6cf25fbcc21b67"
+HASH = "d893f572d6f4a5ef"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_c7fde42a8b90177e
+#ifndef SOLID_BEAM_HASH_458ad31ef39b3f6b
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -3131,6 +3131,7 @@ TISSERAND_APART int solid_beam_mass_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -3356,6 +3357,7 @@ TISSERAND_APART int solid_beam_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_force_batch(
     int n,
     double t,
@@ -3624,6 +3626,7 @@ TISSERAND_APART int solid_beam_mass_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_mass_force_batch(
     int n,
     double t,
@@ -3918,6 +3921,7 @@ TISSERAND_APART int solid_beam_accel_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int solid_beam_accel_batch(
     int n,
     double t,
@@ -4101,6 +4105,7 @@ TISSERAND_APART int solid_beam_energy_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int solid_beam_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4330,6 +4335,7 @@ TISSERAND_APART int solid_beam_momentum_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int solid_beam_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4456,6 +4462,7 @@ TISSERAND_APART int solid_beam_rates_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int solid_beam_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

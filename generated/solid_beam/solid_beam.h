@@ -432,8 +432,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SOLID_BEAM_HASH "c7fde42a8b90177e"
-#define SOLID_BEAM_HASH_c7fde42a8b90177e
+#define SOLID_BEAM_HASH "458ad31ef39b3f6b"
+#define SOLID_BEAM_HASH_458ad31ef39b3f6b
 
 /* ---- sizes and indices ---- */
 

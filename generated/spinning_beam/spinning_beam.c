@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPINNING_BEAM_HASH_28c7ad64d21efc44
+#ifndef SPINNING_BEAM_HASH_34c56b520fa662cb
 #  error "spinning_beam.h and spinning_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -1522,6 +1522,7 @@ TISSERAND_APART int spinning_beam_mass_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1616,6 +1617,7 @@ TISSERAND_APART int spinning_beam_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_force_batch(
     int n,
     double t,
@@ -1724,6 +1726,7 @@ TISSERAND_APART int spinning_beam_mass_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_mass_force_batch(
     int n,
     double t,
@@ -1848,6 +1851,7 @@ TISSERAND_APART int spinning_beam_accel_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_accel_batch(
     int n,
     double t,
@@ -1944,6 +1948,7 @@ TISSERAND_APART int spinning_beam_energy_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -2030,6 +2035,7 @@ TISSERAND_APART int spinning_beam_momentum_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -2110,6 +2116,7 @@ TISSERAND_APART int spinning_beam_rates_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spinning_beam_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

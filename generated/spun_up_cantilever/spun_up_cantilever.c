@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPUN_UP_CANTILEVER_HASH_16756756dc16ec99
+#ifndef SPUN_UP_CANTILEVER_HASH_3d9998444eb615af
 #  error "spun_up_cantilever.h and spun_up_cantilever.c are of different builds; run tisserand build again"
 #endif
 
@@ -2444,6 +2444,7 @@ TISSERAND_APART int spun_up_cantilever_mass_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -2547,6 +2548,7 @@ TISSERAND_APART int spun_up_cantilever_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_force_batch(
     int n,
     double t,
@@ -2678,6 +2680,7 @@ TISSERAND_APART int spun_up_cantilever_mass_force_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_mass_force_batch(
     int n,
     double t,
@@ -2924,6 +2927,7 @@ TISSERAND_APART int spun_up_cantilever_accel_blocks(
     return code;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_accel_batch(
     int n,
     double t,
@@ -3035,6 +3039,7 @@ TISSERAND_APART int spun_up_cantilever_energy_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -3137,6 +3142,7 @@ TISSERAND_APART int spun_up_cantilever_momentum_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -3219,6 +3225,7 @@ TISSERAND_APART int spun_up_cantilever_rates_blocks(
     return 0;
 }
 
+TISSERAND_SCALAR
 int spun_up_cantilever_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

@@ -100,7 +100,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spun_up_cantilever"
-HASH = "16756756dc16ec99"
+HASH = "3d9998444eb615af"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2", "beam_alpha3")
 VELOCITIES = (
     "beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot",
