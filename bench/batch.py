@@ -18,7 +18,7 @@ import numpy as np
 from bodies import dense, states
 from interleaved import TimedCall, interleaved
 from limited import limited
-from machine import described
+from machine import OWN_OPTION, described
 from problem import beam
 from rows import Row, row
 
@@ -95,7 +95,7 @@ def nanoseconds(model: Model, p: np.ndarray, flags: str, count: int, repeats: in
     """The times per state in the order of `timed_calls`. Raises ArithmeticError if a batch has other values."""
     derive.write(CBackend().files(model, "a benchmark"), folder)
     source = folder / model.name / f"{model.name}.c"
-    limited([*compiler(), *shlex.split(flags), "-w", "-c", source, "-o", source.with_suffix(".o")])
+    limited([*compiler(), *shlex.split(flags), OWN_OPTION, "-w", "-c", source, "-o", source.with_suffix(".o")])
     q, v = random_states(model, count)
     calls = timed_calls(model, count)
     times, values = interleaved(
@@ -124,8 +124,11 @@ def beam_times(frame: str, flags: str, repeats: int, folder: Path) -> dict[str, 
     model, p = planar(frame, 2)
     derive.write(CBackend().files(model, "a benchmark"), folder)
     source, hand = folder / model.name / f"{model.name}.c", folder / "hand.o"
-    for file, target in ((source, source.with_suffix(".o")), (HERE / "handwritten_batch.c", hand)):
-        limited([*compiler(), *shlex.split(flags), "-w", "-c", file, "-o", target])
+    for file, target, more in (
+        (source, source.with_suffix(".o"), [OWN_OPTION]),
+        (HERE / "handwritten_batch.c", hand, []),
+    ):
+        limited([*compiler(), *shlex.split(flags), *more, "-w", "-c", file, "-o", target])
     q, v = random_states(model, BEAMS)
     blocks = {name: x.reshape(-1, 8, x.shape[1]).transpose(0, 2, 1) for name, x in (("Q8", q), ("V8", v))}
     nq, nnz = q.shape[1], model.kernel("mass").outputs[0].size

@@ -16,7 +16,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 from interleaved import TimedCall, interleaved
-from machine import described
+from machine import OWN_OPTION, described
 from numpy.polynomial import Polynomial
 from numpy.polynomial.legendre import Legendre
 from numpy.typing import NDArray
@@ -50,7 +50,8 @@ def table(sizes: Sequence[int], flags: Sequence[str], repeats: int) -> Iterator[
         for n in sizes:
             ns = times(frame, n, flags, repeats)
             peers = {peer: ns[peer] for peer in PEERS}
-            name = f"accelerations, {frame} frame, N = {n}, {' '.join(flags[-2:])}"
+            used = "derive.load" if flags == LOADED else " ".join(flags)
+            name = f"accelerations, {frame} frame, N = {n}, {used}"
             yield row(name, ns["ours"], peers=peers, hand=ns["hand"], goal=GOAL)
 
 
@@ -104,11 +105,11 @@ def times(frame: str, n: int, flags: Sequence[str], repeats: int = REPEATS) -> d
 
 
 def _compiled(made: Problem, frame: str, n: int, flags: Sequence[str], folder: Path) -> Iterator[Path]:
-    """The object files of all implementations, compiled with the same flags."""
+    """The object files of all implementations, compiled with the same flags; see OWN_OPTION."""
     for file in made.files:
         if file.path.endswith((".c", ".h")):
             (folder / file.path.rsplit("/", 1)[1]).write_text(file.text)
-    sources = {folder / f"{made.model.name}.c": ()}
+    sources: dict[Path, tuple[str, ...]] = {folder / f"{made.model.name}.c": (OWN_OPTION,)}
     sources[HAND.with_name("handwritten_accelerations.c")] = ("-std=gnu99", f"-DN={n}")
     for method in PEERS.values():
         path = folder / f"casadi_{method}.c"

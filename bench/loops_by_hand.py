@@ -19,7 +19,7 @@ import numpy as np
 from bodies import BODIES, states
 from interleaved import TimedCall, interleaved
 from limited import limited
-from machine import described
+from machine import OWN_OPTION, described
 from rows import Row, row
 from scale import STATES, TOLERANCE, CSource, by_position, check_agreement, compiled, ours, peers, timed_call
 
@@ -75,7 +75,8 @@ def functions(data: str, size: int, flags: str, repeats: int, with_peers: bool, 
         few = data == "beam" or size <= MAX_PEER_MODES[item]
         sources = [s for (i, _), s in own.items() if i == item and (s.maker == selected or few)]
         sources += peers(data, size, LIMIT, folder, (item,)).values() if few and with_peers else ()
-        sources = [s for s in sources if compiled(s.path, flags, LIMIT).seconds is not None]
+        options = {s: flags if s.maker == "casadi" else f"{flags} {OWN_OPTION}" for s in sources}
+        sources = [s for s in sources if compiled(s.path, options[s], LIMIT).seconds is not None]
         times = nanoseconds(data, size, item, sources, sizes, repeats, folder, hand)
         name, goal = f"{label}, {data} body, {size} modes", GOALS[item] if hand else SPARSE_GOAL
         form = {"flat": "unrolled", "table": "looped"}
@@ -149,7 +150,7 @@ def accelerations(size: int, flags: str, repeats: int, folder: Path) -> Row:
     derive.write(CBackend().files(model, "a benchmark"), folder)
     source = folder / "body" / "body.c"
     target = source.with_suffix(".o")
-    limited([*compiler(), *shlex.split(flags), "-w", "-c", str(source), "-o", str(target)])
+    limited([*compiler(), *shlex.split(flags), OWN_OPTION, "-w", "-c", str(source), "-o", str(target)])
     state = f"q + s * {7 + size}, v + s * {6 + size}"
     texts = {"ours": f"body_accel(0.0, {state}, k, out);", "hand": f"hand_accel({state}, out);"}
     rng = np.random.default_rng(size)

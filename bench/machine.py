@@ -10,6 +10,8 @@ from pathlib import Path
 from derive.runtime.compiler import compiler
 
 NO_AVX512 = "-mno-avx512f"
+OWN_OPTION = "-fno-tree-slp-vectorize"
+"""Generated code is compiled with it besides the flags of a table, as docs/generated_code.md says; other code not."""
 
 
 def cpu() -> str:

@@ -36,7 +36,7 @@ def model(data: str, size: int, lowering: str, name: str) -> tuple[Model, np.nda
 
 def function(source: str, name: str) -> str:
     """The text of a function in the text of a C file."""
-    match = re.search(rf"^(TISSERAND_SCALAR\n)?int {name}\(.*?^}}\n", source, re.MULTILINE | re.DOTALL)
+    match = re.search(rf"^int {name}\(.*?^}}\n", source, re.MULTILINE | re.DOTALL)
     assert match, name
     return match.group()
 

@@ -15,8 +15,9 @@ from pathlib import Path
 from derive.backends.c.optional_parts import OptionalPart
 from derive.errors import TisserandError
 
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
-"""No contraction into fused operations: compilers then agree bit for bit."""
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-tree-slp-vectorize")
+"""No contraction into fused operations: compilers then agree bit for bit. No vectors of neighbouring statements either:
+to gather their elements takes gcc longer than they save, and in spite of the other option it fuses operations there."""
 
 WITHOUT_BATCHES = f"-D{OptionalPart.BATCHES.value}"
 
@@ -61,13 +62,12 @@ def vector_flags(features: Collection[str] | None = None) -> tuple[str, ...]:
     """Compiler options for the vectors of this processor that keep the bits of FLAGS, for `derive.load(files, flags)`.
 
     features: those of another processor, by their names in /proc/cpuinfo of Linux. Other processors than those of x86,
-    and systems without that file, have FLAGS. gcc makes fused operations of neighbouring statements in spite of
-    `-ffp-contract=off` where it looks for vectors in straight lines, and AVX-512 has such operations: it may not look.
+    and systems without that file, have FLAGS.
     """
     available = _features() if features is None else features
     for needed, options in VECTORS.items():
         if all(feature in available for feature in needed.split()):
-            return (*FLAGS, "-O3", *options, "-fno-tree-slp-vectorize")
+            return (*FLAGS, "-O3", *options)
     return FLAGS
 
 

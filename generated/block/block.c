@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_fa98447ecdee72d7
+#ifndef BLOCK_HASH_fb89935c2f28ae8a
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -20,13 +20,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
-#else
-#  define TISSERAND_SCALAR
-#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -48,7 +41,6 @@
 #  define TISSERAND_INLINE static inline
 #  define TISSERAND_APART static
 #endif
-TISSERAND_SCALAR
 int block_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -58,7 +50,6 @@ int block_setup(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -200,7 +191,6 @@ int block_mass(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -390,7 +380,6 @@ int block_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -666,7 +655,6 @@ int block_mass_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -957,7 +945,6 @@ int block_accel(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1100,7 +1087,6 @@ int block_energy(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1271,7 +1257,6 @@ int block_momentum(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1324,7 +1309,6 @@ int block_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_marker_corner(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1493,7 +1477,6 @@ int block_marker_corner(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_marker_centre(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1590,7 +1573,6 @@ int block_marker_centre(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_marker_end(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1708,7 +1690,6 @@ int block_marker_end(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_load_corner(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1799,7 +1780,6 @@ int block_load_corner(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_load_centre(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1873,7 +1853,6 @@ int block_load_centre(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_load_end(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1954,7 +1933,6 @@ int block_load_end(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2240,7 +2218,6 @@ int block_residual(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3105,7 +3082,6 @@ TISSERAND_APART int block_mass_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -3355,7 +3331,6 @@ TISSERAND_APART int block_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_force_batch(
     int n,
     double t,
@@ -3668,7 +3643,6 @@ TISSERAND_APART int block_mass_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_mass_force_batch(
     int n,
     double t,
@@ -4027,7 +4001,6 @@ TISSERAND_APART int block_accel_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int block_accel_batch(
     int n,
     double t,
@@ -4235,7 +4208,6 @@ TISSERAND_APART int block_energy_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int block_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4475,7 +4447,6 @@ TISSERAND_APART int block_momentum_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int block_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4602,7 +4573,6 @@ TISSERAND_APART int block_rates_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int block_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

@@ -340,8 +340,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "fa98447ecdee72d7"
-#define BLOCK_HASH_fa98447ecdee72d7
+#define BLOCK_HASH "fb89935c2f28ae8a"
+#define BLOCK_HASH_fb89935c2f28ae8a
 
 /* ---- sizes and indices ---- */
 

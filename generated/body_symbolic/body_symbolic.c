@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_9089651699f4ff05
+#ifndef BODY_SYMBOLIC_HASH_96b853f9220cfd70
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,13 +21,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
-#else
-#  define TISSERAND_SCALAR
-#endif
 
 /* Lanes are computed TISSERAND_WIDTH at a time: in the vectors of gcc and clang, else, and with -DTISSERAND_NO_VECTORS,
    one by one. All widths give the same bits. gcc does not align the stack for vectors of 32 bytes on Windows. */

@@ -262,8 +262,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "9089651699f4ff05"
-#define BODY_SYMBOLIC_HASH_9089651699f4ff05
+#define BODY_SYMBOLIC_HASH "96b853f9220cfd70"
+#define BODY_SYMBOLIC_HASH_96b853f9220cfd70
 
 /* ---- sizes and indices ---- */
 

@@ -131,7 +131,7 @@ def _columns(rows, groups, symmetric):
 
 
 NAME = "body_symbolic"
-HASH = "9089651699f4ff05"
+HASH = "96b853f9220cfd70"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",

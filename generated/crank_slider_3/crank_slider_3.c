@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef CRANK_SLIDER_3_HASH_f30860ea67314737
+#ifndef CRANK_SLIDER_3_HASH_36c00a4b235c94ae
 #  error "crank_slider_3.h and crank_slider_3.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,13 +21,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
-#else
-#  define TISSERAND_SCALAR
-#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -121,7 +114,6 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
-TISSERAND_SCALAR
 int crank_slider_3_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -131,7 +123,6 @@ int crank_slider_3_setup(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -189,7 +180,6 @@ int crank_slider_3_mass(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -259,7 +249,6 @@ int crank_slider_3_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -388,7 +377,6 @@ int crank_slider_3_mass_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -872,7 +860,6 @@ int crank_slider_3_accel(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -953,7 +940,6 @@ int crank_slider_3_energy(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1024,7 +1010,6 @@ int crank_slider_3_momentum(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1070,7 +1055,6 @@ int crank_slider_3_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_marker_rod_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1124,7 +1108,6 @@ int crank_slider_3_marker_rod_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_marker_rod_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1175,7 +1158,6 @@ int crank_slider_3_marker_rod_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_marker_rod_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1230,7 +1212,6 @@ int crank_slider_3_marker_rod_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_marker_slider_pin(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1252,7 +1233,6 @@ int crank_slider_3_marker_slider_pin(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_load_rod_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1303,7 +1283,6 @@ int crank_slider_3_load_rod_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_load_rod_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1347,7 +1326,6 @@ int crank_slider_3_load_rod_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_load_rod_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1398,7 +1376,6 @@ int crank_slider_3_load_rod_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_load_slider_pin(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1429,7 +1406,6 @@ int crank_slider_3_load_slider_pin(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_constraints(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1562,7 +1538,6 @@ int crank_slider_3_constraints(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_constraint_rates(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1726,7 +1701,6 @@ int crank_slider_3_constraint_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_constraint_jacobian(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1890,7 +1864,6 @@ int crank_slider_3_constraint_jacobian(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_constraint_bias(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2046,7 +2019,6 @@ int crank_slider_3_constraint_bias(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_solve(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2542,7 +2514,6 @@ int crank_slider_3_solve(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2942,7 +2913,6 @@ int crank_slider_3_project_velocity(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_poses(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2983,7 +2953,6 @@ int crank_slider_3_poses(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3272,7 +3241,6 @@ int crank_slider_3_residual(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3697,7 +3665,6 @@ int crank_slider_3_jacobian(
 
 #ifndef TISSERAND_WITHOUT_REDUCED_FORMS
 
-TISSERAND_SCALAR
 int crank_slider_3_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -4048,7 +4015,6 @@ int crank_slider_3_residual_ggl(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_jacobian_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -4703,7 +4669,6 @@ int crank_slider_3_jacobian_ggl(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_residual_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -5024,7 +4989,6 @@ int crank_slider_3_residual_index1(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_jacobian_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -5668,7 +5632,6 @@ TISSERAND_APART int crank_slider_3_mass_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -5784,7 +5747,6 @@ TISSERAND_APART int crank_slider_3_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_force_batch(
     int n,
     double t,
@@ -5928,7 +5890,6 @@ TISSERAND_APART int crank_slider_3_mass_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_mass_force_batch(
     int n,
     double t,
@@ -6426,7 +6387,6 @@ TISSERAND_APART int crank_slider_3_accel_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_accel_batch(
     int n,
     double t,
@@ -6558,7 +6518,6 @@ TISSERAND_APART int crank_slider_3_energy_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -6674,7 +6633,6 @@ TISSERAND_APART int crank_slider_3_momentum_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -6777,7 +6735,6 @@ TISSERAND_APART int crank_slider_3_rates_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int crank_slider_3_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

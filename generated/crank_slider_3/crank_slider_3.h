@@ -314,8 +314,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define CRANK_SLIDER_3_HASH "f30860ea67314737"
-#define CRANK_SLIDER_3_HASH_f30860ea67314737
+#define CRANK_SLIDER_3_HASH "36c00a4b235c94ae"
+#define CRANK_SLIDER_3_HASH_36c00a4b235c94ae
 
 /* ---- sizes and indices ---- */
 

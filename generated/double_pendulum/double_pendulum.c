@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_557caf16fd9df6a6
+#ifndef DOUBLE_PENDULUM_HASH_b203a1c45a0bb854
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,13 +21,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
-#else
-#  define TISSERAND_SCALAR
-#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -121,7 +114,6 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
-TISSERAND_SCALAR
 int double_pendulum_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -131,7 +123,6 @@ int double_pendulum_setup(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -173,7 +164,6 @@ int double_pendulum_mass(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -224,7 +214,6 @@ int double_pendulum_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -312,7 +301,6 @@ int double_pendulum_mass_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -522,7 +510,6 @@ int double_pendulum_accel(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -583,7 +570,6 @@ int double_pendulum_energy(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -635,7 +621,6 @@ int double_pendulum_momentum(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -669,7 +654,6 @@ int double_pendulum_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_marker_upper_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -723,7 +707,6 @@ int double_pendulum_marker_upper_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_marker_upper_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -774,7 +757,6 @@ int double_pendulum_marker_upper_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_marker_upper_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -829,7 +811,6 @@ int double_pendulum_marker_upper_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_marker_lower_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -883,7 +864,6 @@ int double_pendulum_marker_lower_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_marker_lower_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -934,7 +914,6 @@ int double_pendulum_marker_lower_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_marker_lower_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -989,7 +968,6 @@ int double_pendulum_marker_lower_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_load_upper_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1034,7 +1012,6 @@ int double_pendulum_load_upper_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_load_upper_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1072,7 +1049,6 @@ int double_pendulum_load_upper_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_load_upper_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1117,7 +1093,6 @@ int double_pendulum_load_upper_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_load_lower_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1162,7 +1137,6 @@ int double_pendulum_load_lower_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_load_lower_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1200,7 +1174,6 @@ int double_pendulum_load_lower_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_load_lower_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1245,7 +1218,6 @@ int double_pendulum_load_lower_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_constraints(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1311,7 +1283,6 @@ int double_pendulum_constraints(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_constraint_rates(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1392,7 +1363,6 @@ int double_pendulum_constraint_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_constraint_jacobian(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1475,7 +1445,6 @@ int double_pendulum_constraint_jacobian(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_constraint_bias(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1556,7 +1525,6 @@ int double_pendulum_constraint_bias(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_solve(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1771,7 +1739,6 @@ int double_pendulum_solve(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1944,7 +1911,6 @@ int double_pendulum_project_velocity(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_poses(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1970,7 +1936,6 @@ int double_pendulum_poses(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2130,7 +2095,6 @@ int double_pendulum_residual(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2358,7 +2322,6 @@ int double_pendulum_jacobian(
 
 #ifndef TISSERAND_WITHOUT_REDUCED_FORMS
 
-TISSERAND_SCALAR
 int double_pendulum_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2541,7 +2504,6 @@ int double_pendulum_residual_ggl(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_jacobian_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2873,7 +2835,6 @@ int double_pendulum_jacobian_ggl(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_residual_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3049,7 +3010,6 @@ int double_pendulum_residual_index1(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_jacobian_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3433,7 +3393,6 @@ TISSERAND_APART int double_pendulum_mass_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -3534,7 +3493,6 @@ TISSERAND_APART int double_pendulum_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_force_batch(
     int n,
     double t,
@@ -3655,7 +3613,6 @@ TISSERAND_APART int double_pendulum_mass_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_mass_force_batch(
     int n,
     double t,
@@ -3908,7 +3865,6 @@ TISSERAND_APART int double_pendulum_accel_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_accel_batch(
     int n,
     double t,
@@ -4024,7 +3980,6 @@ TISSERAND_APART int double_pendulum_energy_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4125,7 +4080,6 @@ TISSERAND_APART int double_pendulum_momentum_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4216,7 +4170,6 @@ TISSERAND_APART int double_pendulum_rates_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int double_pendulum_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

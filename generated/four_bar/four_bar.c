@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_f41c396000238482
+#ifndef FOUR_BAR_HASH_f47a0ffd33dd5e20
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,13 +21,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
-#else
-#  define TISSERAND_SCALAR
-#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -121,7 +114,6 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
-TISSERAND_SCALAR
 int four_bar_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -156,7 +148,6 @@ int four_bar_setup(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -213,7 +204,6 @@ int four_bar_mass(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -288,7 +278,6 @@ int four_bar_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -419,7 +408,6 @@ int four_bar_mass_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -832,7 +820,6 @@ int four_bar_accel(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -915,7 +902,6 @@ int four_bar_energy(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -984,7 +970,6 @@ int four_bar_momentum(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1028,7 +1013,6 @@ int four_bar_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_marker_crank_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1082,7 +1066,6 @@ int four_bar_marker_crank_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_marker_crank_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1133,7 +1116,6 @@ int four_bar_marker_crank_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_marker_crank_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1188,7 +1170,6 @@ int four_bar_marker_crank_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_marker_coupler_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1242,7 +1223,6 @@ int four_bar_marker_coupler_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_marker_coupler_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1293,7 +1273,6 @@ int four_bar_marker_coupler_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_marker_coupler_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1348,7 +1327,6 @@ int four_bar_marker_coupler_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_marker_rocker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1402,7 +1380,6 @@ int four_bar_marker_rocker_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_marker_rocker_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1453,7 +1430,6 @@ int four_bar_marker_rocker_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_marker_rocker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1508,7 +1484,6 @@ int four_bar_marker_rocker_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_load_crank_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1558,7 +1533,6 @@ int four_bar_load_crank_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_load_crank_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1601,7 +1575,6 @@ int four_bar_load_crank_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_load_crank_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1651,7 +1624,6 @@ int four_bar_load_crank_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_load_coupler_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1701,7 +1673,6 @@ int four_bar_load_coupler_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_load_coupler_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1744,7 +1715,6 @@ int four_bar_load_coupler_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_load_coupler_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1794,7 +1764,6 @@ int four_bar_load_coupler_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_load_rocker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1844,7 +1813,6 @@ int four_bar_load_rocker_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_load_rocker_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1887,7 +1855,6 @@ int four_bar_load_rocker_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_load_rocker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1937,7 +1904,6 @@ int four_bar_load_rocker_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_constraints(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2049,7 +2015,6 @@ int four_bar_constraints(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_constraint_rates(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2188,7 +2153,6 @@ int four_bar_constraint_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_constraint_jacobian(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2338,7 +2302,6 @@ int four_bar_constraint_jacobian(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_constraint_bias(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2474,7 +2437,6 @@ int four_bar_constraint_bias(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_solve(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -2898,7 +2860,6 @@ int four_bar_solve(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3234,7 +3195,6 @@ int four_bar_project_velocity(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_poses(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3266,7 +3226,6 @@ int four_bar_poses(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3530,7 +3489,6 @@ int four_bar_residual(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3919,7 +3877,6 @@ int four_bar_jacobian(
 
 #ifndef TISSERAND_WITHOUT_REDUCED_FORMS
 
-TISSERAND_SCALAR
 int four_bar_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -4235,7 +4192,6 @@ int four_bar_residual_ggl(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_jacobian_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -4835,7 +4791,6 @@ int four_bar_jacobian_ggl(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_residual_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -5134,7 +5089,6 @@ int four_bar_residual_index1(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_jacobian_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -5742,7 +5696,6 @@ TISSERAND_APART int four_bar_mass_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -5863,7 +5816,6 @@ TISSERAND_APART int four_bar_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_force_batch(
     int n,
     double t,
@@ -6011,7 +5963,6 @@ TISSERAND_APART int four_bar_mass_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_mass_force_batch(
     int n,
     double t,
@@ -6447,7 +6398,6 @@ TISSERAND_APART int four_bar_accel_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int four_bar_accel_batch(
     int n,
     double t,
@@ -6581,7 +6531,6 @@ TISSERAND_APART int four_bar_energy_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -6695,7 +6644,6 @@ TISSERAND_APART int four_bar_momentum_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -6796,7 +6744,6 @@ TISSERAND_APART int four_bar_rates_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int four_bar_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

@@ -196,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "four_bar"
-HASH = "f41c396000238482"
+HASH = "f47a0ffd33dd5e20"
 COORDINATES = (
     "crank_c1", "crank_c2", "crank_phi", "crank_alpha1", "crank_alpha2", "coupler_c1",
     "coupler_c2", "coupler_phi", "coupler_alpha1", "coupler_alpha2", "rocker_c1", "rocker_c2",

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_1b940a4e988d5656
+#ifndef FREE_BEAM_MEAN_HASH_cf0551900b49d71c
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,13 +21,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
-#else
-#  define TISSERAND_SCALAR
-#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -121,7 +114,6 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
-TISSERAND_SCALAR
 int free_beam_mean_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -181,7 +173,6 @@ int free_beam_mean_setup(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -210,7 +201,6 @@ int free_beam_mean_mass(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -246,7 +236,6 @@ int free_beam_mean_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -301,7 +290,6 @@ int free_beam_mean_mass_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -343,7 +331,6 @@ int free_beam_mean_accel(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -378,7 +365,6 @@ int free_beam_mean_energy(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -411,7 +397,6 @@ int free_beam_mean_momentum(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -435,7 +420,6 @@ int free_beam_mean_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_marker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -486,7 +470,6 @@ int free_beam_mean_marker_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_marker_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -528,7 +511,6 @@ int free_beam_mean_marker_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_marker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -580,7 +562,6 @@ int free_beam_mean_marker_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_load_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -614,7 +595,6 @@ int free_beam_mean_load_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_load_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -644,7 +624,6 @@ int free_beam_mean_load_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_load_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -678,7 +657,6 @@ int free_beam_mean_load_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -736,7 +714,6 @@ int free_beam_mean_residual(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -895,7 +872,6 @@ TISSERAND_APART int free_beam_mean_mass_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -985,7 +961,6 @@ TISSERAND_APART int free_beam_mean_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_force_batch(
     int n,
     double t,
@@ -1089,7 +1064,6 @@ TISSERAND_APART int free_beam_mean_mass_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_mass_force_batch(
     int n,
     double t,
@@ -1203,7 +1177,6 @@ TISSERAND_APART int free_beam_mean_accel_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_accel_batch(
     int n,
     double t,
@@ -1297,7 +1270,6 @@ TISSERAND_APART int free_beam_mean_energy_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1383,7 +1355,6 @@ TISSERAND_APART int free_beam_mean_momentum_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1464,7 +1435,6 @@ TISSERAND_APART int free_beam_mean_rates_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_mean_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

@@ -261,8 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "1b940a4e988d5656"
-#define FREE_BEAM_MEAN_HASH_1b940a4e988d5656
+#define FREE_BEAM_MEAN_HASH "cf0551900b49d71c"
+#define FREE_BEAM_MEAN_HASH_cf0551900b49d71c
 
 /* ---- sizes and indices ---- */
 

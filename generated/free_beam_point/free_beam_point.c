@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_POINT_HASH_d893f572d6f4a5ef
+#ifndef FREE_BEAM_POINT_HASH_98fda36cb712bb7a
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
@@ -20,13 +20,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
-#else
-#  define TISSERAND_SCALAR
-#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -120,7 +113,6 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
-TISSERAND_SCALAR
 int free_beam_point_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -205,7 +197,6 @@ int free_beam_point_setup(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -250,7 +241,6 @@ int free_beam_point_mass(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -301,7 +291,6 @@ int free_beam_point_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -378,7 +367,6 @@ int free_beam_point_mass_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -434,7 +422,6 @@ int free_beam_point_accel(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -487,7 +474,6 @@ int free_beam_point_energy(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -541,7 +527,6 @@ int free_beam_point_momentum(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -565,7 +550,6 @@ int free_beam_point_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_marker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -616,7 +600,6 @@ int free_beam_point_marker_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_marker_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -641,7 +624,6 @@ int free_beam_point_marker_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_marker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -693,7 +675,6 @@ int free_beam_point_marker_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_load_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -727,7 +708,6 @@ int free_beam_point_load_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_load_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -748,7 +728,6 @@ int free_beam_point_load_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_load_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -782,7 +761,6 @@ int free_beam_point_load_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -859,7 +837,6 @@ int free_beam_point_residual(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1074,7 +1051,6 @@ TISSERAND_APART int free_beam_point_mass_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1172,7 +1148,6 @@ TISSERAND_APART int free_beam_point_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_force_batch(
     int n,
     double t,
@@ -1291,7 +1266,6 @@ TISSERAND_APART int free_beam_point_mass_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_mass_force_batch(
     int n,
     double t,
@@ -1416,7 +1390,6 @@ TISSERAND_APART int free_beam_point_accel_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_accel_batch(
     int n,
     double t,
@@ -1520,7 +1493,6 @@ TISSERAND_APART int free_beam_point_energy_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1618,7 +1590,6 @@ TISSERAND_APART int free_beam_point_momentum_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1699,7 +1670,6 @@ TISSERAND_APART int free_beam_point_rates_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int free_beam_point_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_458ad31ef39b3f6b
+#ifndef SOLID_BEAM_HASH_2b145fbdc5d3d1d8
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -20,13 +20,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
-#else
-#  define TISSERAND_SCALAR
-#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -48,7 +41,6 @@
 #  define TISSERAND_INLINE static inline
 #  define TISSERAND_APART static
 #endif
-TISSERAND_SCALAR
 int solid_beam_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -58,7 +50,6 @@ int solid_beam_setup(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -180,7 +171,6 @@ int solid_beam_mass(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -353,7 +343,6 @@ int solid_beam_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -593,7 +582,6 @@ int solid_beam_mass_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -829,7 +817,6 @@ int solid_beam_accel(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -965,7 +952,6 @@ int solid_beam_energy(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1132,7 +1118,6 @@ int solid_beam_momentum(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1185,7 +1170,6 @@ int solid_beam_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_marker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1434,7 +1418,6 @@ int solid_beam_marker_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_marker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -1682,7 +1665,6 @@ int solid_beam_marker_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_load_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -1880,7 +1862,6 @@ int solid_beam_load_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_load_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -2077,7 +2058,6 @@ int solid_beam_load_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2331,7 +2311,6 @@ int solid_beam_residual(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3131,7 +3110,6 @@ TISSERAND_APART int solid_beam_mass_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -3357,7 +3335,6 @@ TISSERAND_APART int solid_beam_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_force_batch(
     int n,
     double t,
@@ -3626,7 +3603,6 @@ TISSERAND_APART int solid_beam_mass_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_mass_force_batch(
     int n,
     double t,
@@ -3921,7 +3897,6 @@ TISSERAND_APART int solid_beam_accel_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int solid_beam_accel_batch(
     int n,
     double t,
@@ -4105,7 +4080,6 @@ TISSERAND_APART int solid_beam_energy_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int solid_beam_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4335,7 +4309,6 @@ TISSERAND_APART int solid_beam_momentum_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int solid_beam_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -4462,7 +4435,6 @@ TISSERAND_APART int solid_beam_rates_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int solid_beam_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

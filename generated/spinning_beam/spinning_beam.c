@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPINNING_BEAM_HASH_34c56b520fa662cb
+#ifndef SPINNING_BEAM_HASH_0842439d0bbd9880
 #  error "spinning_beam.h and spinning_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,13 +21,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
-#else
-#  define TISSERAND_SCALAR
-#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -121,7 +114,6 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
-TISSERAND_SCALAR
 int spinning_beam_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -181,7 +173,6 @@ int spinning_beam_setup(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -210,7 +201,6 @@ int spinning_beam_mass(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -263,7 +253,6 @@ int spinning_beam_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -335,7 +324,6 @@ int spinning_beam_mass_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -406,7 +394,6 @@ int spinning_beam_accel(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -444,7 +431,6 @@ int spinning_beam_energy(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -478,7 +464,6 @@ int spinning_beam_momentum(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -502,7 +487,6 @@ int spinning_beam_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_marker_beam_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -556,7 +540,6 @@ int spinning_beam_marker_beam_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_marker_beam_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -607,7 +590,6 @@ int spinning_beam_marker_beam_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_marker_beam_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -662,7 +644,6 @@ int spinning_beam_marker_beam_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_load_beam_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -702,7 +683,6 @@ int spinning_beam_load_beam_left(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_load_beam_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -735,7 +715,6 @@ int spinning_beam_load_beam_middle(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_load_beam_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -775,7 +754,6 @@ int spinning_beam_load_beam_right(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_constraints(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -789,7 +767,6 @@ int spinning_beam_constraints(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_constraint_rates(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -805,7 +782,6 @@ int spinning_beam_constraint_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_constraint_jacobian(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -819,7 +795,6 @@ int spinning_beam_constraint_jacobian(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_constraint_bias(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -835,7 +810,6 @@ int spinning_beam_constraint_bias(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_solve(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -908,7 +882,6 @@ int spinning_beam_solve(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -943,7 +916,6 @@ int spinning_beam_project_velocity(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_poses(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -963,7 +935,6 @@ int spinning_beam_poses(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1039,7 +1010,6 @@ int spinning_beam_residual(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1118,7 +1088,6 @@ int spinning_beam_jacobian(
 
 #ifndef TISSERAND_WITHOUT_REDUCED_FORMS
 
-TISSERAND_SCALAR
 int spinning_beam_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1194,7 +1163,6 @@ int spinning_beam_residual_ggl(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_jacobian_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1271,7 +1239,6 @@ int spinning_beam_jacobian_ggl(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_residual_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1347,7 +1314,6 @@ int spinning_beam_residual_index1(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_jacobian_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1522,7 +1488,6 @@ TISSERAND_APART int spinning_beam_mass_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -1617,7 +1582,6 @@ TISSERAND_APART int spinning_beam_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_force_batch(
     int n,
     double t,
@@ -1726,7 +1690,6 @@ TISSERAND_APART int spinning_beam_mass_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_mass_force_batch(
     int n,
     double t,
@@ -1851,7 +1814,6 @@ TISSERAND_APART int spinning_beam_accel_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_accel_batch(
     int n,
     double t,
@@ -1948,7 +1910,6 @@ TISSERAND_APART int spinning_beam_energy_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -2035,7 +1996,6 @@ TISSERAND_APART int spinning_beam_momentum_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -2116,7 +2076,6 @@ TISSERAND_APART int spinning_beam_rates_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spinning_beam_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPUN_UP_CANTILEVER_HASH_3d9998444eb615af
+#ifndef SPUN_UP_CANTILEVER_HASH_e376c10667cec919
 #  error "spun_up_cantilever.h and spun_up_cantilever.c are of different builds; run tisserand build again"
 #endif
 
@@ -21,13 +21,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-/* Before a function without loops: gcc would make vectors of neighbouring values, which takes longer than it saves. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define TISSERAND_SCALAR __attribute__((optimize("no-tree-slp-vectorize")))
-#else
-#  define TISSERAND_SCALAR
-#endif
 
 /* Before a loop over the states of a batch: no state needs another one. gcc would unroll a short loop completely first,
    and then make no vectors of it. */
@@ -121,7 +114,6 @@ TISSERAND_INLINE void tisserand_sines(
     }
 }
 #endif
-TISSERAND_SCALAR
 int spun_up_cantilever_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
@@ -131,7 +123,6 @@ int spun_up_cantilever_setup(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -189,7 +180,6 @@ int spun_up_cantilever_mass(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -249,7 +239,6 @@ int spun_up_cantilever_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -344,7 +333,6 @@ int spun_up_cantilever_mass_force(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -524,7 +512,6 @@ int spun_up_cantilever_accel(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -589,7 +576,6 @@ int spun_up_cantilever_energy(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -651,7 +637,6 @@ int spun_up_cantilever_momentum(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -677,7 +662,6 @@ int spun_up_cantilever_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_marker_beam_root(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -718,7 +702,6 @@ int spun_up_cantilever_marker_beam_root(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_marker_beam_tip(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
@@ -777,7 +760,6 @@ int spun_up_cantilever_marker_beam_tip(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_load_beam_root(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -809,7 +791,6 @@ int spun_up_cantilever_load_beam_root(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_load_beam_tip(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT F,
@@ -851,7 +832,6 @@ int spun_up_cantilever_load_beam_tip(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_constraints(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -886,7 +866,6 @@ int spun_up_cantilever_constraints(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_constraint_rates(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -922,7 +901,6 @@ int spun_up_cantilever_constraint_rates(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_constraint_jacobian(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -953,7 +931,6 @@ int spun_up_cantilever_constraint_jacobian(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_constraint_bias(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -988,7 +965,6 @@ int spun_up_cantilever_constraint_bias(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_solve(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1173,7 +1149,6 @@ int spun_up_cantilever_solve(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1320,7 +1295,6 @@ int spun_up_cantilever_project_velocity(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_poses(
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -1347,7 +1321,6 @@ int spun_up_cantilever_poses(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1463,7 +1436,6 @@ int spun_up_cantilever_residual(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_jacobian(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1666,7 +1638,6 @@ int spun_up_cantilever_jacobian(
 
 #ifndef TISSERAND_WITHOUT_REDUCED_FORMS
 
-TISSERAND_SCALAR
 int spun_up_cantilever_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1790,7 +1761,6 @@ int spun_up_cantilever_residual_ggl(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_jacobian_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2009,7 +1979,6 @@ int spun_up_cantilever_jacobian_ggl(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_residual_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2122,7 +2091,6 @@ int spun_up_cantilever_residual_index1(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_jacobian_index1(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2444,7 +2412,6 @@ TISSERAND_APART int spun_up_cantilever_mass_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_mass_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -2548,7 +2515,6 @@ TISSERAND_APART int spun_up_cantilever_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_force_batch(
     int n,
     double t,
@@ -2680,7 +2646,6 @@ TISSERAND_APART int spun_up_cantilever_mass_force_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_mass_force_batch(
     int n,
     double t,
@@ -2927,7 +2892,6 @@ TISSERAND_APART int spun_up_cantilever_accel_blocks(
     return code;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_accel_batch(
     int n,
     double t,
@@ -3039,7 +3003,6 @@ TISSERAND_APART int spun_up_cantilever_energy_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_energy_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -3142,7 +3105,6 @@ TISSERAND_APART int spun_up_cantilever_momentum_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_momentum_batch(
     int n,
     const double *TISSERAND_RESTRICT q,
@@ -3225,7 +3187,6 @@ TISSERAND_APART int spun_up_cantilever_rates_blocks(
     return 0;
 }
 
-TISSERAND_SCALAR
 int spun_up_cantilever_rates_batch(
     int n,
     const double *TISSERAND_RESTRICT q,

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 from derive.backends.c.batch_block import SHARED, StateBlock, declarations
 from derive.backends.c.batch_loops import Lines, rows_helper
-from derive.backends.c.scalar import before
 from derive.backends.c.signatures import names, parameters, signature
 from derive.ir.model import Argument, Kernel, Model
 from derive.ir.statements import MatVec
@@ -63,13 +62,9 @@ def stack(block: StateBlock) -> int:
 
 @dataclass(frozen=True)
 class BatchFunction:
-    """A function of a batch as text, with the static functions that it calls, and the line before it.
-
-    The line is that of the function of single states, so that compilers may put it into this one.
-    """
+    """A function of a batch as text, with the static functions that it calls."""
 
     helpers: str
-    before: str
     signature: str
     body: str
 
@@ -84,7 +79,7 @@ def batch_function(block: StateBlock) -> BatchFunction:
         lines += [*_copying(model, kernel, count), ""]
     lines += [*signature(f"TISSERAND_APART int {name}_blocks", arguments), "{", *_blocks(block), "}"]
     head, body = signature(f"int {name}_batch", arguments), _body(model, kernel, block.checked)
-    return BatchFunction("\n".join(lines), before(kernel), "\n".join(head), "\n".join(body))
+    return BatchFunction("\n".join(lines), "\n".join(head), "\n".join(body))
 
 
 def _name(model: str, kernel: Kernel) -> str:

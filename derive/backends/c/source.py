@@ -16,7 +16,6 @@ from derive.backends.c.loops import CLoops
 from derive.backends.c.matrix_loops import diagonal, stored_in_blocks, stores_in_block
 from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
 from derive.backends.c.packed import entries, packed_functions
-from derive.backends.c.scalar import SCALAR_MACRO, before
 from derive.backends.c.signatures import parameters, signature
 from derive.backends.c.splines import spline_lines
 from derive.backends.description import (
@@ -73,7 +72,6 @@ class CBackend:
         for part, kernels in groupby(model.kernels, lambda kernel: optional_part(kernel.name)):
             builder.text(f"#ifndef {part.value}\n\n" if part else "")
             for kernel in kernels:
-                builder.text(before(kernel))
                 builder.function(kernel, _function(model, kernel))
                 builder.text("\n")
             builder.text("#endif\n\n" if part else "")
@@ -156,7 +154,7 @@ def _helpers(model: Model) -> str:
     """What the functions of a model call."""
     every = [s for kernel in model.kernels for s in kernel.statements]
     lanes = any(isinstance(s, Accumulate | MatVec | MatrixStore) for s in every)
-    lines = [SCALAR_MACRO, *([LANES_MACRO] if lanes else [])]
+    lines = [LANES_MACRO] if lanes else []
     lines += [STATES_MACRO, *([render("c/sine.c.jinja", {})] if any(map(_has_sine, every)) else [])]
     return "\n".join([*lines, *spline_lines(model)])
 

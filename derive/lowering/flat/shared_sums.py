@@ -61,7 +61,10 @@ class SharedSums:
         groups: dict[sp.Expr, list[sp.Expr]] = {}
         result: list[sp.Expr] = []
         for term in expr.args:
-            product = next((s for s in self._products & term.free_symbols if term.as_powers_dict().get(s) == 1), None)
+            product = next(
+                (s for s in sorted(self._products & term.free_symbols, key=str) if term.as_powers_dict().get(s) == 1),
+                None,
+            )
             if product is None or (term / product).is_Number:
                 result.append(term)
                 continue
