@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_fb89935c2f28ae8a
+#ifndef BLOCK_HASH_23e1b8e28c74d299
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -4553,6 +4553,11 @@ TISSERAND_APART int block_rates_blocks(
 
     if (n == 8) {
         const int failed = block_rates_states(8, 8, q, v, k, qdot);
+        if (code == 0) code = failed;
+        return code;
+    }
+    if (n == 2) {
+        const int failed = block_rates_states(2, 2, q, v, k, qdot);
         if (code == 0) code = failed;
         return code;
     }

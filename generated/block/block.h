@@ -340,8 +340,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "fb89935c2f28ae8a"
-#define BLOCK_HASH_fb89935c2f28ae8a
+#define BLOCK_HASH "23e1b8e28c74d299"
+#define BLOCK_HASH_23e1b8e28c74d299
 
 /* ---- sizes and indices ---- */
 

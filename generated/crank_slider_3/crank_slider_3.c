@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef CRANK_SLIDER_3_HASH_36c00a4b235c94ae
+#ifndef CRANK_SLIDER_3_HASH_0171d6c284b90ab2
 #  error "crank_slider_3.h and crank_slider_3.c are of different builds; run tisserand build again"
 #endif
 
@@ -5618,6 +5618,10 @@ TISSERAND_APART int crank_slider_3_mass_blocks(
         crank_slider_3_mass_states(8, 8, q, k, M);
         return 0;
     }
+    if (n == 2) {
+        crank_slider_3_mass_states(2, 2, q, k, M);
+        return 0;
+    }
     for (; n % 256 == 0 && left > 0; left -= 32) {
         crank_slider_3_mass_copied32(all, q, k, M);
         q += 32; M += 32;
@@ -5731,6 +5735,10 @@ TISSERAND_APART int crank_slider_3_force_blocks(
 
     if (n == 8) {
         crank_slider_3_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    if (n == 2) {
+        crank_slider_3_force_states(2, 2, t, q, v, k, h);
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
@@ -5874,6 +5882,10 @@ TISSERAND_APART int crank_slider_3_mass_force_blocks(
 
     if (n == 8) {
         crank_slider_3_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    if (n == 2) {
+        crank_slider_3_mass_force_states(2, 2, t, q, v, k, M, h);
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
@@ -6504,6 +6516,10 @@ TISSERAND_APART int crank_slider_3_energy_blocks(
         crank_slider_3_energy_states(8, 8, q, v, k, energy);
         return 0;
     }
+    if (n == 2) {
+        crank_slider_3_energy_states(2, 2, q, v, k, energy);
+        return 0;
+    }
     for (; n % 128 == 0 && left > 0; left -= 32) {
         crank_slider_3_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
@@ -6619,6 +6635,10 @@ TISSERAND_APART int crank_slider_3_momentum_blocks(
         crank_slider_3_momentum_states(8, 8, q, v, k, momentum);
         return 0;
     }
+    if (n == 2) {
+        crank_slider_3_momentum_states(2, 2, q, v, k, momentum);
+        return 0;
+    }
     for (; n % 128 == 0 && left > 0; left -= 32) {
         crank_slider_3_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
@@ -6719,6 +6739,10 @@ TISSERAND_APART int crank_slider_3_rates_blocks(
 
     if (n == 8) {
         crank_slider_3_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    if (n == 2) {
+        crank_slider_3_rates_states(2, 2, q, v, k, qdot);
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {

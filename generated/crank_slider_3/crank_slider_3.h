@@ -314,8 +314,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define CRANK_SLIDER_3_HASH "36c00a4b235c94ae"
-#define CRANK_SLIDER_3_HASH_36c00a4b235c94ae
+#define CRANK_SLIDER_3_HASH "0171d6c284b90ab2"
+#define CRANK_SLIDER_3_HASH_0171d6c284b90ab2
 
 /* ---- sizes and indices ---- */
 

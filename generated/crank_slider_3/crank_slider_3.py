@@ -170,7 +170,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "crank_slider_3"
-HASH = "36c00a4b235c94ae"
+HASH = "0171d6c284b90ab2"
 COORDINATES = (
     "rod_1_c1", "rod_1_c2", "rod_1_phi", "rod_1_alpha1", "rod_1_alpha2", "rod_2_c1", "rod_2_c2",
     "rod_2_phi", "rod_2_alpha1", "rod_2_alpha2", "rod_3_c1", "rod_3_c2", "rod_3_phi",

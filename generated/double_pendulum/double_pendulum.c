@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_b203a1c45a0bb854
+#ifndef DOUBLE_PENDULUM_HASH_79c99670f0856335
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -3379,6 +3379,10 @@ TISSERAND_APART int double_pendulum_mass_blocks(
         double_pendulum_mass_states(8, 8, q, k, M);
         return 0;
     }
+    if (n == 2) {
+        double_pendulum_mass_states(2, 2, q, k, M);
+        return 0;
+    }
     for (; n % 256 == 0 && left > 0; left -= 32) {
         double_pendulum_mass_copied32(all, q, k, M);
         q += 32; M += 32;
@@ -3477,6 +3481,10 @@ TISSERAND_APART int double_pendulum_force_blocks(
 
     if (n == 8) {
         double_pendulum_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    if (n == 2) {
+        double_pendulum_force_states(2, 2, t, q, v, k, h);
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
@@ -3597,6 +3605,10 @@ TISSERAND_APART int double_pendulum_mass_force_blocks(
 
     if (n == 8) {
         double_pendulum_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    if (n == 2) {
+        double_pendulum_mass_force_states(2, 2, t, q, v, k, M, h);
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
@@ -3966,6 +3978,10 @@ TISSERAND_APART int double_pendulum_energy_blocks(
         double_pendulum_energy_states(8, 8, q, v, k, energy);
         return 0;
     }
+    if (n == 2) {
+        double_pendulum_energy_states(2, 2, q, v, k, energy);
+        return 0;
+    }
     for (; n % 256 == 0 && left > 0; left -= 32) {
         double_pendulum_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
@@ -4066,6 +4082,10 @@ TISSERAND_APART int double_pendulum_momentum_blocks(
         double_pendulum_momentum_states(8, 8, q, v, k, momentum);
         return 0;
     }
+    if (n == 2) {
+        double_pendulum_momentum_states(2, 2, q, v, k, momentum);
+        return 0;
+    }
     for (; n % 256 == 0 && left > 0; left -= 32) {
         double_pendulum_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
@@ -4154,6 +4174,10 @@ TISSERAND_APART int double_pendulum_rates_blocks(
 
     if (n == 8) {
         double_pendulum_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    if (n == 2) {
+        double_pendulum_rates_states(2, 2, q, v, k, qdot);
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {

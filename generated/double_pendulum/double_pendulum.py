@@ -158,7 +158,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "b203a1c45a0bb854"
+HASH = "79c99670f0856335"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_f47a0ffd33dd5e20
+#ifndef FOUR_BAR_HASH_b1a5f75130959e55
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 
@@ -118,7 +118,6 @@ int four_bar_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
 {
-
     /* integrals (appendix): shape integrals, stiffness, and constants computed from them */
     const double p_EI = p[0];
     const double crank_K_1_1 = 2250.0 * p_EI;
@@ -415,7 +414,6 @@ int four_bar_accel(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
@@ -826,7 +824,6 @@ int four_bar_energy(
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-
     /* crank D2 (appendix): crank_D2_1 = int rho r . Phi_1; crank_D2_2 = int rho r . Phi_2 */
     const double crank_alpha1 = q[3];
     const double crank_D2_1 = (12362167.0 / 250000000.0) * crank_alpha1;
@@ -2445,7 +2442,6 @@ int four_bar_solve(
     double *vdot,
     double *lam)
 {
-
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
@@ -3233,7 +3229,6 @@ int four_bar_residual(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
@@ -3884,7 +3879,6 @@ int four_bar_residual_ggl(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
@@ -4798,7 +4792,6 @@ int four_bar_residual_index1(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-
     /*
      * crank Q (26): crank_cos_phi = cosine of the rotation angle; crank_sin_phi = sine of the
      *     rotation angle
@@ -5682,6 +5675,10 @@ TISSERAND_APART int four_bar_mass_blocks(
         four_bar_mass_states(8, 8, q, k, M);
         return 0;
     }
+    if (n == 2) {
+        four_bar_mass_states(2, 2, q, k, M);
+        return 0;
+    }
     for (; n % 256 == 0 && left > 0; left -= 32) {
         four_bar_mass_copied32(all, q, k, M);
         q += 32; M += 32;
@@ -5800,6 +5797,10 @@ TISSERAND_APART int four_bar_force_blocks(
 
     if (n == 8) {
         four_bar_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    if (n == 2) {
+        four_bar_force_states(2, 2, t, q, v, k, h);
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
@@ -5947,6 +5948,10 @@ TISSERAND_APART int four_bar_mass_force_blocks(
 
     if (n == 8) {
         four_bar_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    if (n == 2) {
+        four_bar_mass_force_states(2, 2, t, q, v, k, M, h);
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
@@ -6517,6 +6522,10 @@ TISSERAND_APART int four_bar_energy_blocks(
         four_bar_energy_states(8, 8, q, v, k, energy);
         return 0;
     }
+    if (n == 2) {
+        four_bar_energy_states(2, 2, q, v, k, energy);
+        return 0;
+    }
     for (; n % 256 == 0 && left > 0; left -= 32) {
         four_bar_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
@@ -6630,6 +6639,10 @@ TISSERAND_APART int four_bar_momentum_blocks(
         four_bar_momentum_states(8, 8, q, v, k, momentum);
         return 0;
     }
+    if (n == 2) {
+        four_bar_momentum_states(2, 2, q, v, k, momentum);
+        return 0;
+    }
     for (; n % 128 == 0 && left > 0; left -= 32) {
         four_bar_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
@@ -6728,6 +6741,10 @@ TISSERAND_APART int four_bar_rates_blocks(
 
     if (n == 8) {
         four_bar_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    if (n == 2) {
+        four_bar_rates_states(2, 2, q, v, k, qdot);
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {

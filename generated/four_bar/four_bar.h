@@ -339,8 +339,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FOUR_BAR_HASH "f47a0ffd33dd5e20"
-#define FOUR_BAR_HASH_f47a0ffd33dd5e20
+#define FOUR_BAR_HASH "b1a5f75130959e55"
+#define FOUR_BAR_HASH_b1a5f75130959e55
 
 /* ---- sizes and indices ---- */
 

@@ -196,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "four_bar"
-HASH = "f47a0ffd33dd5e20"
+HASH = "b1a5f75130959e55"
 COORDINATES = (
     "crank_c1", "crank_c2", "crank_phi", "crank_alpha1", "crank_alpha2", "coupler_c1",
     "coupler_c2", "coupler_phi", "coupler_alpha1", "coupler_alpha2", "rocker_c1", "rocker_c2",

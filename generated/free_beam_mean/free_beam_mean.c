@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_cf0551900b49d71c
+#ifndef FREE_BEAM_MEAN_HASH_d3caadb8d53a6121
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -118,7 +118,6 @@ int free_beam_mean_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
 {
-
     /* integrals (appendix): shape integrals, stiffness, and constants computed from them */
     const double p_l = p[1];
     const double t1 = p_l * p_l;
@@ -178,7 +177,6 @@ int free_beam_mean_mass(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double alpha1 = q[3];
     const double c8_1_1 = k[2];
@@ -337,7 +335,6 @@ int free_beam_mean_energy(
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double alpha1 = q[3];
     const double c8_1_1 = k[2];
@@ -371,7 +368,6 @@ int free_beam_mean_momentum(
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-
     /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double alpha1 = q[3];
     const double c8_1_1 = k[2];
@@ -428,7 +424,6 @@ int free_beam_mean_marker_left(
     double *xdot,
     double *jacobian)
 {
-
     /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double alpha1 = q[3];
     const double alpha2 = q[4];
@@ -519,7 +514,6 @@ int free_beam_mean_marker_right(
     double *xdot,
     double *jacobian)
 {
-
     /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double alpha1 = q[3];
     const double alpha2 = q[4];
@@ -568,7 +562,6 @@ int free_beam_mean_load_left(
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
@@ -630,7 +623,6 @@ int free_beam_mean_load_right(
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
@@ -858,6 +850,10 @@ TISSERAND_APART int free_beam_mean_mass_blocks(
         free_beam_mean_mass_states(8, 8, q, k, M);
         return 0;
     }
+    if (n == 2) {
+        free_beam_mean_mass_states(2, 2, q, k, M);
+        return 0;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         free_beam_mean_mass_copied32(all, q, k, M);
         q += 32; M += 32;
@@ -945,6 +941,10 @@ TISSERAND_APART int free_beam_mean_force_blocks(
 
     if (n == 8) {
         free_beam_mean_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    if (n == 2) {
+        free_beam_mean_force_states(2, 2, t, q, v, k, h);
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
@@ -1048,6 +1048,10 @@ TISSERAND_APART int free_beam_mean_mass_force_blocks(
 
     if (n == 8) {
         free_beam_mean_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    if (n == 2) {
+        free_beam_mean_mass_force_states(2, 2, t, q, v, k, M, h);
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
@@ -1160,6 +1164,11 @@ TISSERAND_APART int free_beam_mean_accel_blocks(
         if (code == 0) code = failed;
         return code;
     }
+    if (n == 2) {
+        const int failed = free_beam_mean_accel_states(2, 2, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        return code;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         const int failed = free_beam_mean_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
@@ -1256,6 +1265,10 @@ TISSERAND_APART int free_beam_mean_energy_blocks(
         free_beam_mean_energy_states(8, 8, q, v, k, energy);
         return 0;
     }
+    if (n == 2) {
+        free_beam_mean_energy_states(2, 2, q, v, k, energy);
+        return 0;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         free_beam_mean_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
@@ -1341,6 +1354,10 @@ TISSERAND_APART int free_beam_mean_momentum_blocks(
         free_beam_mean_momentum_states(8, 8, q, v, k, momentum);
         return 0;
     }
+    if (n == 2) {
+        free_beam_mean_momentum_states(2, 2, q, v, k, momentum);
+        return 0;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         free_beam_mean_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
@@ -1419,6 +1436,10 @@ TISSERAND_APART int free_beam_mean_rates_blocks(
 
     if (n == 8) {
         free_beam_mean_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    if (n == 2) {
+        free_beam_mean_rates_states(2, 2, q, v, k, qdot);
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {

@@ -261,8 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "cf0551900b49d71c"
-#define FREE_BEAM_MEAN_HASH_cf0551900b49d71c
+#define FREE_BEAM_MEAN_HASH "d3caadb8d53a6121"
+#define FREE_BEAM_MEAN_HASH_d3caadb8d53a6121
 
 /* ---- sizes and indices ---- */
 

@@ -122,7 +122,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "cf0551900b49d71c"
+HASH = "d3caadb8d53a6121"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_POINT_HASH_98fda36cb712bb7a
+#ifndef FREE_BEAM_POINT_HASH_ed432b673f44fde9
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
@@ -117,7 +117,6 @@ int free_beam_point_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
 {
-
     /* integrals (appendix): shape integrals, stiffness, and constants computed from them */
     const double p_m = p[0];
     const double c2_1_2 = p_m / 3.0;
@@ -202,7 +201,6 @@ int free_beam_point_mass(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
@@ -428,7 +426,6 @@ int free_beam_point_energy(
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
@@ -480,7 +477,6 @@ int free_beam_point_momentum(
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
@@ -558,7 +554,6 @@ int free_beam_point_marker_left(
     double *xdot,
     double *jacobian)
 {
-
     /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double alpha1 = q[3];
     const double alpha2 = q[4];
@@ -632,7 +627,6 @@ int free_beam_point_marker_right(
     double *xdot,
     double *jacobian)
 {
-
     /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double alpha1 = q[3];
     const double alpha2 = q[4];
@@ -681,7 +675,6 @@ int free_beam_point_load_left(
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
@@ -734,7 +727,6 @@ int free_beam_point_load_right(
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double phi = q[2];
     const double cos_phi = tisserand_cos(phi);
@@ -1037,6 +1029,10 @@ TISSERAND_APART int free_beam_point_mass_blocks(
         free_beam_point_mass_states(8, 8, q, k, M);
         return 0;
     }
+    if (n == 2) {
+        free_beam_point_mass_states(2, 2, q, k, M);
+        return 0;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         free_beam_point_mass_copied32(all, q, k, M);
         q += 32; M += 32;
@@ -1132,6 +1128,10 @@ TISSERAND_APART int free_beam_point_force_blocks(
 
     if (n == 8) {
         free_beam_point_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    if (n == 2) {
+        free_beam_point_force_states(2, 2, t, q, v, k, h);
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
@@ -1250,6 +1250,10 @@ TISSERAND_APART int free_beam_point_mass_force_blocks(
 
     if (n == 8) {
         free_beam_point_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    if (n == 2) {
+        free_beam_point_mass_force_states(2, 2, t, q, v, k, M, h);
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
@@ -1373,6 +1377,11 @@ TISSERAND_APART int free_beam_point_accel_blocks(
         if (code == 0) code = failed;
         return code;
     }
+    if (n == 2) {
+        const int failed = free_beam_point_accel_states(2, 2, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        return code;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         const int failed = free_beam_point_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
@@ -1479,6 +1488,10 @@ TISSERAND_APART int free_beam_point_energy_blocks(
         free_beam_point_energy_states(8, 8, q, v, k, energy);
         return 0;
     }
+    if (n == 2) {
+        free_beam_point_energy_states(2, 2, q, v, k, energy);
+        return 0;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         free_beam_point_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
@@ -1576,6 +1589,10 @@ TISSERAND_APART int free_beam_point_momentum_blocks(
         free_beam_point_momentum_states(8, 8, q, v, k, momentum);
         return 0;
     }
+    if (n == 2) {
+        free_beam_point_momentum_states(2, 2, q, v, k, momentum);
+        return 0;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         free_beam_point_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
@@ -1654,6 +1671,10 @@ TISSERAND_APART int free_beam_point_rates_blocks(
 
     if (n == 8) {
         free_beam_point_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    if (n == 2) {
+        free_beam_point_rates_states(2, 2, q, v, k, qdot);
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {

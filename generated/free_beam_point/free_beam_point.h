@@ -249,8 +249,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_POINT_HASH "98fda36cb712bb7a"
-#define FREE_BEAM_POINT_HASH_98fda36cb712bb7a
+#define FREE_BEAM_POINT_HASH "ed432b673f44fde9"
+#define FREE_BEAM_POINT_HASH_ed432b673f44fde9
 
 /* ---- sizes and indices ---- */
 

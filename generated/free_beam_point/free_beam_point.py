@@ -110,7 +110,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_point"
-HASH = "98fda36cb712bb7a"
+HASH = "ed432b673f44fde9"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")

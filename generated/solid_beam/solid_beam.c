@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_2b145fbdc5d3d1d8
+#ifndef SOLID_BEAM_HASH_eb44996ad860c8aa
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -4066,6 +4066,10 @@ TISSERAND_APART int solid_beam_energy_blocks(
         solid_beam_energy_states(8, 8, q, v, k, energy);
         return 0;
     }
+    if (n == 2) {
+        solid_beam_energy_states(2, 2, q, v, k, energy);
+        return 0;
+    }
     for (; n % 256 == 0 && left > 0; left -= 32) {
         solid_beam_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
@@ -4415,6 +4419,11 @@ TISSERAND_APART int solid_beam_rates_blocks(
 
     if (n == 8) {
         const int failed = solid_beam_rates_states(8, 8, q, v, k, qdot);
+        if (code == 0) code = failed;
+        return code;
+    }
+    if (n == 2) {
+        const int failed = solid_beam_rates_states(2, 2, q, v, k, qdot);
         if (code == 0) code = failed;
         return code;
     }

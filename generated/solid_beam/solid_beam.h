@@ -432,8 +432,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SOLID_BEAM_HASH "2b145fbdc5d3d1d8"
-#define SOLID_BEAM_HASH_2b145fbdc5d3d1d8
+#define SOLID_BEAM_HASH "eb44996ad860c8aa"
+#define SOLID_BEAM_HASH_eb44996ad860c8aa
 
 /* ---- sizes and indices ---- */
 

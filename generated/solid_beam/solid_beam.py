@@ -284,7 +284,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "solid_beam"
-HASH = "2b145fbdc5d3d1d8"
+HASH = "eb44996ad860c8aa"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPINNING_BEAM_HASH_0842439d0bbd9880
+#ifndef SPINNING_BEAM_HASH_21b1a15b74520ba3
 #  error "spinning_beam.h and spinning_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -118,7 +118,6 @@ int spinning_beam_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
 {
-
     /* integrals (appendix): shape integrals, stiffness, and constants computed from them */
     const double p_l = p[1];
     const double t1 = p_l * p_l;
@@ -178,7 +177,6 @@ int spinning_beam_mass(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
     const double beam_alpha1 = q[3];
     const double beam_c8_1_1 = k[2];
@@ -208,7 +206,6 @@ int spinning_beam_force(
     const double *TISSERAND_RESTRICT k,
     double *h)
 {
-
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
@@ -261,7 +258,6 @@ int spinning_beam_mass_force(
     double *M,
     double *h)
 {
-
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
     const double beam_alpha1 = q[3];
     const double beam_c8_1_1 = k[2];
@@ -331,7 +327,6 @@ int spinning_beam_accel(
     const double *TISSERAND_RESTRICT k,
     double *vdot)
 {
-
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
     const double beam_alpha1 = q[3];
     const double beam_c8_1_1 = k[2];
@@ -400,7 +395,6 @@ int spinning_beam_energy(
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
     const double beam_alpha1 = q[3];
     const double beam_c8_1_1 = k[2];
@@ -437,7 +431,6 @@ int spinning_beam_momentum(
     const double *TISSERAND_RESTRICT k,
     double *momentum)
 {
-
     /* beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2 */
     const double beam_alpha1 = q[3];
     const double beam_c8_1_1 = k[2];
@@ -495,7 +488,6 @@ int spinning_beam_marker_beam_left(
     double *xdot,
     double *jacobian)
 {
-
     /*
      * beam left (1): beam_left_r_2 = r = X + u at left, along e2; ...; beam_left_sdot_2 = Q rdot at
      *     left, along e2
@@ -598,7 +590,6 @@ int spinning_beam_marker_beam_right(
     double *xdot,
     double *jacobian)
 {
-
     /*
      * beam right (1): beam_right_r_2 = r = X + u at right, along e2; ...; beam_right_sdot_2 = Q
      *     rdot at right, along e2
@@ -650,7 +641,6 @@ int spinning_beam_load_beam_left(
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
@@ -721,7 +711,6 @@ int spinning_beam_load_beam_right(
     const double *TISSERAND_RESTRICT k,
     double *f)
 {
-
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
@@ -942,7 +931,6 @@ int spinning_beam_residual(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
@@ -1018,7 +1006,6 @@ int spinning_beam_jacobian(
     const double *TISSERAND_RESTRICT k,
     double *jac)
 {
-
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
@@ -1095,7 +1082,6 @@ int spinning_beam_residual_ggl(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
@@ -1171,7 +1157,6 @@ int spinning_beam_jacobian_ggl(
     const double *TISSERAND_RESTRICT k,
     double *jac)
 {
-
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
@@ -1246,7 +1231,6 @@ int spinning_beam_residual_index1(
     const double *TISSERAND_RESTRICT k,
     double *F)
 {
-
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
@@ -1322,7 +1306,6 @@ int spinning_beam_jacobian_index1(
     const double *TISSERAND_RESTRICT k,
     double *jac)
 {
-
     /*
      * beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
      *     angle
@@ -1474,6 +1457,10 @@ TISSERAND_APART int spinning_beam_mass_blocks(
         spinning_beam_mass_states(8, 8, q, k, M);
         return 0;
     }
+    if (n == 2) {
+        spinning_beam_mass_states(2, 2, q, k, M);
+        return 0;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         spinning_beam_mass_copied32(all, q, k, M);
         q += 32; M += 32;
@@ -1566,6 +1553,10 @@ TISSERAND_APART int spinning_beam_force_blocks(
 
     if (n == 8) {
         spinning_beam_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    if (n == 2) {
+        spinning_beam_force_states(2, 2, t, q, v, k, h);
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {
@@ -1674,6 +1665,10 @@ TISSERAND_APART int spinning_beam_mass_force_blocks(
 
     if (n == 8) {
         spinning_beam_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    if (n == 2) {
+        spinning_beam_mass_force_states(2, 2, t, q, v, k, M, h);
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
@@ -1797,6 +1792,11 @@ TISSERAND_APART int spinning_beam_accel_blocks(
         if (code == 0) code = failed;
         return code;
     }
+    if (n == 2) {
+        const int failed = spinning_beam_accel_states(2, 2, t, q, v, k, vdot);
+        if (code == 0) code = failed;
+        return code;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         const int failed = spinning_beam_accel_copied32(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
@@ -1896,6 +1896,10 @@ TISSERAND_APART int spinning_beam_energy_blocks(
         spinning_beam_energy_states(8, 8, q, v, k, energy);
         return 0;
     }
+    if (n == 2) {
+        spinning_beam_energy_states(2, 2, q, v, k, energy);
+        return 0;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         spinning_beam_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
@@ -1982,6 +1986,10 @@ TISSERAND_APART int spinning_beam_momentum_blocks(
         spinning_beam_momentum_states(8, 8, q, v, k, momentum);
         return 0;
     }
+    if (n == 2) {
+        spinning_beam_momentum_states(2, 2, q, v, k, momentum);
+        return 0;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         spinning_beam_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
@@ -2060,6 +2068,10 @@ TISSERAND_APART int spinning_beam_rates_blocks(
 
     if (n == 8) {
         spinning_beam_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    if (n == 2) {
+        spinning_beam_rates_states(2, 2, q, v, k, qdot);
         return 0;
     }
     for (; n % 512 == 0 && left > 0; left -= 32) {

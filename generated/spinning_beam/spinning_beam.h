@@ -271,8 +271,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPINNING_BEAM_HASH "0842439d0bbd9880"
-#define SPINNING_BEAM_HASH_0842439d0bbd9880
+#define SPINNING_BEAM_HASH "21b1a15b74520ba3"
+#define SPINNING_BEAM_HASH_21b1a15b74520ba3
 
 /* ---- sizes and indices ---- */
 

@@ -131,7 +131,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spinning_beam"
-HASH = "0842439d0bbd9880"
+HASH = "21b1a15b74520ba3"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2")
 VELOCITIES = ("beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot")
 PARAMETERS = ("m", "l", "EI")

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPUN_UP_CANTILEVER_HASH_e376c10667cec919
+#ifndef SPUN_UP_CANTILEVER_HASH_253cc937aa3d0267
 #  error "spun_up_cantilever.h and spun_up_cantilever.c are of different builds; run tisserand build again"
 #endif
 
@@ -2398,6 +2398,10 @@ TISSERAND_APART int spun_up_cantilever_mass_blocks(
         spun_up_cantilever_mass_states(8, 8, q, k, M);
         return 0;
     }
+    if (n == 2) {
+        spun_up_cantilever_mass_states(2, 2, q, k, M);
+        return 0;
+    }
     for (; n % 256 == 0 && left > 0; left -= 32) {
         spun_up_cantilever_mass_copied32(all, q, k, M);
         q += 32; M += 32;
@@ -2499,6 +2503,10 @@ TISSERAND_APART int spun_up_cantilever_force_blocks(
 
     if (n == 8) {
         spun_up_cantilever_force_states(8, 8, t, q, v, k, h);
+        return 0;
+    }
+    if (n == 2) {
+        spun_up_cantilever_force_states(2, 2, t, q, v, k, h);
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {
@@ -2630,6 +2638,10 @@ TISSERAND_APART int spun_up_cantilever_mass_force_blocks(
 
     if (n == 8) {
         spun_up_cantilever_mass_force_states(8, 8, t, q, v, k, M, h);
+        return 0;
+    }
+    if (n == 2) {
+        spun_up_cantilever_mass_force_states(2, 2, t, q, v, k, M, h);
         return 0;
     }
     for (; n % 128 == 0 && left > 0; left -= 32) {
@@ -2989,6 +3001,10 @@ TISSERAND_APART int spun_up_cantilever_energy_blocks(
         spun_up_cantilever_energy_states(8, 8, q, v, k, energy);
         return 0;
     }
+    if (n == 2) {
+        spun_up_cantilever_energy_states(2, 2, q, v, k, energy);
+        return 0;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         spun_up_cantilever_energy_copied32(all, q, v, k, energy);
         q += 32; v += 32; energy += 32;
@@ -3091,6 +3107,10 @@ TISSERAND_APART int spun_up_cantilever_momentum_blocks(
         spun_up_cantilever_momentum_states(8, 8, q, v, k, momentum);
         return 0;
     }
+    if (n == 2) {
+        spun_up_cantilever_momentum_states(2, 2, q, v, k, momentum);
+        return 0;
+    }
     for (; n % 512 == 0 && left > 0; left -= 32) {
         spun_up_cantilever_momentum_copied32(all, q, v, k, momentum);
         q += 32; v += 32; momentum += 32;
@@ -3171,6 +3191,10 @@ TISSERAND_APART int spun_up_cantilever_rates_blocks(
 
     if (n == 8) {
         spun_up_cantilever_rates_states(8, 8, q, v, k, qdot);
+        return 0;
+    }
+    if (n == 2) {
+        spun_up_cantilever_rates_states(2, 2, q, v, k, qdot);
         return 0;
     }
     for (; n % 256 == 0 && left > 0; left -= 32) {

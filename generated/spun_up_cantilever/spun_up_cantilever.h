@@ -239,8 +239,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPUN_UP_CANTILEVER_HASH "e376c10667cec919"
-#define SPUN_UP_CANTILEVER_HASH_e376c10667cec919
+#define SPUN_UP_CANTILEVER_HASH "253cc937aa3d0267"
+#define SPUN_UP_CANTILEVER_HASH_253cc937aa3d0267
 
 /* ---- sizes and indices ---- */
 

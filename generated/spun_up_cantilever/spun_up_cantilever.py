@@ -100,7 +100,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spun_up_cantilever"
-HASH = "e376c10667cec919"
+HASH = "253cc937aa3d0267"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2", "beam_alpha3")
 VELOCITIES = (
     "beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot",

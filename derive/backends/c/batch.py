@@ -27,10 +27,12 @@ WIDTHS = {32: 256, 16: 256, 8: 512, 4: None}
 Fewer than eight read the tables too often.
 """
 SHORT = 60
-"""Statements of a kernel that is compiled again for the states that fill no block, and for a batch of one block.
+"""Statements of a kernel that is compiled again for the states that fill no block, and for the batches of KNOWN.
 
 Of other kernels the function of single states computes the former, with a copy of each state.
 """
+KNOWN = (STRAIGHT, 2)
+"""Batches whose number of states, and with it the distance of rows, compilers know: two states take a third less."""
 COPIES = {32: 128, 1: None}
 """States that are copied at once, the best first, and the kilobytes of stack that they may take; see `_spacing`."""
 SPACINGS = (64, 128, 256, 512)
@@ -136,7 +138,6 @@ def _body(model: str, kernel: Kernel, checked: bool) -> Lines:
 
 
 def _blocks(block: StateBlock) -> Lines:
-    """A batch of one block has a stride that compilers know."""
     kernel = block.kernel
     name, passed = _name(block.model, kernel), ", ".join(names(kernel))
     checked, short = block.checked, _is_short(block)
@@ -154,7 +155,8 @@ def _blocks(block: StateBlock) -> Lines:
     lines = ["    const ptrdiff_t all = n;", f"    int left = n{', code = 0' if checked else ''};", ""]
     if short:
         result = "code" if checked else "0"
-        lines += part(f"if (n == {STRAIGHT})", states(str(STRAIGHT), str(STRAIGHT)), f"return {result};")
+        for count in KNOWN:
+            lines += part(f"if (n == {count})", states(str(count), str(count)), f"return {result};")
     copies, spacing, width = _copies(kernel), _spacing(block), block.width
     if spacing:
         head = f"for (; n % {spacing} == 0 && left > 0; left -= {copies})"

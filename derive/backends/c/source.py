@@ -165,10 +165,11 @@ def _function(model: Model, kernel: Kernel) -> list[SourceLine]:
     Compilers keep values in the order of the text: what is loaded before a call, such as that of a sine far from 0, or
     long before its use, goes to the stack in between.
     """
-    lines = plain(*_signature_of(model, kernel), "{", *_arguments(kernel))
+    named = _arguments(kernel)
+    lines = plain(*_signature_of(model, kernel), "{", *named)
     loops, loads = CLoops(), _element_loads(kernel)
     for k, section in enumerate(kernel.sections):
-        lines += plain("", *comment([section_text(section)], "    "))
+        lines += plain(*([""] if k or named else []), *comment([section_text(section)], "    "))
         lines += _section(section, k, loops, loads)
     return [*lines, *plain("    return 0;", "}")]
 
