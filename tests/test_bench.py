@@ -125,7 +125,7 @@ def test_order_cost() -> None:
         "4 / 4 / 4",
         "5 / 7 / 9",
         "10 / 10 / 51",
-        "12 / 13 / 57",
+        "11 / 13 / 57",
     ]
     assert all(float(ns) > 0 for ns in cells[7].split("/"))
 

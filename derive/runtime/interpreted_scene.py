@@ -60,6 +60,10 @@ class InterpretedFunction(CompiledFunction):
         out[:] = result
         return out
 
+    def at(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
+        """The same for the inputs q, v, k and the number t."""
+        return self((q, v, k), t, out=out)
+
     def results(self, arrays: tuple[ArrayLike, ...], *numbers: float) -> list[Vector]:
         """All results. Raises ModelError where the compiled function returns a code other than 0."""
         vectors, scalars = iter(arrays), iter(numbers)
