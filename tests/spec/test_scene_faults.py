@@ -122,7 +122,8 @@ NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ ar
             "length = 1",
             "length = 1\nansatz = { kind = 'pinned', count = 2 }\nstart = { deflection = 'xi^2' }",
             "11: bodies.rod.start.deflection: the shape functions of rod cannot describe this curve; it must be a "
-            "combination of 1 and xi, for families of shape functions hold no polynomials",
+            "combination of 1 and xi, for families of shape functions hold no polynomials; or write `guess = true`, "
+            "which takes the nearest curve that they have",
         ),
         ("length = 1", "length = 1\npieces = 0", "10: bodies.rod.pieces: a beam is cut into 1 to 64 pieces, not 0"),
         ("length = 1", "length = 1\npieces = 65", "10: bodies.rod.pieces: a beam is cut into 1 to 64 pieces, not 65"),
@@ -150,7 +151,8 @@ NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ ar
             "length = 1",
             'length = 1\nstart = { deflection = "xi^4" }',
             "10: bodies.rod.start.deflection: the shape functions of rod cannot describe this curve; it must be a "
-            "combination of 1, xi and the ansatz: add its powers to `ansatz`",
+            "combination of 1, xi and the ansatz: add its powers to `ansatz`; or write `guess = true`, which takes the "
+            "nearest curve that they have",
         ),
         (
             "length = 1",

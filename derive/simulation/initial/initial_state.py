@@ -18,6 +18,7 @@ from derive.simulation.errors import ExcessiveDeformation, MovingDrives
 from derive.simulation.initial.assembler import Assembler
 from derive.simulation.initial.assembly import EXACT, Assembly, assemble
 from derive.simulation.initial.contradictions import InitialValue, Misfit
+from derive.simulation.initial.deflection_remainders import deflection_remainders
 from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_velocities import velocities
 from derive.simulation.initial.kinematics import Kinematics
@@ -38,7 +39,8 @@ class InitialState:
 
     position_error, velocity_error: the largest |g| (m, rad) and |gdot| (m/s, rad/s). deformed, deforming: whether
     deformations, or their rates, had to change from those of the guess. values: what the specification gives, and what
-    the state has. equilibrium: the static equilibrium that the state is, if it is one.
+    the state has. equilibrium: the static equilibrium that the state is, if it is one. remainders: a line on each
+    deflection that shapes do not have, and approximate.
     """
 
     t: float
@@ -50,6 +52,7 @@ class InitialState:
     deforming: bool
     values: tuple[InitialValue, ...] = ()
     equilibrium: Equilibrium | None = None
+    remainders: tuple[str, ...] = ()
 
     @property
     def corrections(self) -> tuple[InitialValue, ...]:
@@ -58,12 +61,12 @@ class InitialState:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """A line on each given value that is changed, and on the equilibrium, for a user to read."""
+        """A line on each given value that is changed or approximated, and on the equilibrium, for a user to read."""
         reason = (
             "its value in equilibrium" if self.equilibrium else "corrected: it contradicts the joints or other values"
         )
         balance = (str(self.equilibrium),) if self.equilibrium else ()
-        return (*balance, *(f"{value} ({reason})" for value in self.corrections))
+        return (*balance, *self.remainders, *(f"{value} ({reason})" for value in self.corrections))
 
 
 def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) -> InitialState:
@@ -95,8 +98,8 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     result = velocities(assembler, q, [target for target in every if target.rate], momentum)
     check_constraints(native, constants, 0.0, q)
     values = _values(assembler, q, result.v, every, (*assembly.misfits, *result.misfits))
-    errors = assembly.error, result.error
-    return InitialState(0.0, q, result.v, *errors, assembly.deformed, result.deforming, values, balance)
+    errors, changed = (assembly.error, result.error), (assembly.deformed, result.deforming)
+    return InitialState(0.0, q, result.v, *errors, *changed, values, balance, deflection_remainders(scene))
 
 
 def _values(

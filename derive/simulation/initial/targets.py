@@ -11,7 +11,8 @@ from fractions import Fraction
 import numpy as np
 import sympy as sp
 
-from derive.mechanics.bodies.reference_conditions import PieceDeflection, piece_deflection
+from derive.mechanics.bodies.deflection_projection import projection
+from derive.mechanics.bodies.reference_conditions import PieceDeflection
 from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.point_motion import RelativeMotion, fixed_point
@@ -136,11 +137,11 @@ def _pieces(body: SceneBody) -> tuple[_Piece, ...]:
 
 
 def piece_deflections(beam: BeamBody, curve: tuple[Fraction, ...] | None) -> tuple[PieceDeflection, ...]:
-    """A deflection (None for a straight beam) on each piece of a beam."""
+    """A deflection (None for a straight beam) on each piece of a beam: the nearest that its shapes have."""
     shapes = shape_functions(beam)
-    straight = PieceDeflection(Fraction(0), Fraction(0), (Fraction(0),) * len(shapes))
-    parts = [piece_deflection(curve, shapes, beam.pieces, k) if curve else straight for k in range(beam.pieces)]
-    return tuple(part for part in parts if part is not None)  # the specification refuses curves of which none is known
+    if not curve:
+        return (PieceDeflection(Fraction(0), Fraction(0), (Fraction(0),) * len(shapes)),) * beam.pieces
+    return projection(curve, shapes, beam.pieces).parts
 
 
 def _amplitudes(beam: BeamBody, curve: tuple[Fraction, ...] | None) -> Iterator[tuple[str, float]]:

@@ -122,4 +122,4 @@ _WHAT = {
 
 def percent(value: float) -> str:
     """A ratio as text, to two digits."""
-    return f"{value * 100:.2g} %" if value < 1 else f"{value * 100:.0f} %"
+    return f"{value * 100:.2g} %" if value < 0.995 else f"{value * 100:.0f} %"

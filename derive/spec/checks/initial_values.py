@@ -18,7 +18,7 @@ from derive.spec.tables.beam_shapes import ShapeKeys
 def body_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Fault]:
     """Deflections of a beam that its shape functions cannot describe, in any number of pieces that the scene names."""
     start = body.get("start")
-    if not isinstance(start, dict):
+    if not isinstance(start, dict) or start.get("guess") is True:  # a guess is approached by the nearest curve
         return
     try:
         deflection = ShapeKeys.model_validate(body).deflection()
@@ -34,6 +34,7 @@ def body_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Fault]:
     combination = "1, xi and the ansatz: add its powers to `ansatz`"
     if isinstance(deflection.ansatz, ShapeFamily):
         combination = "1 and xi, for families of shape functions hold no polynomials"
+    nearest = "; or write `guess = true`, which takes the nearest curve that they have"
     for key in ("deflection", "deflection_rate"):
         curve = readable(values.shape, start[key]) if key in start else None
         if curve is None:
@@ -42,7 +43,7 @@ def body_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Fault]:
             if any(piece_deflection(curve, shapes, pieces, k) is None for k in range(pieces)):
                 cut = f" in {pieces} pieces" if pieces > 1 else ""
                 text = f"the shape functions of {name}{cut} cannot describe this curve; it must be a combination of "
-                yield Fault(("bodies", name, "start", key), text + combination)
+                yield Fault(("bodies", name, "start", key), text + combination + nearest)
                 break
 
 

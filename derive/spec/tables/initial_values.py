@@ -18,7 +18,7 @@ Guess = Annotated[
     Truth,
     Field(
         description="Whether these values are a first guess from which the mechanism is assembled; otherwise the "
-        "initial state keeps them."
+        "initial state keeps them. A guessed deflection that the shapes do not have is replaced by the nearest one."
     ),
 ]
 

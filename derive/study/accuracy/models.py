@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from itertools import product
 from typing import assert_never
 
-from derive.errors import Problem, SpecError
-from derive.simulation.observables.motion import si_value
+from derive.mechanics.bodies.deflection_projection import projection
+from derive.mechanics.bodies.reference_conditions import assumed_shapes
+from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
+from derive.simulation.initial.deflection_remainders import remainder_lines
+from derive.simulation.observables.beams import beam_bodies, shape_functions
 from derive.spec.construction import validated
 from derive.spec.model.body import DisplacementOrder, FamilyKind, Frame, Polynomial, ShapeFamily
-from derive.spec.model.markers import PointMarker
+from derive.spec.model.plots import ColumnCurves
+from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
 from derive.spec.parsing import choices
 from derive.spec.tables.beam_shapes import frame_from
+from derive.study.accuracy.rigid_beam import rigid_beam
 from derive.terminal import beam_count
 
 
@@ -55,17 +60,35 @@ ORDERS = {
 
 @dataclass(frozen=True)
 class LadderModel:
-    """How the beams of a scene are modelled: the order and the kind of shapes, their number, the frame, the pieces."""
+    """How the beams of a scene are modelled: the order and the kind of shapes, their number, the frame, the pieces.
+
+    beams: models of the beams by their names, where they differ; the other fields are then those of the finest.
+    """
 
     shapes: Shapes
     count: int = 0
     order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
     frame: str = "mean"
     pieces: int = 1
+    beams: tuple[tuple[str, LadderModel], ...] = ()
+
+    def of(self, beam: str) -> LadderModel:
+        """The model of a beam."""
+        return dict(self.beams).get(beam, self)
+
+    @property
+    def size(self) -> int:
+        """The coordinates of a beam without its joints; a rigid one counts as none."""
+        return self.pieces * (3 * (self.count > 0) + self.count)
 
     @property
     def label(self) -> str:
-        """The model in a few words: 2 beams, P2 to P4, full."""
+        """The model in a few words: 2 beams, P2 to P4, full; crank: rigid; rod: 1 sine, first."""
+        if self.beams:
+            groups: dict[str, list[str]] = {}
+            for name, model in self.beams:
+                groups.setdefault(model.label, []).append(name)
+            return "; ".join(f"{', '.join(names)}: {label}" for label, names in groups.items())
         match self.shapes:
             case Shapes.RIGID:
                 return "rigid"
@@ -106,9 +129,15 @@ class LadderRange:
 
 def ladder(limits: LadderRange) -> tuple[LadderModel, ...]:
     """The models in the order of their number of coordinates, from rigid beams on."""
-    return tuple(
-        sorted(dict.fromkeys(_models(limits)), key=lambda m: (m.pieces * (3 * (m.count > 0) + m.count), m.label))
-    )
+    return tuple(sorted(dict.fromkeys(_models(limits)), key=lambda m: (m.size, m.label)))
+
+
+def mixed(beams: Mapping[str, LadderModel]) -> LadderModel:
+    """The model of a scene whose beams are modelled so, by their names."""
+    models = tuple(beams.values())
+    if all(model == models[0] for model in models):
+        return models[0]
+    return replace(max(models, key=lambda m: m.size), beams=tuple(beams.items()))
 
 
 def _models(limits: LadderRange) -> Iterator[LadderModel]:
@@ -123,14 +152,32 @@ def _models(limits: LadderRange) -> Iterator[LadderModel]:
 
 
 def model_scene(scene: Scene, model: LadderModel) -> Scene:
-    """The scene with all its beams modelled so. Raises SpecError if they cannot be."""
-    bodies = tuple(_modelled(body, model) if isinstance(body, BeamBody) else body for body in scene.bodies)
-    return validated(replace(scene, bodies=bodies, plots=tuple(replace(p, cut=None, pieces=()) for p in scene.plots)))
+    """The scene with all its beams modelled so, and of its outputs those that it plots.
+
+    Raises SpecError if they cannot be.
+    """
+    bodies = tuple(modelled(body, model.of(body.name)) if isinstance(body, BeamBody) else body for body in scene.bodies)
+    plots = tuple(replace(plot, cut=None, pieces=()) for plot in scene.plots)
+    return validated(replace(scene, bodies=bodies, plots=plots, outputs=plotted_outputs(scene)))
 
 
-def _modelled(body: BeamBody, model: LadderModel) -> BeamBody | RigidBody:
+def plotted_outputs(scene: Scene) -> tuple[SceneOutput, ...]:
+    """The outputs whose components are columns of a plot; others may need what a model does not have."""
+    quantities = (plot.quantity for plot in scene.plots)
+    used = {column for of in quantities if isinstance(of, ColumnCurves) for column in (of.x, *of.y)}
+    return tuple(output for output in scene.outputs if used & set(output_columns(output)))
+
+
+def output_columns(output: SceneOutput) -> tuple[str, ...]:
+    """The names of the columns of an output."""
+    labels = {**OUTPUTS, **MONITORS}[output.kind].labels
+    return tuple(f"{output.name}_{label}" if label else output.name for label in labels)
+
+
+def modelled(body: BeamBody, model: LadderModel) -> BeamBody | RigidBody:
+    """A beam modelled so, as a rigid body if the model is rigid; see `startable`. Raises SpecError if it cannot be."""
     if model.shapes is Shapes.RIGID:
-        return _rigid(body)
+        return rigid_beam(body)
     ansatz: tuple[Polynomial, ...] | ShapeFamily
     if model.shapes in FAMILIES:
         family, frame = FAMILIES[model.shapes]
@@ -140,25 +187,32 @@ def _modelled(body: BeamBody, model: LadderModel) -> BeamBody | RigidBody:
         ansatz = tuple(tuple(Fraction(int(i == n)) for i in range(n + 1)) for n in range(model.count + 2))
     orthogonal = frame.kind == "mean" and model.shapes is Shapes.POLYNOMIALS
     beam = replace(body.beam, ansatz=ansatz, frame=frame, orthogonal=orthogonal, order=model.order, ends=None)
-    return replace(body, beam=beam, pieces=model.pieces)
+    return _startable(replace(body, beam=beam, pieces=model.pieces))
+
+
+def _startable(body: BeamBody) -> BeamBody:
+    """The beam with its initial values as a guess if its shapes do not have its initial deflection or its rate."""
+    curves, shapes = (body.start.deflection, body.start.deflection_rate), assumed_shapes(body.beam.deflection)
+    if any(projection(curve, shapes, body.pieces).remainder for curve in curves if curve):
+        return replace(body, start=replace(body.start, guess=True))
+    return body
+
+
+def start_remainders(scene: Scene, model: LadderModel) -> tuple[str, ...]:
+    """A line on each initial deflection of which a model of a scene has only the nearest that its shapes describe."""
+    lines: list[str] = []
+    for beam in beam_bodies(scene):
+        body = modelled(beam, model.of(beam.name))
+        rigid = isinstance(body, RigidBody)
+        shapes, pieces = ((), 1) if isinstance(body, RigidBody) else (shape_functions(body), body.pieces)
+        lines += remainder_lines(beam, shapes, pieces, "the rigid motion" if rigid else "the shapes")
+    return tuple(lines)
 
 
 def _frame(name: str) -> Frame:
     """A frame by its name in a command; a tangent frame is at the left end."""
     kind = choices.frame_kind(name)
     return frame_from(kind, Fraction(-1) if kind == "tangent" else None)
-
-
-def _rigid(body: BeamBody) -> RigidBody:
-    """The beam as a rigid body of the same mass and length. Raises SpecError where that is not the whole beam."""
-    beam = body.beam
-    if beam.masses or body.loads:
-        what = "attached masses" if beam.masses else "distributed loads"
-        raise SpecError((Problem(f"bodies.{body.name}", f"a rigid body has no {what}"),))
-    mass, length = (Fraction(str(si_value(q))) for q in (beam.mass, beam.length))
-    markers = tuple(PointMarker(m.name, m.at * length / 2, Fraction(0)) for m in beam.markers)
-    start = replace(body.start, deflection=None, deflection_rate=None)
-    return RigidBody(body.name, mass, mass * length**2 / 12, markers=markers, start=start)
 
 
 def refinements() -> tuple[LadderModel, ...]:

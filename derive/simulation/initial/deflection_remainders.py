@@ -1,0 +1,33 @@
+"""Initial deflections that the shapes of a beam do not have, and how much of them is left."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from derive.mechanics.bodies.beam_functions import BeamFunction
+from derive.mechanics.bodies.deflection_projection import projection
+from derive.simulation.observables.beams import beam_bodies, shape_functions
+from derive.simulation.validity.monitors import percent
+from derive.spec.model.scene import BeamBody, Scene
+
+
+def deflection_remainders(scene: Scene) -> tuple[str, ...]:
+    """A line on each initial deflection that is approximated by the nearest one that the shapes of its beam have."""
+    beams = beam_bodies(scene)
+    return tuple(line for beam in beams for line in remainder_lines(beam, shape_functions(beam), beam.pieces))
+
+
+def remainder_lines(
+    beam: BeamBody, shapes: tuple[BeamFunction, ...], pieces: int, what: str = "the shapes"
+) -> Iterator[str]:
+    """A line on the initial deflection of a beam, and on its rate, unless these shapes of its pieces describe them.
+
+    what: what has these shapes.
+    """
+    for key, curve in (("deflection", beam.start.deflection), ("deflection_rate", beam.start.deflection_rate)):
+        remainder = projection(curve, shapes, pieces).remainder if curve else 0.0
+        if remainder:
+            yield (
+                f"bodies.{beam.name}.start.{key}: {percent(remainder)} of it (rms) is not in {what} of "
+                f"{beam.name}; the motion starts with the nearest that is"
+            )
