@@ -14,10 +14,11 @@ import derive
 from conftest import ROOT
 from derive.spec.model.scene import Scene
 from derive.visual.kkt_matrix import kkt_picture
-from derive.visual.line_chart import Chart, Curve, svg
+from derive.visual.line_chart import Chart, Curve, Panel, svg
 from derive.visual.mechanism import mechanism_picture
 from derive.visual.mode_shapes import ModePanel, mode_picture
 from derive.visual.sparsity import mass_patterns
+from svg_text import outside
 
 SVG = "{http://www.w3.org/2000/svg}"
 LIGHT, DARK = "#ffffff", "#13171b"
@@ -36,7 +37,7 @@ def pictures() -> Iterator[tuple[str, str]]:
     yield "mechanism", mechanism_picture(scene)
     line = np.array([[0.0, 0.0], [1.0, 0.5]])
     yield "modes", mode_picture("modes", "note", [ModePanel("1", [line], [line + 0.1], [line - 0.1])], line)
-    yield "chart", svg(Chart("title", "time", "s", "y", (Curve("a", np.arange(3.0), np.arange(3.0)),)))
+    yield "chart", svg(Chart("title", "time", "s", (Panel("y", "", (Curve("a", np.arange(3.0), np.arange(3.0)),)),)))
 
 
 def backgrounds(text: str) -> tuple[str, str]:
@@ -59,3 +60,8 @@ def backgrounds(text: str) -> tuple[str, str]:
 @pytest.mark.parametrize(("name", "text"), [pytest.param(*each, id=Path(each[0]).stem) for each in pictures()])
 def test_the_background_is_opaque(name: str, text: str) -> None:
     assert backgrounds(text) == (LIGHT, DARK)
+
+
+@pytest.mark.parametrize(("name", "text"), [pytest.param(*each, id=Path(each[0]).stem) for each in pictures()])
+def test_all_texts_are_within_the_picture(name: str, text: str) -> None:
+    assert outside(text) == []

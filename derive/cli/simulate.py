@@ -160,7 +160,7 @@ def _files(main: Trajectory | BodyTrajectory, shown: Sequence[PlotCurves]) -> li
         page = spatial_player_page(spatial_player_data(main))
     else:
         columns = [
-            Column(curve.label or text.doc, text.y_unit, curve.y)
+            Column(curve.label or text.doc, curve.unit, curve.y)
             for plot, text, _ in texts
             for curve in plot_curves(plot, main, "")
         ]

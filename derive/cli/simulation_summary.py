@@ -93,6 +93,7 @@ def _plot(main: Trajectory | BodyTrajectory, plot: Plot, curves: Sequence[PlotCu
         "curves": [
             {
                 "label": curve.label,
+                "unit": curve.unit,
                 "least": dict(zip(("value", "at"), curve.least, strict=True)),
                 "largest": dict(zip(("value", "at"), curve.largest, strict=True)),
                 "error": dict(zip(("rms", "max"), curve.error, strict=True)) if curve.error else None,
@@ -135,7 +136,7 @@ def _extremes(plot: Plain) -> Iterator[str]:
     for curve in plot["curves"]:
         values = (f"{curve[end][key]:.6g}" for end in ("least", "largest") for key in ("value", "at"))
         errors = [f"{percent(curve['error'][key])} %" for key in ("rms", "max")] if curve["error"] else []
-        rows.append([curve["label"], *values, *errors])
+        rows.append([with_unit(curve["label"], curve["unit"]), *values, *errors])
     yield from table(rows)
     if any(curve["error"] for curve in plot["curves"]):
         yield f"  errors: deviations from {plot['reference']}, relative to its peak"

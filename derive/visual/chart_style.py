@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import io
+import math
 import re
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 from derive.artifacts import MARK
+from derive.visual.text_metrics import FONT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from matplotlib.transforms import Bbox
 
 INK, FAINT, LIGHT, REFERENCE, BACKGROUND = "#1c2733", "#8a949e", "#c9d0d6", "#9aa5af", "#ffffff"
 DARK = {INK: "#e6edf3", FAINT: "#7d8790", LIGHT: "#3a434c", REFERENCE: "#76828d", BACKGROUND: "#13171b"}
@@ -23,7 +26,7 @@ page around the picture.
 SETTINGS: Any = {
     "svg.hashsalt": "tisserand",
     "svg.fonttype": "none",
-    "font.family": "DejaVu Sans",
+    "font.family": FONT,
     "font.size": 10,
     "figure.facecolor": BACKGROUND,
     "axes.facecolor": "none",
@@ -46,6 +49,12 @@ SETTINGS: Any = {
     "path.simplify": False,
 }
 """Those of matplotlib."""
+
+COLOURS = ("#d0702a", "#8661c1", "#1f8fbf", "#b3468a", "#5c8a2b", "#8c6d46")
+"""Colours of curves, which differ on white and on black."""
+
+OVERHANG = 0.08
+"""The margin beside what a figure of a given size would cut off, in inches."""
 
 
 def head(title: str) -> str:
@@ -72,17 +81,34 @@ def figure_svg(figure: Figure, title: str) -> str:
     """The text of a figure of matplotlib as SVG, with `title` for readers who do not see it.
 
     It carries our mark, uses the fonts of the page, follows the dark colour scheme, and has the same bytes each time.
+    It is larger than the figure where a label would be cut off.
     """
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     stream = io.StringIO()
     FigureCanvasSVG(figure)
-    figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    metadata = {"Date": None, "Creator": None, "Format": None, "Type": None}
+    figure.savefig(stream, format="svg", metadata=metadata, bbox_inches=_whole(figure))
     svg_tag = re.compile(r"<\?xml.*?<svg ([^>]*)>\n", re.DOTALL)
     text = svg_tag.sub(lambda m: f'<svg role="img" {m[1]}>\n{head(title)}\n', stream.getvalue())
     text = re.sub(r'(?<= d=")[^"]*', lambda m: _shorter(m[0]), text)
-    text = re.sub(r"(font: [^;\"]*?px) [^;\"]*", r"\1 system-ui, 'DejaVu Sans', sans-serif", text)
+    text = text.replace(f"font-family: '{FONT}'", f"font-family: system-ui, '{FONT}', sans-serif")
     return "".join(line.rstrip() + "\n" for line in text.splitlines())
+
+
+def _whole(figure: Figure) -> Bbox | None:
+    """The rectangle of a figure with what reaches beyond it, in inches; None if nothing does."""
+    from matplotlib.transforms import Bbox
+
+    width, height = figure.get_size_inches()
+    drawn = figure.get_tightbbox()
+    beyond = [
+        math.ceil(100 * (distance + OVERHANG)) / 100 if distance > 0 else 0.0
+        for distance in (-drawn.x0, -drawn.y0, drawn.x1 - width, drawn.y1 - height)
+    ]
+    if not any(beyond):
+        return None
+    return Bbox.from_extents(-beyond[0], -beyond[1], width + beyond[2], height + beyond[3])
 
 
 def titled(svg: str, titles: dict[str, str]) -> str:

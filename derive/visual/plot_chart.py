@@ -6,31 +6,40 @@ from collections.abc import Sequence
 from pathlib import PurePath
 
 from derive.simulation.observables.motion import reference_curve
-from derive.simulation.observables.plots import PlotCurve, PlotText, deflection_doc, percent, with_unit
+from derive.simulation.observables.plots import PlotCurve, PlotText, deflection_doc, percent
 from derive.spec.model.plots import Deflection, Plot
-from derive.visual.line_chart import Chart, Curve
+from derive.visual.line_chart import Chart, Curve, Panel
 
 
 def plot_chart(name: str, plot: Plot, text: PlotText, curves: Sequence[PlotCurve]) -> Chart:
-    """The chart of a plot of the scene `name`, with its reference and the deviations from it in percent."""
+    """The chart of a plot of the scene `name`, with its reference and the deviations from it in percent.
+
+    It has a panel for each unit, in the order of the curves.
+    """
     reference = None
-    deviations = [(curve.label, curve.deviation) for curve in curves if curve.deviation is not None]
     if plot.reference is not None:
         reference = Curve(f"reference: {PurePath(plot.reference.file).name}", *reference_curve(plot.reference.rows))
+    units = dict.fromkeys(curve.unit for curve in curves)
+    panels = [_panel(unit, [curve for curve in curves if curve.unit == unit], reference) for unit in units]
     quantity = plot.quantity
     return Chart(
         f"{name}: {deflection_doc(quantity) if isinstance(quantity, Deflection) else text.doc}",
         text.x_label,
         text.x_unit,
-        with_unit(text.y_label, text.y_unit),
-        tuple(Curve(_legend(curve), curve.x, curve.y) for curve in curves),
-        reference,
-        tuple(Curve(label, x, 100 * values) for label, (x, values) in deviations),
+        tuple(panels),
     )
 
 
-def _legend(curve: PlotCurve) -> str:
-    if curve.error is None:
-        return curve.label
+def _panel(unit: str, curves: Sequence[PlotCurve], reference: Curve | None) -> Panel:
+    """The curves of a unit."""
+    quantities = dict.fromkeys(curve.quantity for curve in curves)
+    return Panel(", ".join(quantities), unit, tuple(map(_drawn, curves)), reference)
+
+
+def _drawn(curve: PlotCurve) -> Curve:
+    if curve.deviation is None or curve.error is None:
+        return Curve(curve.label, curve.x, curve.y)
+    x, deviation = curve.deviation
     rms, largest = curve.error
-    return f"{curve.label}: rms {percent(rms)} %, max {percent(largest)} %"
+    label = f"{curve.label}: rms {percent(rms)} %, max {percent(largest)} %"
+    return Curve(label, curve.x, curve.y, (x, 100 * deviation))

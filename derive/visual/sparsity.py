@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from html import escape
 
 from derive.artifacts import MARK
 from derive.ir.model import Model
+from derive.visual.text_metrics import widest
 
-CELL, GAP, LABEL, HEAD, FOOT, FEW = 28, 44, 64, 56, 40, 24
+CELL, GAP, LABEL, MARGIN, HEAD, FOOT, FEW = 28, 44, 64, 56, 56, 40, 24
+TEXT, TITLE, NAMED_CELL = 13, 15, 12
+"""The sizes of texts, and the side of cells above which rows have their names, in pixels."""
 STYLE = """\
   <style>
     text { font: 13px system-ui, sans-serif; fill: #1c2733; } .ground { fill: #ffffff; }
@@ -25,9 +29,13 @@ def mass_patterns(models: Sequence[Model]) -> str:
     """The patterns of the mass matrices of some models side by side, with named rows."""
     size = max(model.pattern("mass", "M").rows for model in models)
     cell = CELL if size <= FEW else max(2, FEW * CELL // size)
-    width = len(models) * (LABEL + size * cell) + (len(models) - 1) * GAP + 64
+    names = (name for model in models for name in _names(model))
+    label = max(LABEL, math.ceil(widest(names, TEXT)) + 8) if cell > NAMED_CELL else LABEL
+    captions = max(widest((model.name for model in models), TITLE, bold=True), widest(map(_caption, models), TEXT))
+    panel = label + max(size * cell, math.ceil(captions) - MARGIN)
+    width = len(models) * panel + (len(models) - 1) * GAP + 8 + MARGIN
     height = HEAD + size * cell + FOOT
-    parts = [_panel(model, 8 + k * (LABEL + size * cell + GAP), cell) for k, model in enumerate(models)]
+    parts = [_panel(model, 8 + k * (panel + GAP) + label, cell) for k, model in enumerate(models)]
     counts = "; ".join(f"{m.name}: {_count(m)}" for m in models)
     return "\n".join(
         [
@@ -52,10 +60,15 @@ def _names(model: Model) -> list[str]:
     return [f"{row.name}{k}" if row.size > 1 else row.name for row in model.equations for k in range(1, row.size + 1)]
 
 
-def _panel(model: Model, left: int, cell: int) -> str:
+def _caption(model: Model) -> str:
+    return f"{_count(model)} structural non-zeros"
+
+
+def _panel(model: Model, x0: int, cell: int) -> str:
+    """The pattern of a model with its left edge at x0."""
     pattern = model.pattern("mass", "M")
     present = set(pattern.entries) | {(j, i) for i, j in pattern.entries}
-    x0, n = left + LABEL, pattern.rows
+    n = pattern.rows
     lines = [
         f'  <text class="title" x="{x0}" y="20">{escape(model.name)}</text>',
         f'  <rect class="frame" x="{x0}" y="{HEAD - 16}" width="{n * cell}" height="{n * cell}" rx="3"/>',
@@ -64,7 +77,7 @@ def _panel(model: Model, left: int, cell: int) -> str:
     for i, name in enumerate(_names(model)):
         y = HEAD - 16 + i * cell
         middle = y + cell // 2
-        if cell > 12:
+        if cell > NAMED_CELL:
             lines.append(f'  <text x="{x0 - 8}" y="{middle + 4}" text-anchor="end">{escape(name)}</text>')
         for j in range(n):
             x = x0 + j * cell
@@ -75,5 +88,5 @@ def _panel(model: Model, left: int, cell: int) -> str:
                 )
             elif cell == CELL:
                 lines.append(f'  <circle class="zero" cx="{x + cell // 2}" cy="{middle}" r="2"/>')
-    lines.append(f'  <text x="{x0}" y="{HEAD + n * cell + 8}">{_count(model)} structural non-zeros</text>')
+    lines.append(f'  <text x="{x0}" y="{HEAD + n * cell + 8}">{_caption(model)}</text>')
     return "\n".join(lines)

@@ -20,13 +20,16 @@ class PlotCurve:
     """A quantity y (n,) over x (n,) in one motion.
 
     deviation: the x, and the deviations from the reference divided by the peak of the reference; None without reference
-    or where the two have no part in common.
+    or where the two have no part in common. quantity, unit: those of y, for the label of an axis; the unit of a number
+    is "".
     """
 
     label: str
     x: Array
     y: Array
     deviation: tuple[Array, Array] | None
+    quantity: str = ""
+    unit: str = ""
 
     @property
     def least(self) -> tuple[float, float]:
@@ -61,11 +64,10 @@ def plot_curves(plot: Plot, trajectory: ColumnTable, label: str) -> tuple[PlotCu
 
 
 def _column_curves(plot: Plot, quantity: ColumnCurves, table: ColumnTable, label: str) -> tuple[PlotCurve, ...]:
-    """The curves of a plot of columns; they have their units behind their names if these differ."""
+    """The curves of a plot of columns."""
     x, units = table[quantity.x], table.units
-    same = len({units.get(name) for name in quantity.y}) == 1
-    names = {name: name if same else with_unit(name, units.get(name, "")) for name in quantity.y}
-    return tuple(_curve(plot, f"{label}: {shown}" if label else shown, x, table[name]) for name, shown in names.items())
+    names = {name: f"{label}: {name}" if label else name for name in quantity.y}
+    return tuple(_curve(plot, shown, x, table[name], (name, units.get(name, ""))) for name, shown in names.items())
 
 
 def plot_curve(plot: Plot, motion: SceneMotion, label: str) -> PlotCurve:
@@ -73,22 +75,20 @@ def plot_curve(plot: Plot, motion: SceneMotion, label: str) -> PlotCurve:
     assert isinstance(plot.quantity, Deflection)
     drive = next((d for d in motion.scene.drives if d.name == plot.over), None)
     x = motion.t if drive is None else drive_motion(motion.native, drive, motion.t)
-    return _curve(plot, label, x, deflection(motion, plot.quantity))
+    return _curve(plot, label, x, deflection(motion, plot.quantity), deflection_quantity(plot.quantity))
 
 
-def _curve(plot: Plot, label: str, x: Array, y: Array) -> PlotCurve:
-    return PlotCurve(label, x, y, None if plot.reference is None else deviation(x, y, plot.reference))
+def _curve(plot: Plot, label: str, x: Array, y: Array, quantity: tuple[str, str]) -> PlotCurve:
+    return PlotCurve(label, x, y, None if plot.reference is None else deviation(x, y, plot.reference), *quantity)
 
 
 @dataclass(frozen=True)
 class PlotText:
-    """The words of a plot: its quantity, and the labels and units of its axes; no unit is an empty text."""
+    """The words of a plot: its quantities, and the label and the unit of the x axis; no unit is an empty text."""
 
     doc: str
-    y_label: str
     x_label: str
     x_unit: str
-    y_unit: str
 
 
 def plot_text(plot: Plot, spec: Scene | NodalBody, units: Mapping[str, str]) -> PlotText:
@@ -97,24 +97,16 @@ def plot_text(plot: Plot, spec: Scene | NodalBody, units: Mapping[str, str]) -> 
     match quantity:
         case Deflection():
             assert isinstance(spec, Scene), "the specification of a body has no plots of deflections"
-            divisor = "" if quantity.over == 1 else f"{quantity.over:g} m"
-            return PlotText(
-                deflection_doc(quantity) + (f", divided by {divisor}" if divisor else ""),
-                f"deflection / {divisor}" if divisor else "deflection",
-                _drive_label(spec, plot),
-                _drive_unit(spec, plot),
-                "" if divisor else "m",
-            )
+            divisor = "" if quantity.over == 1 else f", divided by {quantity.over:g} m"
+            return PlotText(deflection_doc(quantity) + divisor, _drive_label(spec, plot), _drive_unit(spec, plot))
         case ColumnCurves():
-            return _column_text(quantity, units)
+            return PlotText(", ".join(quantity.y), "time" if quantity.x == "t" else quantity.x, units[quantity.x])
     assert_never(quantity)
 
 
-def _column_text(quantity: ColumnCurves, units: Mapping[str, str]) -> PlotText:
-    """The words of a plot of columns with these units."""
-    names, y_units = ", ".join(quantity.y), {units[name] for name in quantity.y}
-    unit = y_units.pop() if len(y_units) == 1 else ""
-    return PlotText(names, names, "time" if quantity.x == "t" else quantity.x, units[quantity.x], unit)
+def deflection_quantity(quantity: Deflection) -> tuple[str, str]:
+    """A deflection for the label of an axis, and its unit: m, or none where it is divided by a length."""
+    return ("deflection", "m") if quantity.over == 1 else (f"deflection / {quantity.over:g} m", "")
 
 
 def with_unit(name: str, unit: str) -> str:

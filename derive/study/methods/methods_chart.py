@@ -12,7 +12,6 @@ from derive.study.methods.method_study import MethodStudy
 from derive.study.methods.scene_methods import Method
 from derive.study.methods.step_limits import GROWTH
 from derive.visual import chart_style as style
-from derive.visual.line_chart import STYLES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,8 +23,7 @@ LEFT, RIGHT, GAP, HEAD, FOOT, ABOVE = 0.62, 0.12, 0.72, 0.3, 0.55, 0.62
 FLOOR, FAILED = 1e-17, 1e-3
 """Zeros on logarithmic axes; errors of failed runs above which there is room for a label."""
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-COLOURS = [colour for colour, _ in STYLES]
-ORANGE, PURPLE, BLUE, PINK, GREEN, BROWN = COLOURS
+ORANGE, PURPLE, BLUE, PINK, GREEN, BROWN = style.COLOURS
 METHODS = {
     Method.RK4: ORANGE,
     Method.ADAPTIVE: BLUE,

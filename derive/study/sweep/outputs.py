@@ -15,7 +15,7 @@ from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.motion import SceneMotion, deflection
-from derive.simulation.observables.plots import plot_text
+from derive.simulation.observables.plots import deflection_quantity
 from derive.simulation.trajectory import column_values
 from derive.spec.model.plots import ColumnCurves, Deflection
 from derive.spec.model.scene import Scene
@@ -93,7 +93,7 @@ def output(text: str, scene: Scene, units: dict[str, str]) -> SweepOutput:
     quantity = plots[name].quantity
     match quantity:
         case Deflection():
-            return SweepOutput(statistics[kind], name, plot_text(plots[name], scene, units).y_unit, quantity)
+            return SweepOutput(statistics[kind], name, deflection_quantity(quantity)[1], quantity)
         case ColumnCurves(y=(column,)):
             return SweepOutput(statistics[kind], column, units[column])
         case ColumnCurves():

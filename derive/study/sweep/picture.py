@@ -12,8 +12,8 @@ from derive.runtime.native_call import Vector
 from derive.study.sweep.outputs import SweepOutput
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.table import short_names
-from derive.visual.chart_style import FAINT, INK, SETTINGS, figure_svg
-from derive.visual.line_chart import STYLES, TITLE_WIDTH, WIDTH
+from derive.visual.chart_style import COLOURS, FAINT, INK, SETTINGS, figure_svg
+from derive.visual.line_chart import TITLE_WIDTH, WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -86,7 +86,7 @@ def _line(axes: Axes, result: SweepResult, output: SweepOutput, number: int) -> 
     x, y = result.samples.values[:, result.samples.names.index(name)], result.column(output.label)
     order = np.argsort(x, kind="stable")
     joined = bool(result.samples.shape)
-    colour, _ = STYLES[(number + 2) % len(STYLES)]
+    colour = COLOURS[(number + 2) % len(COLOURS)]
     marker = "o" if not joined or len(x) <= MARKED_VALUES else None
     axes.plot(x[order], y[order], color=colour, linewidth=1.6 if joined else 0, marker=marker, markersize=3.5)
     axes.set_ylabel(_with_unit(output.label, output.unit))
