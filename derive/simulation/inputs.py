@@ -14,7 +14,7 @@ from derive.registry import UnknownNameError
 from derive.runtime.native_call import Vector, checked_vector
 from derive.runtime.native_scene import Forms, NativeScene
 from derive.spec.model.forces import CustomForce, Force, Torque
-from derive.spec.model.scene import Scene
+from derive.spec.model.scene import BeamBody, Scene, SceneBody
 from derive.spec.model.time_function import TimeFunction
 
 InputFunction = Callable[[float], float | Sequence[float]]
@@ -55,9 +55,15 @@ def with_functions(scene: Scene, given: Mapping[str, InputFunction]) -> Scene:
     def torque(element: Torque | CustomForce) -> Torque | CustomForce:
         return custom(element) if isinstance(element, CustomForce) else replace(element, value=resolved(element.value))
 
+    def body(element: SceneBody) -> SceneBody:
+        if not isinstance(element, BeamBody):
+            return element
+        return replace(element, loads=tuple(replace(load, time=resolved(load.time)) for load in element.loads))
+
     return replace(
         scene,
         inputs=tuple(value for value in scene.inputs if value.name in given),
+        bodies=tuple(map(body, scene.bodies)),
         drives=tuple(replace(drive, motion=resolved(drive.motion)) for drive in scene.drives),
         forces=tuple(map(force, scene.forces)),
         torques=tuple(map(torque, scene.torques)),

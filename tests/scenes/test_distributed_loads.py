@@ -57,6 +57,13 @@ def test_a_uniform_load_bends_a_cantilever_by_q_l4_over_8_ei(frame: str) -> None
     assert abs(at["middle_shear"]) == pytest.approx(Q * LENGTH / 2, rel=1e-5)
 
 
+def test_the_factor_of_a_load_may_be_a_run_time_input_that_nothing_else_uses() -> None:
+    at = cantilever("[0, 1]", f'time = {{ input = "u" }}\n[inputs.u]\nvalue = {Q}')
+    assert at["tip_2"] == pytest.approx(cantilever(f"[0, {Q}]")["tip_2"], rel=1e-9)
+    with pytest.raises(SpecError, match=r'bodies.rod.loads.q.time: there is no input "v"; the inputs are u'):
+        cantilever("[0, 1]", 'time = { input = "v" }\n[inputs.u]')
+
+
 def test_a_triangular_load_that_grows_towards_the_tip() -> None:
     """q (1 + xi)/2 bends the tip by 11 q l^4/(120 EI), and the moment at the wall is q l^2/3."""
     at = cantilever(f'[0, "{Q}*(1 + xi)/2"]')

@@ -373,7 +373,7 @@ def test_wrong_ports_are_refused():
         DRIVEN.replace('{ input = "lift" }', '{ input = "lft" }')
     )
     unused = refused(DRIVEN.replace('[0, { input = "lift" }]', "[0, 1]"))
-    assert "inputs.lift: no force, torque or drive uses it" in unused
+    assert "inputs.lift: no force, torque, load or drive uses it" in unused
     unknown = refused(DRIVEN.replace('drive = "motor"', 'drive = "moto"'))
     assert 'there is no drive "moto"; did you mean "motor"?' in unknown
     assert "the body crank is no beam" in refused(

@@ -169,7 +169,7 @@ def _inputs(view: SceneData) -> Iterator[Fault]:
             yield Fault(path, f"there is no input {quoted(name)}{did_you_mean(name, known, others)}")
     for name in known:
         if name not in used:
-            text = f'no force, torque or drive uses it; write {{ input = "{name}" }} in place of a function of t'
+            text = f'no force, torque, load or drive uses it; write {{ input = "{name}" }} in place of a function of t'
             yield Fault(("inputs", name), f"{text}, or leave it out")
 
 

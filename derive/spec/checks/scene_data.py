@@ -108,6 +108,9 @@ class SceneData:
             for name, table in self.tables[section].items():
                 for key in functions:
                     yield from _input_refs((section, name, key), table.get(key))
+        for name, body in self.bodies.items():
+            for load, table in _tables(body.get("loads")).items():
+                yield from _input_refs(("bodies", name, "loads", load, "time"), table.get("time"))
 
 
 def _input_refs(path: KeyPath, value: object) -> Iterator[tuple[KeyPath, str]]:
