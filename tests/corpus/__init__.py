@@ -1,0 +1,1 @@
+"""Random valid scenes, each from a seed, on which every command runs: see `run.py`."""

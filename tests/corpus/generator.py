@@ -1,0 +1,97 @@
+"""A random valid scene from a seed.
+
+    corpus_scene(7).write(folder)      # scene_7.toml in the folder, with the tables that it refers to
+
+A scene is plain tables, which become TOML. What kinds of joints, forces, outputs, frames and shapes there are comes
+from the registries and enumerations of the package, so that a new one enters by itself; a key for which the generator
+has no value raises NotImplementedError, and `test_generator.py` finds the keys and forms that no scene uses. Beams are
+stiff enough to carry their own weight with a deflection of at most 1 % of their length, drives and loads are about as
+strong, linkages close and can move, and durations are short.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+
+from corpus.actions import act
+from corpus.beams import make_bodies
+from corpus.draft import Draft, Table
+from corpus.draws import Draws, rounded
+from corpus.linkages import link
+from corpus.lone_bodies import LONE, lone_beam, spatial_body
+from corpus.observations import observe
+from corpus.spelling import respell
+from derive.spec.tables.specification import json_schema
+
+
+@dataclass(frozen=True)
+class CorpusScene:
+    """A scene of the corpus: its tables, the files beside it, and the linkage it was made from."""
+
+    seed: int
+    tables: Table
+    files: dict[str, str | Path]
+    linkage: str
+
+    @property
+    def name(self) -> str:
+        """The name of the model."""
+        return str(self.tables["name"])
+
+    @property
+    def text(self) -> str:
+        """The scene as TOML."""
+        return tomlkit.dumps(self.tables)
+
+    def write(self, folder: Path) -> Path:
+        """Write the scene and its files; the path of the scene."""
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in self.files.items():
+            if isinstance(content, Path):
+                (folder / name).write_bytes(content.read_bytes())
+            else:
+                (folder / name).write_text(content)
+        path = folder / f"{self.name}.toml"
+        path.write_text(self.text)
+        return path
+
+
+def corpus_scene(seed: int) -> CorpusScene:
+    """The scene of a seed."""
+    draws = Draws(seed)
+    tables, files, linkage = _parts(draws, f"scene_{seed}")
+    respell(tables, _schema(), draws, 0.6 if linkage in LONE else 0.15)
+    return CorpusScene(seed, tables, files, linkage)
+
+
+@cache
+def _schema() -> dict[str, Any]:
+    schema: dict[str, Any] = json.loads(json_schema())
+    return schema
+
+
+def _parts(draws: Draws, name: str) -> tuple[Table, dict[str, str | Path], str]:
+    """The tables, the files beside them, and the linkage."""
+    kind = draws.between(0, 1)
+    if kind < LONE["beam"]:
+        return *lone_beam(draws, name), "beam"
+    if kind < LONE["beam"] + LONE["body"]:
+        return *spatial_body(draws, name), "body"
+    draft = Draft(draws, size=rounded(draws.scale(0.15, 2), 2))
+    draft.tables["name"] = name
+    draft.names.add(name)
+    draft.rate = rounded(math.sqrt(9.81 / draft.size) * draws.between(0.5, 1.5), 2)
+    draft.stiff = draft.rate
+    link(draft)
+    make_bodies(draft)
+    act(draft)
+    observe(draft)
+    order = [key for key in _schema()["properties"] if key in draft.tables]
+    return {key: draft.tables[key] for key in order}, dict(draft.files), draft.linkage

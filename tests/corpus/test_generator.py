@@ -1,0 +1,97 @@
+"""The scenes of the corpus are valid, the same from a seed, and use whatever a specification may contain."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections import Counter
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import derive
+from corpus.features import all_features, features
+from corpus.generator import corpus_scene
+from corpus.time_functions import unknown_functions
+from derive import FORCES, JOINTS
+from derive.extensions import Key, KeyType
+from derive.mechanics.multibody.forces.rotational_spring import RotationalSpring
+from derive.mechanics.multibody.joints.revolute import Revolute
+from derive.mechanics.multibody.outputs.marker_motion import Distance
+from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.spec.tables.specification import json_schema
+
+CORPUS = 2000
+"""The seeds 0 to 1999 are the corpus."""
+
+NOT_USED = {
+    "NodalTable.nodes as object": "MatrixMarket files: tests/spec/test_node_files.py",
+}
+"""What no scene of the corpus uses, with the reason."""
+
+
+@cache
+def used(count: int = CORPUS) -> Counter[str]:
+    """In how many scenes each feature occurs."""
+    schema, result = json.loads(json_schema()), Counter[str]()
+    for seed in range(count):
+        result.update({*features(corpus_scene(seed).tables, schema)})
+    return result
+
+
+def test_the_corpus_uses_every_key_word_and_form() -> None:
+    every = all_features(json.loads(json_schema()))
+    assert {*used()} <= every
+    assert every - {*used()} == {*NOT_USED} & every
+
+
+def test_the_corpus_calls_every_function_of_time() -> None:
+    assert unknown_functions() == []
+
+
+def test_scenes_have_one_to_six_bodies_open_and_closed() -> None:
+    scenes = [corpus_scene(seed) for seed in range(300)]
+    assert {len(scene.tables["bodies"]) for scene in scenes if "bodies" in scene.tables} >= {1, 2, 3, 4, 5, 6}
+    linkages = Counter(scene.linkage for scene in scenes)
+    assert {"tree", "free", "prescribed", "four_bar", "crank_slider", "beam", "body"} <= {*linkages}
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_scenes_are_valid(seed: int, tmp_path: Path) -> None:
+    derive.read(corpus_scene(seed).write(tmp_path))
+
+
+def test_a_seed_is_the_same_scene_in_any_process() -> None:
+    code = "from corpus.generator import corpus_scene; print(''.join(corpus_scene(s).text for s in range(20)))"
+    environment = {"PYTHONHASHSEED": "7", "PYTHONPATH": str(Path(__file__).parents[1])}
+    other = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
+    assert other.stdout == "".join(corpus_scene(seed).text for seed in range(20)) + "\n"
+
+
+class Likewise(Distance):
+    """An output that no one knows."""
+
+
+class Hinge(Revolute):
+    """A joint that no one knows."""
+
+
+class Coil(RotationalSpring):
+    """A spring that no one knows."""
+
+    keys = (*RotationalSpring.keys, Key("twist", KeyType.QUANTITY, "N m", "A key of its own."))
+
+
+def test_what_is_registered_enters_by_itself() -> None:
+    registered = ((OUTPUTS, "toy_output", Likewise()), (JOINTS, "toy_joint", Hinge()), (FORCES, "toy_coil", Coil()))
+    for registry, name, member in registered:
+        registry.register(name, member)
+    try:
+        texts = [corpus_scene(seed).text for seed in range(150)]
+    finally:
+        for registry, name, _ in registered:
+            registry.unregister(name)
+    for name in ("toy_output", "toy_joint", "toy_coil", "twist"):
+        assert any(f'"{name}"' in text or f"{name} =" in text for text in texts), name
