@@ -7,6 +7,8 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
+from html import unescape
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -109,27 +111,63 @@ def test_outlines_speeds_and_guides() -> None:
     assert speeds(10)[3] == 1 and speeds(15)[3] in (1, 2) and len(speeds(0)) == 7
 
 
+def browsed(page: Path, options: str, size: str) -> str:
+    """The document of a page after its scripts have run in a window of a size."""
+    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={page.parent / 'profile'}"]
+    command += ["--virtual-time-budget=1000", f"--window-size={size}", "--dump-dom", f"file://{page}#{options}"]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout  # type: ignore[arg-type]
+
+
+MEASURE = """<script>
+{ scrollTo(0, document.body.scrollHeight);
+const box = e => { const r = e.getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]; };
+const strips = [...document.querySelectorAll("figure svg")], texts = e => [...e.querySelectorAll("text")];
+const boxes = query => [...document.querySelectorAll(query)].map(box);
+document.body.dataset.boxes = JSON.stringify({
+  window: [innerWidth, innerHeight, scrollY, document.documentElement.scrollWidth], stage: boxes("#stage"),
+  controls: boxes("#play, #time, #loop, #speed"), figures: boxes("figure"),
+  hidden: [...document.querySelectorAll("[hidden]")].map(e => getComputedStyle(e).display),
+  scales: strips.map(e => [box(e), ...texts(e).map(box)]),
+  numbers: strips.map(e => texts(e).map(t => t.textContent)),
+}); }
+</script>"""
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")
+@pytest.mark.parametrize("size", ["1400,1000", "400,900"])
+def test_controls_stay_beside_the_animation_and_curves_have_scales(size: str, tmp_path: Path) -> None:
+    """Also at the end of a page with twelve curves; the numbers of the scales are in their pictures and apart."""
+    motion = slider.motion(1)
+    shown = page(motion, [Column(f"y{n}", "m", -(10.0 ** (n - 8)) * motion.t) for n in range(12)])
+    path = tmp_path / "page.html"
+    path.write_text(shown.replace("</body>", f"{MEASURE}</body>"))
+    text = re.search(r'data-boxes="([^"]*)"', browsed(path, "t=0.02", size))
+    assert text is not None
+    boxes = json.loads(unescape(text[1]))
+    width, height, scrolled, needed = boxes["window"]
+    assert scrolled > 100 and needed <= width
+    (stage,) = boxes["stage"]
+    for left, top, right, bottom in [stage, *boxes["controls"]]:
+        assert left >= 0 and top >= 0 and right <= width and bottom <= height
+    beside = [figure for figure in boxes["figures"] if figure[0] > stage[2]]
+    below = [figure for figure in boxes["figures"] if figure[1] > max(control[3] for control in boxes["controls"])]
+    assert len(beside) == 12 if width > 1100 else below
+    assert set(boxes["hidden"]) == {"none"}
+    for (left, top, right, bottom), *numbers in boxes["scales"]:
+        assert all(left <= n[0] and top <= n[1] and n[2] <= right and n[3] <= bottom for n in numbers)
+        pairs = combinations(numbers, 2)
+        assert not any(a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3] for a, b in pairs)
+    assert all(len(numbers) >= 5 and numbers[-1] == "0.10 s" for numbers in boxes["numbers"])
+    assert boxes["numbers"][-1][:2] == ["\N{MINUS SIGN}100", "\N{MINUS SIGN}50"]
+
+
 @pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")
 def test_it_plays_in_a_browser(tmp_path: Path) -> None:
     """Its scripts run: the crank pin is drawn where it is, at the instant that was asked for."""
     motion = slider.motion(3)
     path = tmp_path / "page.html"
     path.write_text(page(motion, [Column("deflection", "m", motion.t)]))
-    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
-    done = subprocess.run(
-        [
-            *command,
-            "--virtual-time-budget=1000",
-            "--window-size=1000,800",
-            "--dump-dom",
-            f"file://{path}#t=0.02&bend=5",
-        ],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=True,
-    )
-    dom = done.stdout.split("<script", 1)[0]
+    dom = browsed(path, "t=0.02&bend=5", "1000,800").split("<script", 1)[0]
     assert "t = <b>0.0200</b> s" in dom and "motor = <b>3.000</b> rad" in dom
     pins = re.findall(r'<path data-k="pin" d="M([-\d.]+) ([-\d.]+)a', dom)
     (hub, pin, end) = [np.array([float(x), float(y)]) for x, y in pins]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from derive.mechanics.bodies.beam_functions import BeamFunction
 from derive.mechanics.multibody.forces.registry import FORCES
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.simulation.observables.axis_ticks import plain_numbers, ticks
 from derive.simulation.observables.beams import (
     beam_bodies,
     beam_points,
@@ -45,6 +47,9 @@ MAX_FRAMES, MAX_NUMBERS = 600, 40_000
 RESOLUTION = 2e-6
 """The step to which lengths are rounded, in sizes of the scene; angles in rad."""
 
+TIME_TICKS, CURVE_TICKS = 5, 6
+"""The least number of ticks of the time, and the largest number of those of a curve."""
+
 SECONDS = 10.0
 """The approximate duration (s) of the motion at the default speed of a page."""
 
@@ -70,7 +75,7 @@ def player_data(motion: SceneMotion, curves: Sequence[Column], clock: Array | No
     return {
         "name": scene.name,
         "view": [*map(rounded, (*low, *high))],
-        "time": channel(time, 1e-6 * duration or 1.0),
+        "time": {**channel(time, 1e-6 * duration or 1.0), "ticks": _ticks(time, TIME_TICKS, len(time))},
         "rigid": [
             {"name": b.name, "outline": outline(b), "pose": _pose(shown, b.name, step)}
             for b in scene.bodies
@@ -88,13 +93,25 @@ def player_data(motion: SceneMotion, curves: Sequence[Column], clock: Array | No
             }
             for d in scene.drives
         ],
-        "curves": [
-            {"name": c.name, "unit": c.unit, "values": channel(c.values[chosen], 1e-4 * float(np.abs(c.values).max()))}
-            for c in curves
-        ],
+        "curves": [_curve(replace(c, values=c.values[chosen])) for c in curves],
         "speeds": speeds(duration),
         "trace": (middle or [len(markers) - 1])[0],
     }
+
+
+def _curve(column: Column) -> Plain:
+    """A curve with the ticks of its axis; one that does not change has one tick."""
+    values = channel(column.values, 1e-4 * float(np.abs(column.values).max()))
+    shown = column.values[:1] if len(values["values"]) == 1 else column.values
+    return {"name": column.name, "unit": column.unit, "values": values, "ticks": _ticks(shown, 3, CURVE_TICKS)}
+
+
+def _ticks(values: Array, least: int, most: int) -> list[tuple[float, str]]:
+    """Round values between the least and the largest one, with their texts: at least `least` or, of many, two."""
+    low, high = float(values.min()), float(values.max())
+    at = ticks(low, high, least)
+    at = at if len(at) <= most else ticks(low, high, 2)
+    return list(zip(at, plain_numbers(at), strict=True))
 
 
 def speeds(duration: float) -> list[float]:
