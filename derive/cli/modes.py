@@ -127,6 +127,8 @@ def _state_space(result: Modes) -> Iterator[str]:
         yield f"inputs, with their values in this state: {', '.join(f'{name} = {value:.6g}' for name, value in values)}"
     elif linear.inputs:
         yield "inputs: forces at the markers, in the inertial frame"
+    elif linear.outputs:
+        yield "inputs: none, as the scene has outputs of its own; declare forces on which they depend in [inputs]"
     if isinstance(native, NativeScene) and native.outputs:
         yield f"outputs: {', '.join(native.outputs)}"
     elif linear.outputs:

@@ -10,7 +10,6 @@ from derive.artifacts import File
 from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
 from derive.errors import Problem, SpecError
-from derive.export.input_start import input_start
 from derive.generated_models import generated
 from derive.ir.model import Model, StartState, Variable
 from derive.lowering.conditioning import condition_warnings
@@ -19,7 +18,7 @@ from derive.mechanics.multibody.outputs.prescribed_inertia import inertia_notes
 from derive.simulation.body_run import initial_vectors
 from derive.simulation.free_beam import beam_scene
 from derive.simulation.initial.start_state import start_state
-from derive.simulation.linear.run_time_inputs import scene_with_values
+from derive.simulation.linear.run_time_inputs import input_values, scene_with_values
 from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
 from derive.spec.model.scene import Scene, Specification
 
@@ -137,9 +136,9 @@ def _start_of_scene(scene: Scene, model: Model) -> StartState:
 
 
 def _inputs(scene: Scene, model: Model) -> tuple[HostVariable, ...]:
-    values = input_start(scene)
-    variables = _scalars(model.inputs, [value.number for value in values])
-    return tuple(replace(u, derivative=value.order) for u, value in zip(variables, values, strict=True))
+    values = [(order, number) for numbers in input_values(scene, 0.0) for order, number in enumerate(numbers)]
+    variables = _scalars(model.inputs, [number for _, number in values])
+    return tuple(replace(u, derivative=order) for u, (order, _) in zip(variables, values, strict=True))
 
 
 def _scalars(variables: Sequence[Variable], values: Sequence[float] | None) -> tuple[HostVariable, ...]:

@@ -20,6 +20,10 @@ ROUNDING = 1e-9
 SAMPLES = 9
 """The times between two breaks at which the largest position and speed are looked for."""
 
+BEHIND = 1e-300
+"""s: a time behind t = 0, by which speeds below SLOW (rad/s or m/s) come about unless they jump."""
+SLOW = 1e-100
+
 PARTIAL: Mapping[str, Callable[..., tuple[float, ...]]] = {
     "add": lambda a, b: (1.0, 1.0),
     "sub": lambda a, b: (1.0, -1.0),
@@ -33,13 +37,16 @@ PARTIAL: Mapping[str, Callable[..., tuple[float, ...]]] = {
     "exp": lambda a: (math.exp(a),),
     "log": lambda a: (1.0 / a,),
     "tanh": lambda a: (1.0 - math.tanh(a) ** 2,),
-    "abs": lambda a: (math.copysign(1.0, a),),
+    "abs": lambda a: (float(np.sign(a)),),
     "min": lambda a, b: (float(a < b), float(a >= b)),
     "max": lambda a, b: (float(a >= b), float(a < b)),
     "atan2": lambda y, x: (x / (x**2 + y**2), -y / (x**2 + y**2)),
     "step": lambda x, x0, x1: (_step_rate((x - x0) / (x1 - x0)) / (x1 - x0), 0.0, 0.0),
 }
-"""The partial derivatives of each kind of function of time; powers and the ends of steps are constant."""
+"""The partial derivatives of each kind of function of time, at kinks those of the generated code.
+
+Powers and the ends of steps are constant.
+"""
 
 
 def _step_rate(s: float) -> float:
@@ -78,6 +85,29 @@ def check_drives(scene: Scene) -> None:
     assert scene.simulation is not None
     duration = scene.simulation.duration
     problems = [problem for drive in scene.drives for problem in _jumps(scene, drive, duration)]
+    if problems:
+        raise SpecError(tuple(problems))
+
+
+def check_start(scene: Scene) -> None:
+    """Raise SpecError if a drive has a kink at t = 0 with another speed in the generated code than just behind it."""
+    problems = []
+    for drive in scene.drives:
+        motion = drive.motion
+        if motion is None or motion.kind == "input":
+            continue
+        here, behind = _finite(rate_at, motion, 0.0), _finite(rate_at, motion, BEHIND)
+        if here is None or behind is None:
+            continue
+        if abs(behind - here) > SLOW + ROUNDING * max(abs(here), abs(behind)):
+            unit = drive_unit(scene, drive)
+            problems.append(
+                Problem(
+                    f"drives.{drive.name}.motion",
+                    f"the motion has a kink at t = 0: its speed is {here:.9g} {unit}/s there in the generated code, "
+                    f"and {behind:.9g} {unit}/s behind it. Write what it is for t > 0, such as t in place of abs(t)",
+                )
+            )
     if problems:
         raise SpecError(tuple(problems))
 

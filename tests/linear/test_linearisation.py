@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from linear_scenes import GRAVITY, chart, derivative
 
 import derive
 from conftest import ROOT
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.constraints.projection import project
 from derive.simulation.linear.linearisation import linearise
 from derive.simulation.linear.run_time_inputs import input_values
@@ -51,8 +53,8 @@ def test_a_driven_mechanism_in_motion() -> None:
     )
     native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
     t, random = 0.3, np.random.default_rng(0)
-    u = np.array([*input_values(scene, native, t)[:3], 0.7, -0.4])
-    np.testing.assert_allclose(u[:3], [0.5 * np.sin(0.9), 1.5 * np.cos(0.9), -4.5 * np.sin(0.9)], atol=1e-6)
+    u = np.array([*input_values(scene, t)[0], 0.7, -0.4])
+    np.testing.assert_allclose(u[:3], [0.5 * np.sin(0.9), 1.5 * np.cos(0.9), -4.5 * np.sin(0.9)], rtol=1e-15)
     k = native.with_inputs(native.setup(), u)
     q = np.zeros(native.nq)
     q[list(native.coordinates).index("rod_c1")] = 0.5
@@ -99,3 +101,46 @@ def test_forces_and_displacements_of_markers() -> None:
     still = native.marker("tip", q, np.zeros(5), k)[0]
     np.testing.assert_allclose(linear.C[:, :5] @ step, moved - still, atol=1e-9)
     assert not linear.B[:5].any() and not linear.C[:, 5:].any() and not linear.D.any()
+
+
+@pytest.mark.parametrize("ports", ["inputs", "outputs"])
+def test_a_scene_with_inputs_or_outputs_alone(ports: str) -> None:
+    """Outputs alone have no inputs beside them, and inputs alone have the positions of the markers."""
+    tables = {
+        "inputs": {
+            "inputs": {"pull": {"unit": "N"}},
+            "forces": {"push": {"at": "rod.right", "components": [{"input": "pull"}, 0]}},
+        },
+        "outputs": {
+            "outputs": {
+                "hold": {"kind": "reaction", "joint": "hinge"},
+                "end": {"kind": "velocity", "marker": "rod.right"},
+            }
+        },
+    }
+    rod = {**ROD, "start": {"angle": 0.3, "spin": 1.5}}
+    hinge = {"kind": "revolute", "between": ["ground.hook", "rod.left"]}
+    scene = derive.scene(
+        f"only_{ports}",
+        gravity=[0, -GRAVITY],
+        ground={"hook": [0, 0]},
+        bodies={"rod": rod},
+        joints={"hinge": hinge},
+        **tables[ports],
+    )
+    result = derive.modes(scene, at=0.0)
+    linear, native = result.linear, result.native
+    assert isinstance(native, NativeScene)
+    assert linear.inputs == (("pull",) if ports == "inputs" else ())
+    assert linear.outputs == (
+        native.outputs or tuple(f"rod_{m}_x{i}" for m in ("left", "middle", "right") for i in (1, 2))
+    )
+    n = linear.count
+    assert linear.B.shape == (2 * n, len(linear.inputs)) and linear.D.shape == (len(linear.outputs), len(linear.inputs))
+    values, arguments = chart(native, result.k, linear)
+    expected = derivative(values, arguments)
+    computed = np.vstack(
+        [np.hstack([linear.A, linear.B])[n:], *[np.hstack([linear.C, linear.D])] * bool(native.outputs)]
+    )
+    scale = np.maximum(np.abs(expected).max(axis=1), 1.0)[:, None]
+    np.testing.assert_allclose(computed / scale, expected / scale, atol=1e-7)

@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from derive.mechanics.quantity import finite_function, time_derivatives
-from derive.mechanics.symbols import t
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
 from derive.simulation.constraints.redundancy import check_constraints
+from derive.simulation.drive_jumps import check_start
 from derive.simulation.equilibrium import Equilibrium, equilibrium
 from derive.simulation.errors import ExcessiveDeformation, MovingDrives
 from derive.simulation.initial.assembler import Assembler
@@ -25,6 +24,7 @@ from derive.simulation.initial.kinematics import Kinematics
 from derive.simulation.initial.targets import Strength, Target, targets
 from derive.simulation.observables.beams import beam_bodies, half_length, relative_deflection
 from derive.simulation.observables.motion import SceneMotion, si_value, transformed
+from derive.simulation.time_derivatives import derivatives_at
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
 
 MAX_DEFLECTION = 0.3
@@ -79,9 +79,11 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
 
     native: the compiled scene. k: the constants (nk,) of `native.setup`, those of the default parameters if None.
 
-    Raises SpecError with given values that contradict each other; SimulationError with the constraints that cannot be
-    met; ExcessiveDeformation where they can be met only by beams that bend beyond what linear displacements describe.
+    Raises SpecError with given values that contradict each other, and with drives whose speed jumps at t = 0;
+    SimulationError with the constraints that cannot be met; ExcessiveDeformation where they can be met only by beams
+    that bend beyond what linear displacements describe.
     """
+    check_start(scene)
     constants = native.setup() if k is None else k
     guess, _, _ = initial_guess(scene, native, constants)
     assembler = Assembler(native, constants, 0.0, scene_size(scene))
@@ -90,7 +92,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     assembly = assemble(assembler, guess, positions, lambda q: _check_deflections(scene, native, constants, q))
     balance = None
     if scene.start is not None:
-        _check_rest(scene, native)
+        _check_rest(scene, native, constants)
         balance = equilibrium(native, constants, assembly.q)
         assembly = _moved(assembler, assembly, balance, positions)
     q = assembly.q
@@ -141,19 +143,20 @@ def _check_deflections(scene: Scene, native: NativeScene, k: Vector, q: Vector) 
         raise ExcessiveDeformation(excessive)
 
 
-def _check_rest(scene: Scene, native: NativeScene) -> None:
+def _check_rest(scene: Scene, native: NativeScene, k: Vector) -> None:
     """Raise MovingDrives if drives have a speed or an acceleration at t = 0, so that there is no static equilibrium."""
     moving = []
-    inputs = dict(zip(native.inputs, native.inputs_at(0.0), strict=True))
+    inputs = np.asarray(native.own_at(0.0, k))[native.nk - len(native.inputs) :].tolist()
     for drive in scene.drives:
+        rates: Sequence[float]
         if drive.speed is not None:
             rates = [si_value(drive.speed)]
+        elif drive.motion is not None and drive.motion.kind == "input":
+            value = native.inputs.index(drive.motion.name)
+            rates = inputs[value + 1 : value + 3]
         else:
             assert drive.motion is not None, "a drive has a speed or a motion"
-            motion = finite_function(drive.motion, f"drives.{drive.name}.motion")
-            derivatives = time_derivatives(motion)[1:]
-            known = {s: inputs[s.name] for of in derivatives for s in of.free_symbols - {t}}
-            rates = [float(of.subs({t: 0, **known})) for of in derivatives]
+            rates = derivatives_at(drive.motion, 0.0, f"drives.{drive.name}.motion")[1:]
         if any(rate != 0.0 for rate in rates):
             moving.append(drive.name)
     if moving:

@@ -107,13 +107,8 @@ class _Linear:
         linears = [target.function(self.kinematics) for target in targets]
         rates = [float(linear.gradient @ v) + linear.drift for linear in linears]
         units = [self.assembler.unit(target) for target in targets]
-        largest = max(
-            (
-                max(abs(rate), abs(target.value)) / unit
-                for target, rate, unit in zip(targets, rates, units, strict=True)
-            ),
-            default=0.0,
-        )
+        sizes = [abs(target.value) / unit for target, unit in zip(targets, units, strict=True)]
+        largest = max(self.kinematics.largest_rate(v), *sizes, 0.0)
         return tuple(
             Misfit(target, rate, (rate - target.value) / unit / (largest or 1.0))
             for target, rate, unit in zip(targets, rates, units, strict=True)

@@ -17,11 +17,15 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import coordinates_with, max_norm
 
-STENCIL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
-"""Weights of f(t + n h) - f(t - n h), n = 1 to 4, in the central difference of eighth order, times h."""
-TIME_MOTION = 1e-3
-"""rad, and part of the size: how far drives move in a step of differences by time."""
-FIRST_TIME_STEP, DOUBLINGS = 1e-9, 40
+NODES = 8
+WEIGHTS = np.array([(-1) ** (n + 1) * math.comb(NODES, n) / n for n in range(1, NODES + 1)])
+"""Weights of f(t + n h) - f(t), n = 1 to NODES, in the forward difference of order NODES, times h."""
+FIRST_STEP, DOUBLINGS = 1e-8, 36
+"""The smallest step (s) of differences by time, and how often it is doubled."""
+TOO_LARGE = 1e3
+"""A step is too large if its error is this multiple of that of a smaller one."""
+ROUNDING = float(np.finfo(float).eps * np.abs(WEIGHTS).sum())
+"""The rounding error of a difference times h, relative to the poses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,12 +83,39 @@ class Kinematics:
 
     @cached_property
     def drifts(self) -> Matrix:
-        """(bodies, 3): the derivatives of the poses by time, due to drives."""
-        step = self._time_step() if self.moving else None
-        if step is None:
-            return np.zeros_like(self.poses)
-        pairs = ((self._poses(self.t + n * step, self.q), self._poses(self.t - n * step, self.q)) for n in range(1, 5))
-        return np.asarray(sum(w * (later - earlier) for w, (later, earlier) in zip(STENCIL, pairs, strict=True))) / step
+        """(bodies, 3): the derivatives of the poses by time, due to drives: those behind t, where functions may begin.
+
+        They are forward differences of the step whose rounding error and truncation error, by which it differs from the
+        next smaller step, are least together. Drifts below this error are zero.
+        """
+        best, units = np.zeros_like(self.poses), self._units
+        if not self.moving:
+            return best
+        rounding = ROUNDING * float(np.abs(self.poses / units).max(initial=1.0))
+        changes: dict[float, Matrix] = {}
+        least, last = math.inf, best
+        for h in FIRST_STEP * 2.0 ** np.arange(DOUBLINGS):
+            for time in h * np.arange(1, NODES + 1):
+                if time not in changes:
+                    changes[time] = self._poses(self.t + time, self.q) - self.poses
+            drift = np.tensordot(WEIGHTS, [changes[time] for time in h * np.arange(1, NODES + 1)], axes=1) / h
+            truncation = float(np.abs((drift - last) / units).max(initial=0.0))
+            error = truncation + 2 * rounding / h
+            if not math.isfinite(truncation) or truncation > TOO_LARGE * least:
+                break
+            if h > FIRST_STEP and error < least:
+                least, best = error, np.where(np.abs(last) > error * units, last, 0.0)
+            last = drift
+        return best
+
+    def largest_rate(self, v: Vector) -> float:
+        """The largest angular velocity (rad/s) of a body, or its velocity in sizes of the scene, at v (nv,)."""
+        return max_norm(((self.gradients @ v + self.drifts) / self._units).ravel())
+
+    @property
+    def _units(self) -> Vector:
+        """What counts as 1 in c1, c2 and phi."""
+        return np.array([self.size, self.size, 1.0])
 
     def component(self, body: str, i: int) -> Linear:
         """c1, c2 or phi (i = 0, 1, 2) of the frame of a body."""
@@ -101,12 +132,3 @@ class Kinematics:
 
     def _poses(self, t: float, q: Vector) -> Matrix:
         return self.native.poses(t, q, self.k)
-
-    def _time_step(self) -> float | None:
-        """The time in which drives move a body by TIME_MOTION; None if they do not."""
-        for doubling in range(DOUBLINGS):
-            step = FIRST_TIME_STEP * 2.0**doubling
-            moved = np.abs(self._poses(self.t + step, self.q) - self.poses)
-            if max(max_norm(moved[:, 2]), max_norm(moved[:, :2].ravel()) / self.size) > TIME_MOTION:
-                return step
-        return None

@@ -38,8 +38,9 @@ class Linearisation:
 
     t, q (nq,), v (nv,), vdot (nv,), lam (nlambda,): the state, with its accelerations and multipliers. states: the
     names of x = [z; w] (2 n,). inputs, outputs: the names of u and y: the run-time inputs and the outputs of a
-    scene; where there are none, forces at the markers and their positions, in the inertial frame. All are small changes
-    from the state. displacements (nq, n): dq = displacements z if u = 0.
+    scene. Without outputs y are the positions of the markers, and without inputs as well u are forces at the markers,
+    in the inertial frame; with outputs alone there is no u. All are small changes from the state. displacements
+    (nq, n): dq = displacements z if u = 0.
     """
 
     t: float

@@ -1,9 +1,15 @@
-"""Inputs and outputs of a linearisation: those of a scene, or forces at markers and the positions of markers."""
+"""Inputs and outputs of a linearisation: those of a scene, or forces at markers and the positions of markers.
+
+Forces at markers take the place of missing inputs only beside the positions of markers, which do not depend on them
+in the same state. Outputs such as reactions and section forces do, and the generated code knows this dependence only
+for the inputs of the scene.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import numpy as np
 
@@ -43,11 +49,11 @@ class OutputDerivatives:
 
 
 def inputs_of(native: Native, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector, lam: Vector) -> InputDerivatives:
-    """The run-time inputs of a scene, or the components of a force at each marker of a model without inputs.
+    """The run-time inputs of a scene; of a model without inputs and outputs the components of a force at each marker.
 
     Derivatives with respect to run-time inputs are differences of fourth order of the generated functions.
     """
-    if not isinstance(native, NativeScene) or not native.inputs:
+    if not _has_ports(native):
         names, jacobian = _markers(native, k, q, v)
         none = np.zeros((native.nlambda, len(names)))
         forces = tuple(f"{marker}_F{i}" for marker, i in names)
@@ -68,17 +74,23 @@ def outputs_of(
     native: Native, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector, lam: Vector
 ) -> OutputDerivatives:
     """The outputs of a scene, or the positions of the markers of a model without outputs."""
-    nv, inputs = native.nv, len(native.inputs) if isinstance(native, NativeScene) else 0
+    nv = native.nv
     if not isinstance(native, NativeScene) or not native.outputs:
         names, jacobian = _markers(native, k, q, v)
         none = np.zeros((len(names), nv))
         positions = tuple(f"{marker}_x{i}" for marker, i in names)
-        by_lam, by_u = np.zeros((len(names), native.nlambda)), np.zeros((len(names), inputs or len(names)))
+        inputs = len(native.inputs) if isinstance(native, NativeScene) and native.inputs else len(names)
+        by_lam, by_u = np.zeros((len(names), native.nlambda)), np.zeros((len(names), inputs))
         return OutputDerivatives(positions, jacobian, none, none, by_lam, by_u)
     assert native.outputs_pattern is not None
     J = native.outputs_pattern.dense(native.outputs_jacobian(t, q, v, vdot, lam, k))
     ends = np.cumsum([native.nq, nv, nv, native.nlambda])
     return OutputDerivatives(native.outputs, *np.split(J, ends, axis=1))
+
+
+def _has_ports(native: Native) -> TypeGuard[NativeScene]:
+    """Whether a model is a scene with inputs or outputs."""
+    return isinstance(native, NativeScene) and bool(native.inputs or native.outputs)
 
 
 def _by_inputs(native: NativeScene, k: Vector, function: Callable[[Vector], Vector]) -> Matrix:
@@ -93,7 +105,7 @@ def _by_inputs(native: NativeScene, k: Vector, function: Callable[[Vector], Vect
             for s in (1, 2)
         )
         columns.append((8 * near - far) / (12 * step))
-    return np.array(columns).T
+    return np.array(columns).T if columns else np.zeros((len(function(k)), 0))
 
 
 def _markers(native: Native, k: Vector, q: Vector, v: Vector) -> tuple[list[tuple[str, int]], Matrix]:

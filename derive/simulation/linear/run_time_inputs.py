@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
-import numpy as np
-
-from derive.runtime.native_call import Vector
-from derive.runtime.native_scene import NativeScene
+from derive.errors import Problem, SpecError
 from derive.simulation.inputs import with_functions
-from derive.simulation.observables.motion import function_values
+from derive.simulation.time_derivatives import derivatives_at
 from derive.spec.model.scene import Scene
 from derive.spec.model.time_function import TimeFunction
 
 ZERO = TimeFunction("number")
-STEP = 1e-4
-"""The step (s) of differences for the time derivatives of prescribed motions."""
+DERIVATIVES = "this function", "its first derivative", "its second derivative"
 
 
 def scene_with_values(scene: Scene) -> Scene:
@@ -24,16 +21,18 @@ def scene_with_values(scene: Scene) -> Scene:
     return with_functions(replace(scene, inputs=inputs), {})
 
 
-def input_values(scene: Scene, native: NativeScene, t: float) -> Vector:
-    """u (inputs,) at t (s); the time derivatives of prescribed motions are differences of fourth order."""
+def input_values(scene: Scene, t: float) -> tuple[tuple[float, ...], ...]:
+    """Of each input its value at t (s); of one that prescribes a motion also its first two time derivatives.
+
+    All numbers in turn are u (inputs,) of the compiled scene. Raises SpecError where one of them is not finite.
+    """
     motions = {drive.motion.name for drive in scene.drives if drive.motion is not None}
-    values: list[float] = []
-    for value in scene.inputs:
-        times = t + STEP * np.arange(-2.0, 3.0)
-        f = np.broadcast_to(function_values(value.function or ZERO, times), times.shape)
-        values.append(float(f[2]))
-        if value.name in motions:
-            values.append(float(f @ [1, -8, 0, 8, -1]) / (12 * STEP))
-            values.append(float(f @ [-1, 16, -30, 16, -1]) / (12 * STEP**2))
-    assert len(values) == len(native.inputs)
-    return np.array(values)
+    values: list[tuple[float, ...]] = []
+    for given in scene.inputs:
+        path = f"inputs.{given.name}.value"
+        numbers = derivatives_at(given.function or ZERO, t, path)[: 3 if given.name in motions else 1]
+        for what, number in zip(DERIVATIVES, numbers, strict=False):
+            if not math.isfinite(number):
+                raise SpecError((Problem(path, f"{what} has no value at t = {t:g} s, which is needed here"),))
+        values.append(numbers)
+    return tuple(values)

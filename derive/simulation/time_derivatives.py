@@ -1,0 +1,47 @@
+"""The numbers that a function of time and its first two derivatives are at a time, exactly differentiated."""
+
+from __future__ import annotations
+
+import math
+
+import casadi as ca
+import sympy as sp
+
+from derive.ir.expressions import Number
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.mechanics import symbols
+from derive.mechanics.quantity import finite_function, function_constant, time_derivatives
+from derive.mechanics.time_functions import Lookup
+from derive.spec.model.time_function import TimeFunction, parts
+
+
+def derivatives_at(function: TimeFunction, t: float, path: str) -> tuple[float, float, float]:
+    """The value of a function at t (s) and its first two time derivatives, with the defaults of its parameters.
+
+    NaN or infinite where there is no value; at a kink the derivative is that of one side, as in the generated code.
+    Raises SpecError at `path` for a function without a value at any t.
+    """
+    value, first, second = (_number(expr, function, t) for expr in time_derivatives(finite_function(function, path)))
+    return value, first, second
+
+
+def _number(expr: sp.Expr, function: TimeFunction, t: float) -> float:
+    """The value at t of an expression that was made from a function."""
+    known: dict[sp.Symbol, sp.Expr] = {symbols.t: sp.Rational(t)}
+    splines = {}
+    for part in parts(function):
+        if part.parameter is not None:
+            known[function_constant(part.parameter)] = sp.Rational(part.parameter.default)
+        if part.spline is not None:
+            splines[part.spline.name] = part.spline
+
+    def looked_up(name: sp.Basic, order: sp.Expr, x: sp.Expr) -> sp.Expr:
+        return sp.Rational(splines[str(name)](float(x), int(order)))
+
+    value = expr.subs(known).replace(Lookup, looked_up)
+    if value.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+        return math.nan
+    converted = Symbols(frozenset(), frozenset())
+    result = converted(value)
+    numbers = [float(leaf.value) for leaf in converted.leaves if isinstance(leaf, Number)]
+    return float(ca.Function("value", converted.inputs, [result]).call(numbers)[0]) + 0.0
