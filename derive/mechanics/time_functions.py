@@ -102,6 +102,8 @@ class SmoothStep(TimeOperation):
 class Lookup(TimeOperation):
     """Of the arguments name, n, x: derivative n of a table at x."""
 
+    is_commutative = True  # in spite of its name, which SymPy does not take for a number
+
     def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
         name, order, x = self.args
         return Lookup(name, order + 1, x) * x.diff(s)

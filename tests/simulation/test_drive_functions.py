@@ -31,14 +31,14 @@ DRIVES = {
     "by_parameter": '"A*sin(t)"',
     "accelerated": '"min(t^2, 2*t^2)"',
     "by_step": '"A*step(t, 0, 0.5)"',
-    "by_table": '"lift(t)"',
+    "by_table": '"lift(t)^3"',
     "by_input": '{ input = "angle" }',
 }
 """The third and the fourth are at rest at t = 0."""
 
 
 def arms(folder: Path) -> Scene:
-    (folder / "lift.csv").write_text("t,s\n1,0\n2,1\n3,3\n")
+    (folder / "lift.csv").write_text("t,s\n0,0\n1,1\n2,3\n")
     text = ARM
     for marker, (name, motion) in zip(("bearing", "second", "third", "fourth", "fifth"), DRIVES.items(), strict=True):
         body = f"[bodies.arm_{name}]\nmass = 1\ninertia = 0.1\nmarkers = {{ hub = [0, 0] }}\n"
