@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from derive.artifacts import MARK, File, ForeignFile, replace_file, write
-from derive.cli.specifications import build_all
+from derive.cli.specifications import build_all, in_file_order
 from derive.errors import TisserandError
 from derive.report.document.page import Page
 from derive.simulation.initial.initial_state import InitialState, initial_state
@@ -42,6 +42,7 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
     from derive.report.model_page import model_page
     from derive.report.scene_page import ResultPicture, scene_page
     from derive.report.sections.files import SpecificationText
+    from derive.simulation.observables.default_plots import default_plots
     from derive.simulation.run_record import recorded_warnings
 
     (built,) = build_all([path])
@@ -49,26 +50,32 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
     text = SpecificationText(path.name, path.read_text(encoding="utf-8-sig"))
     if not isinstance(built.spec, Scene):
         return name, built.model.doc, model_page(built, text)
+    plots = in_file_order((*built.spec.plots, *default_plots(built.spec, built.model)), path)
+    plotted = [f"{plot.name}.svg" for plot in plots]
     return (
         name,
         built.model.doc,
         scene_page(
             built,
             text,
-            [ResultPicture(path.stem, svg) for path, svg in _pictures(Path("results") / name)],
+            [ResultPicture(path.stem, svg) for path, svg in _pictures(Path("results") / name, plotted)],
             _initial_state(built.spec, built.files),
             recorded_warnings(Path("results") / name / f"{name}.json", built.spec),
         ),
     )
 
 
-def _pictures(folder: Path) -> Iterator[tuple[Path, str]]:
-    """Our pictures in a folder; what is no drawing any more is left out, with a line that says so."""
+def _pictures(folder: Path, plotted: Sequence[str]) -> Iterator[tuple[Path, str]]:
+    """Our pictures in a folder: those of plots in their order, then those of studies by their names.
+
+    What is no drawing any more is left out, with a line that says so.
+    """
     from xml.etree.ElementTree import ParseError
 
     from derive.report.writers.picture import standalone
 
-    for path in sorted(folder.glob("*.svg")):
+    ranks = {name: rank for rank, name in enumerate(plotted)}
+    for path in sorted(folder.glob("*.svg"), key=lambda path: (ranks.get(path.name, len(ranks)), path.name)):
         svg = path.read_text(encoding="utf-8")
         if MARK not in svg[:1000]:
             continue

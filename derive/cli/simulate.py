@@ -11,7 +11,7 @@ from pathlib import Path
 
 from derive.artifacts import File, check_folder, write
 from derive.cli.simulation_summary import Pieces, PlotCurves, SimulationResult, summary_data, summary_text
-from derive.cli.specifications import read_changed, simulated
+from derive.cli.specifications import in_file_order, read_changed, simulated
 from derive.errors import SpecError
 from derive.simulation.body_run import BodyRun
 from derive.simulation.body_trajectory import BodyTrajectory
@@ -90,7 +90,7 @@ class Simulations:
         self._spec, self._options = spec, options
         self._variants = {_pieces(spec): self._prepared(spec)}
         self.main = self._variants[_pieces(spec)].run
-        self.plots = self.main.plots
+        self.plots = in_file_order(self.main.plots, options.spec)
         for plot in self.plots:
             for pieces in plot.pieces:
                 assert isinstance(spec, Scene)

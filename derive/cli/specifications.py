@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,8 +14,10 @@ from derive.errors import Problem, SpecError
 from derive.simulation.free_beam import beam_scene
 from derive.simulation.simulate import SYMBOLIC, simulation_settings
 from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.set_values import SetValue, with_values
+from derive.spec.toml.key_lines import lines
 from derive.spec.toml.read import read
 from derive.terminal import show_progress
 
@@ -42,6 +45,18 @@ def read_changed(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Sp
     if repeated := sorted({name for name in names if names.count(name) > 1}):
         raise SpecError((Problem("", f"{', '.join(repeated)} has several values; give one"),), "--set")
     return with_values(spec, dict(assignments))
+
+
+def in_file_order(plots: Sequence[Plot], path: Path) -> tuple[Plot, ...]:
+    """Plots in the order of a file, whether it has a table of the plot, or of the output that the plot shows."""
+    known = lines(path.read_text(encoding="utf-8-sig"))
+
+    def line(plot: Plot) -> float:
+        return min(
+            (known[table, plot.name] for table in ("plots", "outputs") if (table, plot.name) in known), default=math.inf
+        )
+
+    return tuple(sorted(plots, key=line))
 
 
 def simulated(

@@ -301,3 +301,47 @@ def test_wrong_options(option: list[str], capsys: pytest.CaptureFixture[str]) ->
     with pytest.raises(SystemExit) as stopped:
         main(["simulate", str(SCENE), *option])
     assert stopped.value.code == 2 and f"argument {option[0]}: expected" in capsys.readouterr().err
+
+
+PENDULUM = """name = "pendulum"
+[ground.markers]
+o = [0, 0]
+[bodies.rod]
+mass = 1
+inertia = 1
+markers = { o = [0, 0], end = [0.5, 0] }
+[joints.hinge]
+kind = "revolute"
+between = ["ground.o", "rod.o"]
+[outputs.place]
+kind = "position"
+marker = "rod.end"
+[simulation]
+duration = 0.1
+output = 0.1
+[plots.angle]
+y = "rod_phi"
+[outputs.bearing]
+kind = "reaction"
+joint = "hinge"
+[plots.about]
+y = ["rod_phi", "rod_phidot"]
+"""
+
+
+def test_plots_are_in_the_order_of_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Those of outputs among the others; each curve has its unit in the summary and in the animation."""
+    spec = tmp_path / "pendulum.toml"
+    spec.write_text(PENDULUM)
+    assert main(["simulate", str(spec), "--out", str(tmp_path), "--json"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert [plot["name"] for plot in summary["plots"]] == ["place", "angle", "bearing", "about"]
+    assert [curve["unit"] for curve in summary["plots"][-1]["curves"]] == ["rad", "rad/s"]
+    pictures = [Path(file).stem for file in summary["files"] if file.endswith(".svg")]
+    assert pictures == ["place", "angle", "bearing", "about"]
+    page = (tmp_path / "pendulum" / "pendulum.html").read_text()
+    curves = re.findall(r'"name":"(\w+)","unit":"([^"]*)","values"', page.split('"curves":')[1])
+    assert curves[:3] == [("place_1", "m"), ("place_2", "m"), ("rod_phi", "rad")] and curves[-1] == (
+        "rod_phidot",
+        "rad/s",
+    )
