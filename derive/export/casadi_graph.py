@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import partial
@@ -60,19 +61,16 @@ def number(value: Fraction) -> ca.SX:
 
 
 def looked_up(spline: Spline, x: ca.SX, order: int) -> ca.SX:
-    """The derivative of an order of a cubic spline, constant outside its knots, in symbols."""
+    """The derivative of an order of a piecewise polynomial, constant outside its knots, in symbols."""
     last = spline.knots[-1]
     inside = ca.logic_and(x >= spline.knots[0], x < last)
     at = ca.fmin(ca.fmax(x, spline.knots[0]), last)
     result = ca.SX(0)
-    for k, (c0, c1, c2, c3) in enumerate(spline.coefficients):
+    for k, row in enumerate(spline.coefficients):
         d = at - spline.knots[k]
-        value = (
-            c0 + d * (c1 + d * (c2 + d * c3)),
-            c1 + d * (2 * c2 + d * 3 * c3),
-            2 * c2 + d * 6 * c3,
-            ca.SX(6 * c3),
-        )[order]
+        value = ca.SX(0)
+        for j in reversed(range(order, len(row))):
+            value = math.perm(j, order) * row[j] + d * value
         end = k == len(spline.coefficients) - 1
         here = at >= spline.knots[k] if end else ca.logic_and(at >= spline.knots[k], at < spline.knots[k + 1])
         result += ca.if_else(here, value, 0)

@@ -60,8 +60,8 @@ def function(of: TimeFunction) -> sp.Expr:
             assert of.spline is not None
             return lookup(of.spline, function(of.args[0]))
         case "piecewise":
-            ends = [function(condition.args[1]) for condition in of.args[:-1:2]]
-            return piecewise(t, ends, [function(value) for value in (*of.args[1::2], of.args[-1])])
+            conditions = [(function(less.args[0]), function(less.args[1])) for less in of.args[:-1:2]]
+            return piecewise(conditions, [function(value) for value in (*of.args[1::2], of.args[-1])])
         case kind if kind in EXACT or any(part.kind in ("t", "parameter", "input") for part in parts(of)):
             return rounded(BUILD[kind](*map(function, of.args)))
         case _:

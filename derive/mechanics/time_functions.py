@@ -119,11 +119,11 @@ def lookup(spline: Spline, x: sp.Expr) -> sp.Expr:
     return Lookup(Str(spline.name), sp.S.Zero, x)
 
 
-def piecewise(x: sp.Expr, ends: Sequence[sp.Expr], values: Sequence[sp.Expr]) -> sp.Expr:
-    """The first value where x is less than the first end, and so on; behind all ends the last value."""
-    if not ends:
+def piecewise(conditions: Sequence[tuple[sp.Expr, sp.Expr]], values: Sequence[sp.Expr]) -> sp.Expr:
+    """The value of the first condition (a, b) with a < b; where there is none, the last value."""
+    if not conditions:
         return values[0]
-    return select(x, ends[0], values[0], piecewise(x, ends[1:], values[1:]))
+    return select(*conditions[0], values[0], piecewise(conditions[1:], values[1:]))
 
 
 BUILD = {

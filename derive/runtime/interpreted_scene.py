@@ -33,7 +33,7 @@ class InterpretedScene(NativeScene):
         self.mass_pattern, self.jacobian_pattern = model.pattern("mass", "M"), model.pattern("jacobian", "jac")
         self.constraint_pattern = model.pattern("constraint_jacobian", "G")
         self._compiled: dict[str, CompiledFunction] = {
-            kernel.name: InterpretedFunction(self.name, kernel) for kernel in model.kernels
+            kernel.name: InterpretedFunction(model, kernel) for kernel in model.kernels
         }
 
     def marker_positions(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
@@ -49,8 +49,9 @@ class InterpretedScene(NativeScene):
 class InterpretedFunction(CompiledFunction):
     """A function that is interpreted."""
 
-    def __init__(self, model: str, kernel: Kernel) -> None:
-        self.name, self._kernel = f"{model}_{kernel.name}", kernel
+    def __init__(self, model: Model, kernel: Kernel) -> None:
+        self.name, self._kernel = f"{model.name}_{kernel.name}", kernel
+        self._tables = {spline.name: spline for spline in model.splines}
 
     def __call__(self, arrays: tuple[ArrayLike, ...], *numbers: float, out: Vector | None = None) -> Vector:
         """The first result, written into `out` where it is given."""
@@ -72,7 +73,7 @@ class InterpretedFunction(CompiledFunction):
             for a in self._kernel.arguments
         }
         try:
-            outputs = interpret(self._kernel, given)
+            outputs = interpret(self._kernel, given, tables=self._tables)
         except RequirementError as error:
             raise ModelError(self.name, error.code) from error
         except (ArithmeticError, ValueError) as error:  # C has an infinity or a NaN there

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from derive.errors import Problem, SpecError
+from derive.mechanics.prescribed_motion import drive_speed
 from derive.simulation.observables.motion import drive_unit
 from derive.spec.model.scene import Drive, Scene
 from derive.spec.model.time_function import TimeFunction, break_times, value_at
@@ -113,33 +114,36 @@ def check_start(scene: Scene) -> None:
 
 
 def _jumps(scene: Scene, drive: Drive, duration: float) -> Iterator[Problem]:
-    motion = drive.motion
-    if motion is None or motion.kind == "input":
+    key, prescribed = ("motion", drive.motion) if drive.motion is not None else ("speed", drive_speed(drive))
+    if prescribed is None or prescribed.kind == "input":
         return
     unit = drive_unit(scene, drive)
-    breaks = sorted(time for time in {*break_times(motion, duration)} if 0.0 < time <= duration)
+    of_speed = ("speed", rate_at if key == "motion" else value_at, f"{unit}/s")
+    quantities = (*((("position", value_at, unit),) if key == "motion" else ()), of_speed)
+    breaks = sorted(time for time in {*break_times(prescribed, duration)} if 0.0 < time <= duration)
     samples = [t for pair in pairwise([0.0, *breaks, duration]) for t in np.linspace(*pair, SAMPLES)]
     refused = set[float]()  # a jump of the position is one of the speed as well
-    for quantity, of, units in (("position", value_at, unit), ("speed", rate_at, f"{unit}/s")):
-        largest = max((abs(value) for t in samples if (value := _finite(of, motion, t)) is not None), default=0.0)
+    for quantity, of, units in quantities:
+        values = (_finite(of, prescribed, t) for t in samples)
+        largest = max((abs(value) for value in values if value is not None), default=0.0)
         for t in breaks:
             beside = BESIDE * np.spacing(t)
-            old, new = _finite(of, motion, t - beside), _finite(of, motion, t + beside)
+            old, new = _finite(of, prescribed, t - beside), _finite(of, prescribed, t + beside)
             if t in refused or old is None or new is None or abs(new - old) <= ROUNDING * largest:
                 continue
             refused.add(t)
             yield Problem(
-                f"drives.{drive.name}.motion",
+                f"drives.{drive.name}.{key}",
                 f"at t = {t:.9g} s the {quantity} jumps from {old:.9g} {units} to {new:.9g} {units}, which takes an "
-                "infinite force; only the acceleration of a drive may jump. Make the motion smooth there, for example "
+                f"infinite force; only the acceleration of a drive may jump. Make the {key} smooth there, for example "
                 "by step(t, ...), or end the simulation before",
             )
 
 
-def _finite(of: Callable[[TimeFunction, float], float], motion: TimeFunction, t: float) -> float | None:
-    """The value or the derivative of a motion at t (s), None where it has none, such as the speed of sqrt(t) at 0."""
+def _finite(of: Callable[[TimeFunction, float], float], function: TimeFunction, t: float) -> float | None:
+    """The value or the derivative of a function at t (s), None where it has none, such as the speed of sqrt(t) at 0."""
     try:
-        value = of(motion, float(t))
+        value = of(function, float(t))
     except (ArithmeticError, ValueError):
         return None
     return value if math.isfinite(value) else None

@@ -17,7 +17,7 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
-from derive.simulation.observables.motion import SceneMotion, drive_motion, drive_unit
+from derive.simulation.observables.motion import SceneMotion, drive_unit, simulated_drive
 from derive.simulation.observables.outputs import port_values
 from derive.simulation.validity.monitoring_outputs import monitoring_outputs
 from derive.simulation.validity.monitors import Monitor
@@ -51,7 +51,7 @@ def column_units(scene: Scene, model: Model) -> list[tuple[str, str]]:
 
 def column_values(scene: Scene, native: NativeScene, k: Vector, solution: Solution) -> list[Vector]:
     """The values (n,) of the columns of a trajectory of a scene, in the order of `column_units`."""
-    drives = [drive_motion(native, drive, solution.t) for drive in scene.drives]
+    drives = [simulated_drive(native, drive, solution.t) for drive in scene.drives]
     monitors = {output.name for output in monitoring_outputs(scene)}
     inputs, outputs = port_values(native, k, solution, monitors)
     return [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T, *inputs.T, *outputs.T]

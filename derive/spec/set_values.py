@@ -19,9 +19,10 @@ from derive.spec.checks.scene_parameters import beam_constants, scene_constants
 from derive.spec.construction import validated_tables
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.model.time_function import TimeFunction
-from derive.spec.parsing.faults import KeyPath, did_you_mean, path_text
+from derive.spec.parsing.faults import KeyPath, did_you_mean, path_text, readable
 from derive.spec.parsing.names import name_problem
-from derive.spec.parsing.values import TomlFloat
+from derive.spec.parsing.time_text import function_text
+from derive.spec.parsing.values import TomlFloat, number
 
 S = TypeVar("S", bound=Specification)
 
@@ -149,6 +150,8 @@ def _as_parameter(path: KeyPath, old: Any, new: Any, taken: set[str]) -> Any:
         return {**old, "default": new}
     name = "_".join(str(part + 1 if isinstance(part, int) else part) for part in path[1:])
     symbol = next((free for free in (name, f"{name}_value") if free.lower() not in taken), name)
+    if isinstance(new, str) and readable(number, new) is None:
+        return new  # a function of t, which is no default of a parameter
     taken.add(symbol.lower())
     return new if name_problem(symbol) else {"symbol": symbol, "default": new}
 
@@ -186,6 +189,6 @@ def _shown(value: Any) -> str:
         case list() | tuple():
             return f"[{', '.join(map(_shown, value))}]"
         case TimeFunction():
-            return "a function of t"
+            return function_text(value)
         case _:
             return printable(str(value))[:80]

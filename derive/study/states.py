@@ -31,8 +31,9 @@ def period(scene: Scene) -> tuple[float, str]:
     """The time (s) that a study covers, and its description: a revolution of a drive, or the duration of the scene."""
     rotating = {j.name for j in scene.joints if (driven := JOINTS[j.kind].driven) and driven.unit == "rad"}
     for drive in scene.drives:
-        if drive.speed is not None and drive.joint in rotating and si_value(drive.speed):
-            return 2 * math.pi / abs(si_value(drive.speed)), f"one revolution of {drive.name}"
+        speed = drive.constant_speed
+        if speed is not None and drive.joint in rotating and si_value(speed):
+            return 2 * math.pi / abs(si_value(speed)), f"one revolution of {drive.name}"
     assert scene.simulation is not None
     return scene.simulation.duration, f"{scene.simulation.duration:g} s"
 

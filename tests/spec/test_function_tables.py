@@ -49,7 +49,7 @@ def problem(folder: Path, text: str = SCENE, curve: str = CURVE) -> str:
 
 def test_functions_hold_their_parameters_and_tables(tmp_path: Path) -> None:
     found = scene(tmp_path)
-    (spline,) = splines(found)
+    (spline,) = splines(function for _, function in time_functions(found))
     assert (spline.name, spline.knots, [spline(x) for x in spline.knots]) == ("load", (0, 1, 4), [1, 3, 2])
     (function, _) = (f for _, f in time_functions(found))
     product = function.args[0]
@@ -99,7 +99,7 @@ def test_a_table_that_is_none_is_refused(tmp_path: Path, curve: str, message: st
 
 def test_a_table_of_the_largest_size_is_read(tmp_path: Path) -> None:
     curve = "t,F\n" + "".join(f"{k},{k % 7}\n" for k in range(MAX_ROWS))
-    (spline,) = splines(scene(tmp_path, curve=curve))
+    (spline,) = splines(function for _, function in time_functions(scene(tmp_path, curve=curve)))
     assert len(spline.knots) == MAX_ROWS
 
 

@@ -26,13 +26,13 @@ def _function(helper: str, spline: Spline) -> list[str]:
         f"    static const double knots[{n}] = {{",
         *prefixed([", ".join(map(repr, spline.knots))], "        "),
         "    };",
-        f"    static const double coefficients[{4 * (n - 1)}] = {{",
+        f"    static const double coefficients[{(spline.degree + 1) * (n - 1)}] = {{",
         *(
             line
             for k, row in enumerate(rows, 1)
             for line in prefixed([f"{row}{',' if k < len(rows) else ''}"], "        ")
         ),
         "    };",
-        f"    return {helper}({n}, knots, coefficients, x, order);",
+        f"    return {helper}({n}, {spline.degree}, knots, coefficients, x, order);",
         "}",
     ]

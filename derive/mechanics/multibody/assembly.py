@@ -32,6 +32,7 @@ from derive.mechanics.multibody.outputs.output_type import OutputInstance
 from derive.mechanics.multibody.outputs.registry import output_type
 from derive.mechanics.multibody.parameters import parameters
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, fixed_point
+from derive.mechanics.prescribed_motion import drive_motion
 from derive.mechanics.quantity import finite_function, time_derivatives
 from derive.mechanics.symbols import DOTS, Symbol, element, t
 from derive.mechanics.terms import Eliminated, Intermediate, ModelConstant
@@ -96,7 +97,6 @@ class _Assembly:
             ground=self.known[GROUND],
             joints=joints,
             forces=forces,
-            dampings=tuple(filter(None, (body_type(b).damping(b) for b in self.scene.bodies))),
             eliminated_joints=tuple(self.eliminated_joints.values()),
             outputs=self._outputs(),
             parameters=parameters(self.scene),
@@ -240,12 +240,17 @@ class _Assembly:
 
     def _motion(self, drive: Drive) -> Derivatives:
         """The motion of a drive with its derivatives, under names of their own if expanding it would cost digits."""
-        if drive.motion is not None:
-            derivatives = time_derivatives(self._function(drive.motion, f"drives.{drive.name}.motion"))
-            return self._named(drive.name, derivatives) if derivatives[0].has(TimeOperation) else derivatives
-        assert drive.speed is not None
-        speed = self._constant(element(drive.name, "speed"), drive.speed, f"speed of drive {drive.name}", "")
-        return time_derivatives(speed * t + sp.Rational(drive.offset))
+        match drive.speed:
+            case None:
+                derivatives = time_derivatives(self._function(drive_motion(drive), f"drives.{drive.name}.motion"))
+            case TimeFunction():
+                path = f"drives.{drive.name}.speed"
+                speed, acceleration, _ = time_derivatives(self._function(drive.speed, path))
+                derivatives = self._function(drive_motion(drive), path), speed, acceleration
+            case constant:
+                value = self._constant(element(drive.name, "speed"), constant, f"speed of drive {drive.name}", "")
+                return time_derivatives(value * t + sp.Rational(drive.offset))
+        return self._named(drive.name, derivatives) if any(of.has(TimeOperation) for of in derivatives) else derivatives
 
     def _named(self, drive: str, derivatives: Derivatives) -> Derivatives:
         docs = ("motion", "speed", "acceleration")

@@ -34,7 +34,7 @@ def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:
     for joint in scene.joints:
         if isinstance(joint, CustomJoint):
             constants += _constants("joint", joint.name, JOINTS[joint.kind].keys, joint.values)
-    constants += [Constant(drive.speed, f"speed of drive {drive.name}") for drive in scene.drives]
+    constants += [Constant(drive.constant_speed, f"speed of drive {drive.name}") for drive in scene.drives]
     for output in scene.outputs:
         constants += _constants("output", output.name, output_type(output.kind).keys, output.values)
     for force, force_type in elements(scene):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from derive.mechanics.prescribed_motion import drive_speed
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
@@ -149,14 +150,15 @@ def _check_rest(scene: Scene, native: NativeScene, k: Vector) -> None:
     inputs = np.asarray(native.own_at(0.0, k))[native.nk - len(native.inputs) :].tolist()
     for drive in scene.drives:
         rates: Sequence[float]
-        if drive.speed is not None:
-            rates = [si_value(drive.speed)]
-        elif drive.motion is not None and drive.motion.kind == "input":
+        if drive.motion is not None and drive.motion.kind == "input":
             value = native.inputs.index(drive.motion.name)
             rates = inputs[value + 1 : value + 3]
-        else:
-            assert drive.motion is not None, "a drive has a speed or a motion"
+        elif drive.motion is not None:
             rates = derivatives_at(drive.motion, 0.0, f"drives.{drive.name}.motion")[1:]
+        else:
+            speed = drive_speed(drive)
+            assert speed is not None, "a drive has a speed or a motion"
+            rates = derivatives_at(speed, 0.0, f"drives.{drive.name}.speed")[:2]
         if any(rate != 0.0 for rate in rates):
             moving.append(drive.name)
     if moving:

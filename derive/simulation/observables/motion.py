@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.prescribed_motion import drive_motion
 from derive.runtime.native_scene import NativeScene
 from derive.spec.files.splines import cubic_spline
 from derive.spec.model.markers import GROUND, MarkerRef, PointMarker
@@ -118,13 +119,10 @@ def deflection(motion: SceneMotion, quantity: Deflection) -> Array:
 
 def drive_values(drive: Drive, t: Array) -> Array:
     """(n,): the prescribed rotation (rad) or displacement (m) of a drive at the times t (n,), s."""
-    if drive.motion is not None:
-        return function_values(drive.motion, t)
-    assert drive.speed is not None
-    return si_value(drive.speed) * t + float(drive.offset)
+    return function_values(drive_motion(drive), t)
 
 
-def drive_motion(native: NativeScene, drive: Drive, t: Array) -> Array:
+def simulated_drive(native: NativeScene, drive: Drive, t: Array) -> Array:
     """(n,): the same in a simulation, in which drives may follow the run-time inputs of a compiled scene."""
     if drive.motion is None or drive.motion.kind != "input":
         return drive_values(drive, t)

@@ -30,10 +30,10 @@ from derive.simulation.observables.motion import (
     Array,
     SceneMotion,
     body_coordinates,
-    drive_motion,
     drive_unit,
     marker_positions,
     outline,
+    simulated_drive,
     transformed,
 )
 from derive.spec.model.markers import GROUND, MarkerRef
@@ -89,7 +89,7 @@ def player_data(motion: SceneMotion, curves: Sequence[Column], clock: Array | No
             {
                 "name": d.name,
                 "unit": drive_unit(scene, d),
-                "values": channel(drive_motion(shown.native, d, shown.t), 1e-4),
+                "values": channel(simulated_drive(shown.native, d, shown.t), 1e-4),
             }
             for d in scene.drives
         ],

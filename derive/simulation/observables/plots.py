@@ -8,7 +8,7 @@ from typing import assert_never
 
 import numpy as np
 
-from derive.simulation.observables.motion import Array, SceneMotion, deflection, deviation, drive_motion, drive_unit
+from derive.simulation.observables.motion import Array, SceneMotion, deflection, deviation, drive_unit, simulated_drive
 from derive.simulation.trajectory import ColumnTable, Trajectory
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
@@ -74,7 +74,7 @@ def plot_curve(plot: Plot, motion: SceneMotion, label: str) -> PlotCurve:
     """The curve of a plot of a deflection in a motion."""
     assert isinstance(plot.quantity, Deflection)
     drive = next((d for d in motion.scene.drives if d.name == plot.over), None)
-    x = motion.t if drive is None else drive_motion(motion.native, drive, motion.t)
+    x = motion.t if drive is None else simulated_drive(motion.native, drive, motion.t)
     return _curve(plot, label, x, deflection(motion, plot.quantity), deflection_quantity(plot.quantity))
 
 

@@ -162,14 +162,19 @@ class CustomJoint(Joint):
 @dataclass(frozen=True)
 class Drive:
     """A prescribed motion of a joint: its relative rotation, or its displacement along the axis, is a `motion` of t, or
-    `speed` * t + `offset`."""
+    the integral of a `speed` from 0 to t, plus `offset`."""
 
     name: str
     joint: str
     motion: TimeFunction | None
-    speed: Quantity | None = None
+    speed: Quantity | TimeFunction | None = None
     offset: Fraction = Fraction(0)
     start: JointInitialValues = JointInitialValues()
+
+    @property
+    def constant_speed(self) -> Quantity | None:
+        """The speed where it is a number or a parameter; None where a function of t is given."""
+        return None if isinstance(self.speed, TimeFunction) else self.speed
 
 
 @dataclass(frozen=True)

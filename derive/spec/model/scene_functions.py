@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import BeamBody, Scene
@@ -42,9 +42,9 @@ def function_parameters(function: TimeFunction) -> Iterator[Parameter]:
             yield part.parameter
 
 
-def splines(scene: Scene) -> tuple[Spline, ...]:
-    """The tables that the functions of a scene read, each once."""
-    every = (part.spline for _, function in time_functions(scene) for part in parts(function))
+def splines(functions: Iterable[TimeFunction]) -> tuple[Spline, ...]:
+    """The tables that functions read, each once."""
+    every = (part.spline for function in functions for part in parts(function))
     return tuple(dict.fromkeys(spline for spline in every if spline is not None))
 
 

@@ -7,42 +7,52 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, pairwise
 
 from derive.spec.model.quantity import Parameter
 
 
 @dataclass(frozen=True)
 class Spline:
-    """A cubic spline with two continuous derivatives through the rows of a table.
+    """A piecewise polynomial through the rows of a table: a cubic spline, or one of its antiderivatives.
 
-    knots: x_0 < x_1 < ..., at least two; coefficients: for each interval i the values c0, c1, c2, c3 of
-    c0 + c1 d + c2 d^2 + c3 d^3 with d = x - x_i. Before the first knot and behind the last one the value is constant,
-    and the derivatives are zero.
+    knots: x_0 < x_1 < ..., at least two; coefficients: for each interval i the values c0, c1, c2, ... of
+    c0 + c1 d + c2 d^2 + ... with d = x - x_i. Before the first knot and behind the last one the value is constant, and
+    the derivatives are zero.
     """
 
     name: str
     knots: tuple[float, ...]
-    coefficients: tuple[tuple[float, float, float, float], ...]
+    coefficients: tuple[tuple[float, ...], ...]
+
+    @property
+    def degree(self) -> int:
+        """The degree of the polynomials."""
+        return len(self.coefficients[0]) - 1
 
     def __call__(self, x: float, order: int = 0) -> float:
-        """The value at x, or the derivative of that order, at most 3."""
+        """The value at x, or the derivative of an order."""
         if order and not self.knots[0] <= x < self.knots[-1]:
             return 0.0
         x = min(max(x, self.knots[0]), self.knots[-1])
         i = min(bisect_right(self.knots, x), len(self.knots) - 1) - 1
-        return _cubic(self.coefficients[i], x - self.knots[i], order)
+        return _polynomial(self.coefficients[i], x - self.knots[i], order)
+
+    def antiderivative(self, name: str) -> Spline:
+        """The integral from the first knot, between the knots, under a name of its own."""
+        rows, area = [], 0.0
+        for row, step in zip(self.coefficients, (b - a for a, b in pairwise(self.knots)), strict=True):
+            rows.append((area, *(c / power for power, c in enumerate(row, 1))))
+            area = _polynomial(rows[-1], step, 0)
+        return Spline(name, self.knots, tuple(rows))
 
 
-def _cubic(c: tuple[float, float, float, float], d: float, order: int) -> float:
+def _polynomial(c: tuple[float, ...], d: float, order: int) -> float:
     """The value or a derivative, with the operations of the generated code in their order."""
-    if order == 0:
-        return c[0] + d * (c[1] + d * (c[2] + d * c[3]))
-    if order == 1:
-        return c[1] + d * (2.0 * c[2] + d * (3.0 * c[3]))
-    if order == 2:
-        return 2.0 * c[2] + d * (6.0 * c[3])
-    return 6.0 * c[3]
+    value = 0.0
+    for j in range(len(c) - 1, order - 1, -1):
+        value = math.perm(j, order) * c[j] + d * value
+    return value
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ import numpy as np
 
 from derive.errors import TisserandError
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.prescribed_motion import drive_speed
 from derive.simulation.observables.motion import si_value
 from derive.simulation.validity.held_beam import lowest_mode
 from derive.simulation.validity.monitors import Cause
@@ -21,11 +22,14 @@ from derive.simulation.validity.piece_shapes import PieceShapes
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.time_function import value_at
 from derive.study.accuracy.measurement import compiled, motion
 from derive.study.accuracy.models import LadderModel, Shapes
 
 TOLERANCE = 1e-6
 """That of the runs that are looked at."""
+SPEEDS = 1001
+"""The times of a simulation at which the largest speed of a drive is looked for."""
 MODAL = 4 / np.pi
 """The part of a uniform load that bends a beam into half a sine wave, as an amplitude."""
 
@@ -99,10 +103,11 @@ def _flexible(scene: Scene, beams: list[BeamBody]) -> tuple[dict[str, float], di
 
 
 def _driving(scene: Scene) -> float | None:
-    """The largest constant speed of a drive that rotates, rad/s."""
+    """The largest speed of a drive that rotates, of those whose speed is given, rad/s."""
     rotating = {j.name for j in scene.joints if (driven := JOINTS[j.kind].driven) and driven.unit == "rad"}
-    speeds = [abs(si_value(d.speed)) for d in scene.drives if d.speed is not None and d.joint in rotating]
-    return max(speeds, default=None)
+    times = np.linspace(0.0, scene.simulation.duration if scene.simulation else 0.0, SPEEDS)
+    speeds = (speed for drive in scene.drives if drive.joint in rotating and (speed := drive_speed(drive)))
+    return max((abs(value_at(speed, t)) for speed in speeds for t in times.tolist()), default=None)
 
 
 def _accelerations(scene: Scene, beams: list[BeamBody]) -> dict[str, tuple[float, float]]:
