@@ -12,6 +12,7 @@ import beams
 import derive
 from conftest import QUICK
 from derive.ir.expressions import Number, Operation, Operator, walk
+from derive.ir.interpreter import interpret
 from derive.ir.statements import Require, ReturnCode
 from derive.lowering.flat.constant_elimination import reduced_system
 from derive.runtime.native_call import ModelError
@@ -63,6 +64,30 @@ def test_accelerations_with_gravity_and_damping_fulfil_the_equations(frame: str,
             M[i, j] = M[j, i] = value
         vdot = native.accel(0.0, q, v, k)
         assert np.max(np.abs(M @ vdot + h)) < 1e-12 * np.max(np.abs(M) @ np.abs(vdot) + np.abs(h))
+
+
+STRETCHING = {"ansatz": ["xi"], "stiffness": {"symbol": "EA", "default": 1000}}
+"""A displacement along the axis, whose damping ratio has roots of another parameter."""
+
+
+@pytest.mark.parametrize("frame", ["mean", "point"])
+@pytest.mark.parametrize(
+    ("mass", "ratio"), [({"symbol": "m", "default": 1.3}, 0.03), (2, {"symbol": "zeta", "default": 0.03})]
+)
+@pytest.mark.parametrize("more", [{}, {"order": 2}, {"axial": STRETCHING}, {"order": 2, "axial": STRETCHING}])
+def test_damping_ratios_have_roots_of_parameters(frame: str, mass: Any, more: dict[str, Any], ratio: Any) -> None:
+    """Of mass and stiffness, which are taken as squares of their roots, so that elimination remains exact."""
+    beam = beams.beam(frame, 2, mass=mass, damping={"ratio": ratio}, markers={}, **more)
+    equations, model = derive.derive(beam).expanded(), derive.lower(derive.derive(beam))
+    assert (reduced_system(equations) is not None) is ("order" not in more or frame == "mean")
+    n, k = len(equations.rows), interpret(model.kernel("setup"), {"p": list(model.defaults)})["k"]
+    state = {"t": 0.0, "q": [0.0, 0.0, 0.3, *[0.03] * (n - 3)], "v": np.linspace(1.0, -2.0, n).tolist(), "k": k}
+    both, pattern = interpret(model.kernel("mass_force"), state), model.pattern("mass", "M")
+    M, h = np.zeros((n, n)), np.array(both["h"], dtype=float)
+    for (i, j), value in zip(pattern.entries, both["M"], strict=True):
+        M[i, j] = M[j, i] = value
+    vdot = np.array(interpret(model.kernel("accel"), state)["vdot"], dtype=float)
+    assert np.max(np.abs(M @ vdot + h)) < 1e-12 * np.max(np.abs(M) @ np.abs(vdot) + np.abs(h))
 
 
 def test_centrifugal_forces_on_the_shapes_cancel_exactly() -> None:

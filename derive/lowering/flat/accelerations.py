@@ -183,16 +183,16 @@ class _Coefficients:
 
     def __init__(self, context: Context, symbols: Symbols, system: ReducedSystem) -> None:
         self.context, self.symbols = context, symbols
-        self.domain = system.polynomials.ring.domain
+        self.polynomials = system.polynomials
         self.taken = {str(c.symbol) for c in context.coefficients}
         self.known = {}
         for c in reversed(context.coefficients):
             if not c.value.is_Rational:
-                self.known[self.domain.from_sympy(c.value)] = symbols.values[c.symbol]
+                self.known[self.polynomials.coefficient(c.value)] = symbols.values[c.symbol]
 
     def __call__(self, coefficient: Coefficient, label: Label) -> Signed:
         """The sign of a coefficient, and its absolute value, which is a new constant if it is not known."""
-        number = rational(self.domain, coefficient)
+        number = rational(self.polynomials.ring.domain, coefficient)
         if number is not None:
             return (1 if number > 0 else -1), self.symbols.number(abs(number))
         sign = 1 if coefficient.numer.LC > 0 else -1
@@ -201,7 +201,7 @@ class _Coefficients:
             numbered = (f"{label.name}_{k}" for k in count(2))
             name = next(n for n in chain([label.name], numbered) if n not in self.taken)
             self.taken.add(name)
-            value_of = self.domain.to_sympy(value)
+            value_of = self.polynomials.expression(value)
             constant = ModelConstant(local(name), value_of, Source.FACTORISATION, label.doc, "")
             self.context.add_constant(constant)
             self.symbols.input(constant.symbol, ScalarRef(name))

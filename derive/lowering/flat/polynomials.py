@@ -1,4 +1,7 @@
-"""Expressions of the derivation as polynomials in the state, with exact coefficients in terms of the parameters."""
+"""Expressions of the derivation as polynomials in the state, with exact coefficients in terms of the parameters.
+
+Where roots of parameters occur, as in a damping ratio, the roots take the place of the parameters: m = sqrt(m)^2.
+"""
 
 from __future__ import annotations
 
@@ -19,11 +22,11 @@ Polynomial: TypeAlias = Any
 """A polynomial of SymPy's sparse rings, `PolyElement`, which has no type annotations."""
 
 Coefficient: TypeAlias = Any
-"""An element of the field of the coefficients: a rational number, or a rational function of the parameters."""
+"""An element of the field of the coefficients: a rational number, or a rational function of parameters and roots."""
 
 
 class NotPolynomialError(TisserandError):
-    """An expression is no polynomial in the state, or its coefficients are no rational functions of the parameters."""
+    """An expression is no polynomial in the state, or has coefficients that are no functions of parameters and roots."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,7 @@ class StatePolynomials:
     """
 
     def __init__(self, equations: Equations) -> None:
-        """Raises NotPolynomialError if the coefficients are no rational functions of the parameters."""
+        """Raises NotPolynomialError if the coefficients are no rational functions of the parameters and their roots."""
         of = {d.symbol: identity(d.symbol) for d in equations.definitions if not d.zero}
         gravity = {
             known.components[0] - 1: symbol for symbol, known in of.items() if known.family is Family.BODY_GRAVITY
@@ -56,7 +59,8 @@ class StatePolynomials:
         )
         parameters = [p.symbol for p in equations.parameters]
         self._positive = [p.positive for p in equations.parameters]
-        domain = sp.QQ.frac_field(*parameters) if parameters else sp.QQ
+        self._roots = _roots([c.value for c in equations.coefficients], parameters)
+        domain = sp.QQ.frac_field(*(self._roots.get(p, p) for p in parameters)) if parameters else sp.QQ
         self.ring = PolyRing([*self.velocities, *self.amplitudes, self.cosine, self.sine], domain, sp.lex)
         self._values: dict[sp.Symbol, Polynomial] = dict(zip(self.ring.symbols, self.ring.gens, strict=True))
         self._pending: dict[sp.Symbol, sp.Expr] = {
@@ -64,8 +68,8 @@ class StatePolynomials:
         }
         for c in equations.coefficients:
             try:
-                self._values[c.symbol] = self.ring.ground_new(domain.from_sympy(c.value))
-            except CoercionFailed as error:
+                self._values[c.symbol] = self.ring.ground_new(self.coefficient(c.value))
+            except (CoercionFailed, ValueError) as error:
                 raise NotPolynomialError(str(c.symbol)) from error
         definitions = {d.symbol: d.expr for d in equations.definitions}
         self.weight = {k: BodyGravity(self._values[symbol], self(definitions[symbol])) for k, symbol in gravity.items()}
@@ -90,6 +94,14 @@ class StatePolynomials:
         if expr.is_Pow and expr.exp.is_Integer and expr.exp > 0:
             return self(expr.base) ** int(expr.exp)
         raise NotPolynomialError(str(expr))
+
+    def coefficient(self, expr: sp.Expr) -> Coefficient:
+        """An expression of the parameters in the field of the coefficients. Raises CoercionFailed, ValueError."""
+        return self.ring.domain.from_sympy(expr.xreplace({p: root**2 for p, root in self._roots.items()}))
+
+    def expression(self, coefficient: Coefficient) -> sp.Expr:
+        """The expression of a coefficient in the parameters."""
+        return self.ring.domain.to_sympy(coefficient).xreplace({root: sp.sqrt(p) for p, root in self._roots.items()})
 
     def reduced(self, polynomial: Polynomial) -> Polynomial:
         """The polynomial with sin^2 = 1 - cos^2, which is unique."""
@@ -116,6 +128,13 @@ class StatePolynomials:
         """Whether one of the polynomials depends on the rotation."""
         indices = [self.ring.symbols.index(s) for s in (self.cosine, self.sine)]
         return any(powers[k] for polynomial in polynomials for powers in polynomial for k in indices)
+
+
+def _roots(values: Iterable[sp.Expr], parameters: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Symbol]:
+    """The symbols of the square roots of those parameters of which the values have half powers."""
+    powers = {power for value in values for power in value.atoms(sp.Pow) if (2 * power.exp).is_Integer}
+    rooted = {power.base for power in powers if not power.exp.is_Integer}
+    return {p: sp.Symbol(f"sqrt({p.name})", positive=True) for p in parameters if p in rooted and p.is_positive}
 
 
 def rational(domain: Any, coefficient: Coefficient) -> Fraction | None:
