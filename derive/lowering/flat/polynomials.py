@@ -26,7 +26,7 @@ Coefficient: TypeAlias = Any
 
 
 class NotPolynomialError(TisserandError):
-    """An expression is no polynomial in the state, or has coefficients that are no functions of parameters and roots."""
+    """An expression is no polynomial in the state, or a coefficient no rational function of parameters and roots."""
 
 
 @dataclass(frozen=True)
