@@ -8,7 +8,7 @@ with two time derivatives, as SymPy expressions.
 
 from __future__ import annotations
 
-from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
+from derive.mechanics.multibody.bodies.body_type import BodyType, Component, ComponentDamping, Constant, CrossSection
 from derive.mechanics.multibody.bodies.rigid import marker_constants, rigid_component
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.forces.force_type import ForceType, GeneralisedForce, define, force_terms, torque_terms
@@ -28,6 +28,7 @@ from derive.mechanics.quantity import value as quantity_expression
 __all__ = [
     "BodyType",
     "Component",
+    "ComponentDamping",
     "Constant",
     "CoordinateMap",
     "CrossSection",

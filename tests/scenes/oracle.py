@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import mpmath
 import numpy as np
-from kinematics import DIGITS, Kinematics, Real, pose
+from kinematics import DIGITS, Kinematics, Piece, Real, pose
 from shapes import at, gauss
 
 from derive.spec.model.markers import GROUND
@@ -104,30 +104,63 @@ class Oracle(Kinematics):
         return (self._elastic(q) @ amplitudes) / 2 if self.pieces else mpmath.mpf(0)  # U is quadratic
 
     def _damped(self, v: list[Real]) -> np.ndarray:
-        """B alphadot: of proportional damping, and of B = 2 ratio c8 (c8^-1 K)^(1/2)."""
+        """B alphadot: of proportional damping, and of B = 2 ratio M (M^-1 K)^(1/2), with M and K of the whole rod."""
         force = np.array([mpmath.mpf(0)] * len(v), dtype=object)
         for rod in (b for b in self.scene.bodies if b.name in self.rods and b.beam.damping):
             ratio, a, b = (self.number(x) for x in vars(rod.beam.damping).values())
-            for piece in self.rods[rod.name]:
-                n = len(piece.columns)
-                c8, K = mpmath.zeros(n), mpmath.zeros(n)
-                means, turns = mpmath.zeros(n, 1), mpmath.zeros(n, 1)
+            pieces = self.rods[rod.name]
+            columns = [column for piece in pieces for column in piece.columns]
+            n = len(columns)
+            M, K = mpmath.zeros(n), mpmath.zeros(n)
+            fields = self._deformation(pieces)
+            for k, piece in enumerate(pieces):
+                own = slice(k * len(piece.columns), (k + 1) * len(piece.columns))
                 for xi, w in gauss(DIGITS):
-                    dx, (phi, _) = w * piece.length / 2, piece.basis(xi)
-                    bend = [at(s, xi, 2) * 4 / piece.length**2 for s in piece.shapes]
-                    means += w / 2 * mpmath.matrix(phi)
-                    turns += w / 2 * xi * mpmath.matrix(phi)
-                    c8 += dx * piece.mass / piece.length * mpmath.matrix(phi) * mpmath.matrix(phi).T
-                    K += dx * piece.bending * mpmath.matrix(bend) * mpmath.matrix(bend).T
-                c8 -= piece.mass * (means * means.T + 3 * turns * turns.T)  # 1 and sqrt(3) xi are orthonormal
-                B = (
-                    a * c8
-                    + b * K
-                    + (2 * ratio * c8 * mpmath.sqrtm(c8**-1 * K).apply(mpmath.re) if ratio else mpmath.zeros(n))
-                )
-                for i, row in enumerate(piece.columns):
-                    force[row] += sum(B[i, j] * v[column] for j, column in enumerate(piece.columns))
+                    dx, bend = w * piece.length / 2, mpmath.zeros(n, 1)
+                    bend[own, 0] = mpmath.matrix([at(s, xi, 2) * 4 / piece.length**2 for s in piece.shapes])
+                    moved = (self._fields(piece, k, len(pieces), xi) * fields).T
+                    M += dx * piece.mass / piece.length * moved * moved.T
+                    K += dx * piece.bending * bend * bend.T
+            B = a * M + b * K
+            B += 2 * ratio * M * mpmath.sqrtm(M**-1 * K).apply(mpmath.re) if ratio else mpmath.zeros(n)
+            for i, row in enumerate(columns):
+                force[row] += sum(B[i, j] * v[column] for j, column in enumerate(columns))
         return force
+
+    def _fields(self, piece: Piece, k: int, pieces: int, xi: Real, derivative: int = 0) -> mpmath.matrix:
+        """1, x and the shapes of piece k at xi, or their slopes, where they have columns among those of all pieces."""
+        n = len(piece.shapes)
+        row = mpmath.zeros(1, pieces * (2 + n))
+        row[k * (2 + n)] = 0 if derivative else 1
+        row[k * (2 + n) + 1] = 1 if derivative else xi * piece.length / 2
+        shapes = piece.basis(xi)[derivative]
+        for i, value in enumerate(shapes):
+            row[k * (2 + n) + 2 + i] = value
+        return row
+
+    def _deformation(self, pieces: Sequence[Piece]) -> mpmath.matrix:
+        """All fields for unit amplitudes of all pieces: with no break at a cut, and no rigid motion on average."""
+        count, n = len(pieces), len(pieces[0].shapes)
+        size, length = 2 + n, pieces[0].length
+        conditions = []
+        for k in range(count - 1):
+            for derivative in (0, 1):
+                left = self._fields(pieces[k], k, count, mpmath.mpf(1), derivative)
+                conditions.append(left - self._fields(pieces[k + 1], k + 1, count, -mpmath.mpf(1), derivative))
+        for power in (0, 1):
+            mean = mpmath.zeros(1, count * size)
+            for k, piece in enumerate(pieces):
+                for xi, w in gauss(DIGITS):
+                    x = (k - mpmath.mpf(count - 1) / 2 + xi / 2) * length
+                    mean += w * x**power * self._fields(piece, k, count, xi)
+            conditions.append(mean)
+        known = [(k * n + i, k * size + 2 + i) for k in range(count) for i in range(n)]
+        A, b = mpmath.zeros(count * size), mpmath.zeros(count * size, count * n)
+        for i, condition in enumerate(conditions):
+            A[i, :] = condition
+        for i, (amplitude, field) in enumerate(known, len(conditions)):
+            A[i, field], b[i, amplitude] = 1, 1
+        return mpmath.inverse(A) * b
 
     def _distributed(self, t: Real, q: list[Real], J: np.ndarray) -> np.ndarray:
         """The work of distributed loads on the points of the cloud, whose weights are those of an integral."""

@@ -7,7 +7,6 @@ import pytest
 from made import close, make
 from scipy.linalg import eigvals
 
-from derive.errors import SpecError
 from derive.spec.set_values import with_values
 from derive.spec.toml.read import parse
 
@@ -93,18 +92,6 @@ def test_a_ratio_that_is_set_becomes_a_parameter() -> None:
     assert dict(zip(native.parameters, native.defaults, strict=True))["rod_damping_ratio"] == 0.03
 
 
-REFUSED = "a damping ratio is that of the modes of a beam in one piece"
-
-
-def test_a_ratio_is_refused_where_a_rod_is_cut() -> None:
-    with pytest.raises(SpecError, match=f"bodies.rod: {REFUSED}"):
-        parse(ROD.format(more="damping = { ratio = 0.01 }\npieces = 2"))
-
-
-def test_a_ratio_is_refused_where_a_plot_cuts_the_rod() -> None:
-    plot = '[plots.bent]\ny = "rod_alpha1"\ncut = "rod"\npieces = [1, 2]\n'
-    rod = ROD + "[simulation]\nduration = 1\noutput = 0.1\n"
-    with pytest.raises(SpecError, match=f"plots.bent.cut: {REFUSED}"):
-        parse(rod.format(more="damping = { ratio = 0.01 }") + plot)
-    parse(rod.format(more="damping = { ratio = 0.01 }") + plot.replace("[1, 2]", "[1]"))
-    parse(rod.format(more="damping = { stiffness = 0.01 }") + plot)
+def test_plots_may_cut_a_rod_with_a_ratio() -> None:
+    plot = '[plots.bent]\ny = "rod_alpha1"\ncut = "rod"\npieces = [1, 2]\n[simulation]\nduration = 1\noutput = 0.1\n'
+    assert parse(ROD.format(more="damping = { ratio = 0.01 }") + plot).plots[0].pieces == (1, 2)

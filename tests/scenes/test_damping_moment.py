@@ -10,11 +10,13 @@ from derive.spec.toml.read import parse
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)
 SHAPES = ["1", "xi", "xi^2", "xi^3", "xi^4"]
+N = 3  # shapes
 LENGTH, BENDING, BETA = 0.8, 3.0, 0.02
 
 
-def rod(damping: str, frame: str = '"mean"', more: str = "") -> Made:
-    markers = ", ".join(f"p{i} = {float(at)!r}" for i, at in enumerate(POINTS))
+def rod(damping: str, frame: str = '"mean"', more: str = "", pieces: int = 1) -> Made:
+    """A rod with outputs at the Gauss points of its left piece."""
+    markers = ", ".join(f"p{i} = {float((at + 1) / pieces - 1)!r}" for i, at in enumerate(POINTS))
     outputs = "\n".join(
         f'm{i} = {{ kind = "bending_moment", section = "rod.p{i}" }}\n'
         f'c{i} = {{ kind = "curvature", section = "rod.p{i}" }}'
@@ -25,6 +27,7 @@ def rod(damping: str, frame: str = '"mean"', more: str = "") -> Made:
             f"""
 name = "retarded"
 [bodies.rod]
+pieces = {pieces}
 frame = {frame}
 ansatz = {SHAPES}
 mass = 1.2
@@ -66,14 +69,24 @@ DAMPING = {
 @pytest.mark.parametrize("kind", DAMPING)
 def test_both_moments_do_the_same_work_on_every_shape(kind: str, frame: str) -> None:
     """For small motions: int (M of equilibrium - M of the curvature) d2phi/dx2 dx = 0, with and without damping."""
-    mass = "masses.end = { at = 1, mass = 0.3, inertia = 0.01 }"
-    made = rod(DAMPING[kind], frame, mass)
+    _compare(rod(DAMPING[kind], frame, "masses.end = { at = 1, mass = 0.3, inertia = 0.01 }"))
+
+
+@pytest.mark.parametrize("kind", ["proportional", "ratio"])
+def test_the_moment_of_the_damping_is_that_of_the_whole_rod(kind: str) -> None:
+    """The same in a piece, where the rates of the other piece enter."""
+    _compare(rod(DAMPING[kind], pieces=2))
+
+
+def _compare(made: Made) -> None:
     rng = np.random.default_rng(0)
     n = made.native.nq
     still = np.zeros(n)
-    bent = np.append(np.zeros(3), rng.normal(size=n - 3))
-    curvatures = [moments(made, np.append(np.zeros(3), shape), still)[2] for shape in np.eye(n - 3)]
-    found, expected, _ = moments(made, 1e-7 * bent, 1e-6 * np.append(np.zeros(3), rng.normal(size=n - 3)))
+    shapes = np.flatnonzero(["alpha" in name for name in made.native.coordinates])
+    bent, bending = np.zeros((2, n))
+    bent[shapes], bending[shapes] = rng.normal(size=(2, len(shapes)))
+    curvatures = [moments(made, shape, still)[2] for shape in np.eye(n)[shapes[:N]]]
+    found, expected, _ = moments(made, 1e-7 * bent, 1e-6 * bending)
     size = np.abs(expected).max()
     assert np.abs(found - expected).max() > 1e-3 * size, "the shapes cannot represent this moment"
     for curvature in curvatures:

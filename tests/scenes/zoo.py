@@ -555,6 +555,7 @@ force = [0.4, "xi + xi^3"]
 frame = "body"
 
 [bodies.whip]
+pieces = 2
 frame = { kind = "tangent", at = -1 }
 ansatz = ["1", "xi", "xi^2", "xi^3", "xi^4"]
 mass = 0.8

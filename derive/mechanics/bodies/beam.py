@@ -8,7 +8,6 @@ The rotary inertia of the cross-section and its shear deformation are neglected.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from itertools import combinations_with_replacement
 from typing import assert_never
 
@@ -22,10 +21,10 @@ from derive.mechanics.bodies.attached_masses import (
     mass_parameters,
     rotary_inertia,
 )
-from derive.mechanics.bodies.beam_damping import beam_damping, damping_parameters, retardation
+from derive.mechanics.bodies.beam_damping import damping_constants, damping_parameters
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
 from derive.mechanics.bodies.beam_integrals import BeamField, BeamIntegrals
-from derive.mechanics.bodies.beam_stiffness import beam_stiffness, of_shapes, preload_constants, stiffness_units
+from derive.mechanics.bodies.beam_stiffness import beam_stiffness, preload_constants
 from derive.mechanics.bodies.displacement_fields import displacement_fields
 from derive.mechanics.bodies.foreshortening import (
     Foreshortening,
@@ -34,12 +33,11 @@ from derive.mechanics.bodies.foreshortening import (
     second_order_vectors,
 )
 from derive.mechanics.bodies.planar_integrals import coefficients, second_order_coefficients
-from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import derive_body
 from derive.mechanics.motion.material_points import MaterialPoint
-from derive.mechanics.symbols import Family, Identity, Symbol, pair
+from derive.mechanics.symbols import Family, Identity, Symbol
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.roles import Source
 from derive.spec.model.body import DisplacementOrder, Marker, PlanarBeam
@@ -57,8 +55,8 @@ def derive(beam: PlanarBeam) -> Equations:
 def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     """The body of a planar beam with its attached masses, or of each of its equal pieces, with its integrals.
 
-    Markers and masses of a piece are those of `beam`, with positions in the piece. Raises ConditionError when the
-    ansatz does not fit the frame.
+    Markers and masses of a piece are those of `beam`, with positions in the piece. Damping is that of the rod, which
+    couples its pieces and is no part of them. Raises ConditionError when the ansatz does not fit the frame.
     """
     shapes = displacement_fields(beam)
     mass, length = quantity.value(beam.mass) / pieces, quantity.value(beam.length) / pieces
@@ -97,7 +95,7 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
             *rotary_inertia(masses, len(shapes)),
             *beam_stiffness(beam, pieces),
             *preload_constants(beam),
-            *damping_constants(beam, pieces),
+            *(damping_constants(beam) if pieces == 1 else ()),
         ),
         points=tuple(beam_point(marker, beam, pieces) for marker in beam.markers),
         parameters=(*_parameters(beam), *mass_parameters(beam), *damping_parameters(beam), *gravity_parameters),
@@ -128,30 +126,6 @@ def _shape_texts(shapes: tuple[BeamField, ...]) -> str:
     bending = ", ".join(shape.of.text for shape in shapes if shape.axis == 2)
     along = ", ".join(shape.of.text for shape in shapes if shape.axis == 1)
     return f"shapes {bending}" + (f", along the axis {along}" if along else "")
-
-
-def damping_constants(beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:
-    """The entries of the damping matrix of a beam, or of its equal pieces; none without damping."""
-    if beam.damping is None:
-        return ()
-    mass, length = quantity.value(beam.mass) / pieces, quantity.value(beam.length) / pieces
-    shapes = displacement_fields(beam)
-    integrals = coefficients(BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"), len(shapes))
-    stiffness, result = beam_stiffness(beam, pieces), list[ModelConstant]()
-    for axis, unit in stiffness_units(beam, pieces).items():
-        block = of_shapes(stiffness, (i for i, shape in enumerate(shapes, 1) if shape.axis == axis))
-        result += beam_damping(beam.damping, integrals, block, mass, unit)
-    known = {c.symbol.identity.shapes for c in result}
-    apart = (c for c in stiffness if c.symbol.identity.shapes not in known)
-    result += (replace(c, symbol=pair(Family.DAMPING, *c.symbol.identity.shapes), unit="N s/m") for c in apart)
-    return tuple(result)
-
-
-def retardation_times(beam: PlanarBeam, pieces: int = 1) -> sp.Matrix:
-    """K^-1 B (s) of the bending of a beam with damping, or of its equal pieces; see `retardation`."""
-    bending = range(1, len(assumed_shapes(beam.deflection)) + 1)
-    stiffness, damping = beam_stiffness(beam, pieces), damping_constants(beam, pieces)
-    return retardation(of_shapes(stiffness, bending), of_shapes(damping, bending), stiffness_units(beam, pieces)[2])
 
 
 def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:

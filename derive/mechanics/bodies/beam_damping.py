@@ -1,22 +1,29 @@
 """The damping matrix B of a planar beam: proportional to mass and stiffness, or a fraction of critical in each mode.
 
-The deformation is damped, whatever the frame that it is measured from. Modes and mass matrix are therefore those of the
-deformation without the rigid motion in it, which is that of the mean frame: c8_ij - c2_i c2_j/m - c6_i c6_j/C3.
+The deformation is damped, whatever the frame that it is measured from, and in however many pieces. Modes and mass
+matrix are therefore those of the deformation of the whole rod without the rigid motion in it, see `rod_deformation`.
+The damping forces on the amplitudes of one piece are then linear in the rates of all: B alphadot, which vanishes in
+every rigid motion, since amplitudes do not change in it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
+from functools import cache
+from itertools import combinations_with_replacement
 
 import mpmath
 import sympy as sp
 
 from derive.mechanics import quantity
+from derive.mechanics.bodies.beam_integrals import BeamField
+from derive.mechanics.bodies.beam_stiffness import beam_stiffness, stiffness_units
+from derive.mechanics.bodies.displacement_fields import displacement_fields
+from derive.mechanics.bodies.rod_deformation import deformation_mass
 from derive.mechanics.quantity import rounded
-from derive.mechanics.symbols import Family, identity, pair
-from derive.mechanics.symbols import quantity as quantity_symbol
+from derive.mechanics.symbols import Family, pair
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
-from derive.spec.model.body import BeamDamping, PlanarBeam
+from derive.spec.model.body import PlanarBeam
 from derive.spec.model.quantity import Parameter
 
 DIGITS = 60
@@ -32,41 +39,69 @@ DAMPING_DOCS = {
 }
 """What the constants of BeamDamping are."""
 
-Numbers = Mapping[tuple[int, int], sp.Rational]
-"""The entries (i, j), i <= j, of a symmetric matrix."""
 
+def damping_constants(beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:
+    """The entries B_ij, i <= j, in N s/m, of a beam or of a rod in pieces, with the reasons of those that vanish.
 
-def beam_damping(
-    damping: BeamDamping,
-    integrals: tuple[ModelConstant, ...],
-    stiffness: tuple[ModelConstant, ...],
-    mass: sp.Expr,
-    unit: sp.Expr,
-) -> tuple[ModelConstant, ...]:
-    """The entries B_ij, i <= j, in N s/m, with the reasons of those that vanish; of bending or of stretching.
-
-    integrals: those of the beam alone, without attached masses; stiffness: the entries K_ij of some shapes; mass: that
-    of the beam, kg; unit: EI/l^3 or EA/l, N/m. Proportional damping is exact. In B = 2 ratio c8 (c8^-1 K)^(1/2) every
-    mode of c8 and K has the ratio; the root is one of numbers, since c8/mass and K/unit are numbers.
+    The amplitudes of a rod are counted through its pieces from left to right. Without damping there are no entries.
     """
-    ratio, of_mass, of_stiffness = (
-        quantity.value(x, positive=False) for x in (damping.ratio, damping.mass, damping.stiffness)
-    )
-    stiffnesses = _numbers(stiffness, unit)
-    deforming = _deforming_mass(integrals, mass)
-    masses = {key: deforming[key] for key in stiffnesses}
-    roots: Numbers = _roots(masses, stiffnesses) if ratio != 0 else {}
-    number, symbols = sp.expand(mass * unit).as_coeff_Mul()
-    root_unit = rounded(sp.sqrt(number)) * sp.sqrt(symbols)  # SymPy would keep an irrational factor such as sqrt(2)
+    if beam.damping is None:
+        return ()
+    fields, entries = displacement_fields(beam), dict[tuple[int, int], sp.Expr]()
+    for axis in stiffness_units(beam, pieces):
+        numbers, B = _amplitudes(fields, axis, pieces), _matrix(beam, axis, pieces)
+        entries |= {(i, j): B[p, q] for p, i in enumerate(numbers) for q, j in enumerate(numbers)}
+    of_stiffness = {c.symbol.identity.shapes: c.zero for c in beam_stiffness(beam)} if pieces == 1 else {}
     result = []
-    for entry in stiffness:
-        key = _shapes(entry)
-        value = of_mass * masses[key] * mass + of_stiffness * entry.value
-        value += 2 * ratio * root_unit * roots.get(key, sp.S.Zero)
-        zero = None if value != 0 else UNCOUPLED if roots else entry.zero or UNCOUPLED
-        doc = f"damping of modes {key[0]} and {key[1]}"
-        result.append(ModelConstant(pair(Family.DAMPING, *key), rounded(value), "(13)", doc, "N s/m", zero))
+    for i, j in combinations_with_replacement(range(1, len(fields) * pieces + 1), 2):
+        value, zero = entries.get((i, j), sp.S.Zero), None
+        if value == 0:
+            alone = (i, j) in entries and beam.damping.ratio != 0
+            zero = UNCOUPLED if alone else of_stiffness.get((i, j)) or UNCOUPLED
+        doc = f"damping of modes {i} and {j}"
+        result.append(ModelConstant(pair(Family.DAMPING, i, j), value, "(13)", doc, "N s/m", zero))
     return tuple(result)
+
+
+def retardation_times(beam: PlanarBeam, pieces: int = 1) -> sp.Matrix:
+    """K^-1 B (s) of the bending of a beam with damping, or of all pieces of a rod.
+
+    It gives the amplitudes whose elastic forces are the damping forces of given velocities. Of damping that is
+    proportional to the stiffness it is the retardation time of the material times the unit matrix.
+    """
+    unit = stiffness_units(beam, pieces)[2]
+    return (_stiffness(beam, 2, pieces).inv() * _matrix(beam, 2, pieces) / unit).expand()
+
+
+def _amplitudes(fields: Sequence[BeamField], axis: int, pieces: int) -> list[int]:
+    """The numbers of the amplitudes of a rod that displace it along the axis (1) or across it (2)."""
+    return [len(fields) * k + i for k in range(pieces) for i, field in enumerate(fields, 1) if field.axis == axis]
+
+
+def _stiffness(beam: PlanarBeam, axis: int, pieces: int) -> sp.Matrix:
+    """The stiffness matrix of bending (2) or of stretching (1), in units of `stiffness_units`."""
+    unit, shapes = stiffness_units(beam)[axis], _amplitudes(displacement_fields(beam), axis, 1)
+    entries = {c.symbol.identity.shapes: sp.Rational(c.value / unit) for c in beam_stiffness(beam)}
+    piece = sp.Matrix(len(shapes), len(shapes), lambda i, j: entries[shapes[min(i, j)], shapes[max(i, j)]])
+    return sp.diag(*[piece] * pieces)
+
+
+def _matrix(beam: PlanarBeam, axis: int, pieces: int) -> sp.Matrix:
+    """B of bending (2) or of stretching (1). Proportional damping is exact.
+
+    In 2 ratio M (M^-1 K)^(1/2) every mode of M and K has the ratio; the root is that of matrices of numbers.
+    """
+    assert beam.damping is not None
+    ratio, of_mass, of_stiffness = (quantity.value(x, positive=False) for x in vars(beam.damping).values())
+    shapes = tuple(field.of for field in displacement_fields(beam) if field.axis == axis)
+    M, K = deformation_mass(shapes, axis, pieces), _stiffness(beam, axis, pieces)
+    mass, stiffness = quantity.value(beam.mass), stiffness_units(beam, pieces)[axis]
+    result = of_mass * mass * M + of_stiffness * stiffness * K
+    if ratio != 0:
+        number, symbols = sp.expand(mass * stiffness).as_coeff_Mul()
+        unit = rounded(sp.sqrt(number)) * sp.sqrt(symbols)  # SymPy would keep an irrational factor such as sqrt(2)
+        result += 2 * ratio * unit * _root(M.as_immutable(), K.as_immutable())
+    return result.applyfunc(rounded)
 
 
 def damping_parameters(beam: PlanarBeam) -> Iterator[ParameterSymbol]:
@@ -76,70 +111,20 @@ def damping_parameters(beam: PlanarBeam) -> Iterator[ParameterSymbol]:
             yield quantity.parameter(value, f"{DAMPING_DOCS[key]} of the beam", positive=False)
 
 
-def retardation(stiffness: tuple[ModelConstant, ...], damping: tuple[ModelConstant, ...], unit: sp.Expr) -> sp.Matrix:
-    """K^-1 B (s): the amplitudes whose elastic forces are the damping forces of given velocities.
-
-    Of proportional damping it is the factor of the stiffness, the retardation time of the material, times the unit
-    matrix, if that of the mass is zero.
-    """
-    K, B = _symmetric(_numbers(stiffness, unit)), _symmetric({_shapes(c): c.value / unit for c in damping})
-    return (K.inv() * B).expand()
-
-
-def _deforming_mass(integrals: tuple[ModelConstant, ...], mass: sp.Expr) -> Numbers:
-    """The mass matrix of the deformation without its rigid motion, over the mass of a beam with its centre in O."""
-    known = {c.symbol: c.value for c in integrals}
-    inertia = known[quantity_symbol(Family.C3)]
-
-    def displaced(i: int, k: int) -> sp.Expr:
-        return known[quantity_symbol(Family.C2, k, shapes=(i,))]
-
-    def rotated(i: int) -> sp.Expr:
-        return known[quantity_symbol(Family.C6, shapes=(i,))]
-
-    result = {}
-    for c in integrals:
-        if identity(c.symbol).family is Family.C8:
-            i, j = _shapes(c)
-            moved = sp.Add(*(displaced(i, k) * displaced(j, k) for k in (1, 2)))
-            rigid = moved / mass + rotated(i) * rotated(j) / inertia
-            result[i, j] = sp.Rational((c.value - rigid) / mass)
-    return result
-
-
-def _numbers(constants: tuple[ModelConstant, ...], unit: sp.Expr) -> Numbers:
-    """Entries that are rational multiples of a unit."""
-    return {_shapes(c): sp.Rational(c.value / unit) for c in constants}
-
-
-def _shapes(constant: ModelConstant) -> tuple[int, int]:
-    """The numbers of the shapes of an entry."""
-    i, j = identity(constant.symbol).shapes
-    assert isinstance(i, int) and isinstance(j, int)
-    return i, j
-
-
-def _roots(masses: Numbers, stiffnesses: Numbers) -> Numbers:
-    """The entries of c8 (c8^-1 K)^(1/2), i <= j, that do not vanish."""
+@cache
+def _root(mass: sp.ImmutableMatrix, stiffness: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
+    """M (M^-1 K)^(1/2), whose entries are rounded to doubles."""
     with mpmath.workdps(DIGITS):
-        c8, k = (_high_precision(_symmetric(of)) for of in (masses, stiffnesses))
-        low = mpmath.cholesky(c8)
+        low = mpmath.cholesky(_high_precision(mass))
         inverse = low**-1
-        squares, modes = mpmath.eigsy(inverse * k * inverse.T)
+        squares, modes = mpmath.eigsy(inverse * _high_precision(stiffness) * inverse.T)
         root = low * modes * mpmath.diag([mpmath.sqrt(square) for square in squares]) * modes.T * low.T
-        largest = max(abs(x) for x in root)
-        first = min(i for i, _ in masses)
-        entries = {(i, j): root[i - first, j - first] for i, j in masses}
-        return {key: sp.Rational(float(x)) for key, x in entries.items() if abs(x) > NEGLIGIBLE * largest}
+        least = NEGLIGIBLE * max(abs(x) for x in root)
+        return sp.ImmutableMatrix(
+            *mass.shape, lambda i, j: sp.Rational(float(x)) if abs(x := root[min(i, j), max(i, j)]) > least else 0
+        )
 
 
-def _symmetric(entries: Mapping[tuple[int, int], sp.Expr]) -> sp.Matrix:
-    """A symmetric matrix from its entries i <= j, of shapes that follow each other."""
-    first, last = min(i for i, _ in entries), max(i for i, _ in entries)
-    n = last - first + 1
-    return sp.Matrix(n, n, lambda i, j: entries[first + min(i, j), first + max(i, j)])
-
-
-def _high_precision(matrix: sp.Matrix) -> mpmath.matrix:
+def _high_precision(matrix: sp.ImmutableMatrix) -> mpmath.matrix:
     """A matrix of fractions with the digits of the context."""
     return mpmath.matrix([[mpmath.mpf(int(x.p)) / int(x.q) for x in matrix.row(i)] for i in range(matrix.rows)])

@@ -6,7 +6,7 @@ the axis, see `displacement_fields`, and the axial force N at rest. Bending alon
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 import sympy as sp
 
@@ -78,9 +78,3 @@ def _preload(k: int, value: sp.Expr, zero: str | None) -> ModelConstant:
         f"work of the axial force at rest: N int d chi_{k}/dx dx",
     )
     return ModelConstant(symbol, value, Source.STRETCHING, doc, "N", zero)
-
-
-def of_shapes(entries: Iterable[ModelConstant], shapes: Iterable[int]) -> tuple[ModelConstant, ...]:
-    """The entries of a table whose shapes are all among some."""
-    some = set(shapes)
-    return tuple(c for c in entries if some.issuperset(c.symbol.identity.shapes))

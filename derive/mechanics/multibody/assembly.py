@@ -97,6 +97,7 @@ class _Assembly:
             ground=self.known[GROUND],
             joints=joints,
             forces=forces,
+            dampings=tuple(filter(None, (body_type(b).damping(b) for b in self.scene.bodies))),
             eliminated_joints=tuple(self.eliminated_joints.values()),
             outputs=self._outputs(),
             parameters=parameters(self.scene),

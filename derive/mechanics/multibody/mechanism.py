@@ -11,8 +11,11 @@ import sympy as sp
 
 from derive.errors import Problem, SpecError
 from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import DAMPING_TERM
+from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.constraints import constraints
+from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.kinds import BodyInstance, BodyKind, EliminatedJoint, ForceInstance, JointInstance
 from derive.mechanics.multibody.mechanism_text import frame_doc, mechanism_doc
@@ -41,6 +44,9 @@ from derive.spec.model.time_function import TimeFunction
 
 Instances = Mapping[str, InstanceEquations]
 
+RIGID = 3
+"""The coordinates of a free body in the plane that come before its amplitudes."""
+
 
 @dataclass(frozen=True)
 class Mechanism:
@@ -49,9 +55,9 @@ class Mechanism:
     kinds: the equations of its bodies, each once; instances: its bodies in the order of the specification; order: their
     names in the order in which their definitions follow each other, since a body may follow another's motion; ground:
     the markers of the inertial frame; joints: those that are constraints, with their drives; forces: what acts on
-    markers; eliminated_joints: those that reduce the coordinates of bodies instead; outputs: what is computed from the
-    state; constants: parameters of drives, ground and forces; definitions: prescribed motions with
-    names of their own; eliminated: what the equations need not contain.
+    markers; dampings: what acts between the components of a body; eliminated_joints: those that reduce the coordinates
+    of bodies instead; outputs: what is computed from the state; constants: parameters of drives, ground and forces;
+    definitions: prescribed motions with names of their own; eliminated: what the equations need not contain.
     """
 
     scene: Scene
@@ -61,6 +67,7 @@ class Mechanism:
     ground: Mapping[str, PointMotion]
     joints: tuple[JointInstance, ...]
     forces: tuple[ForceInstance, ...]
+    dampings: tuple[ComponentDamping, ...]
     eliminated_joints: tuple[EliminatedJoint, ...]
     outputs: tuple[OutputInstance, ...]
     parameters: tuple[ParameterSymbol, ...]
@@ -108,6 +115,7 @@ def _expanded(mechanism: Mechanism) -> Equations:
     _refuse_idle(conditions)
     forces = [f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows) for f in mechanism.forces]
     in_order = [instances[name].definitions for name in mechanism.order]
+    dampings = [_damping(damping, instances) for damping in mechanism.dampings]
     definitions = tuple(
         chain(mechanism.definitions, *in_order, *(own for own, _ in joints), *(f.definitions for f in forces))
     )
@@ -118,7 +126,7 @@ def _expanded(mechanism: Mechanism) -> Equations:
         joints=mechanism.joints,
         eliminated_joints=mechanism.eliminated_joints,
         forces=mechanism.forces,
-        generalised=tuple(forces),
+        generalised=(*forces, *dampings),
         constraints=conditions,
     )
     return _gathered(mechanism, parts, rows, definitions)
@@ -132,6 +140,21 @@ def _instances(mechanism: Mechanism) -> Instances:
         groups.add(group)
         result[instance.name] = instance_equations(instance, mechanism.kinds[instance.kind], repeated)
     return result
+
+
+def _damping(damping: ComponentDamping, instances: Instances) -> GeneralisedForce:
+    """The damping forces B alphadot on the amplitudes of the components of a body, and their power."""
+    rows = [row for name in damping.components for row in instances[name].rows[RIGID:]]
+    forces: dict[str, list[sp.Expr]] = {}
+    for (i, j), entry in damping.entries.items():
+        first, second = rows[i - 1], rows[j - 1]
+        forces.setdefault(first.name, []).append(entry * second.v)
+        if i != j:
+            forces.setdefault(second.name, []).append(entry * first.v)
+    totals = {name: sp.Add(*force) for name, force in forces.items()}
+    terms = tuple(Term(row, DAMPING_TERM.name, DAMPING_TERM.equation, total) for row, total in totals.items())
+    power = sp.Add(*(totals[row.name] * row.v for row in rows if row.name in totals))
+    return GeneralisedForce(terms, dissipation=-power)
 
 
 def _refuse_idle(conditions: tuple[Constraint, ...]) -> None:
@@ -215,7 +238,8 @@ def _coefficients(mechanism: Mechanism, bodies: list[InstanceEquations]) -> tupl
     """Each symbol once, with one symbol for each parameter, whatever it is assumed to be where it is used."""
     canonical = {p.symbol.name: p.symbol for p in mechanism.parameters}
     result: dict[sp.Symbol, ModelConstant] = {}
-    for c in (*mechanism.constants, *chain.from_iterable(b.coefficients for b in bodies)):
+    own = (b.coefficients for b in bodies), (damping.constants for damping in mechanism.dampings)
+    for c in chain(mechanism.constants, *chain(*own)):
         known = {s: canonical[s.name] for s in c.value.free_symbols if s.name in canonical}
         result.setdefault(c.symbol, replace(c, value=c.value.xreplace(known)))
     return tuple(result.values())

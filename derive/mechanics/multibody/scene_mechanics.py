@@ -57,7 +57,8 @@ NOTHING = Resultant(sp.zeros(2, 1), sp.S.Zero)
 class SceneMechanics:
     """The parts of a mechanism: the equations of its instances by their names, joints, forces and constraints.
 
-    `generalised` are the forces of `forces` on the rows of the mechanism, `constraints` those of `joints`.
+    `generalised` are the forces of `forces` on the rows of the mechanism, and the damping that acts between components;
+    `constraints` are those of `joints`.
     """
 
     scene: Scene

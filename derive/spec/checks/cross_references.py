@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
-from derive.mechanics.multibody.bodies.beam import RATIO_OF_PIECES, WHOLE_BEAM
+from derive.mechanics.multibody.bodies.beam import WHOLE_BEAM
 from derive.mechanics.multibody.joints.joint_type import JointType
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import KeyType
@@ -219,9 +219,6 @@ def _plots(view: SceneData) -> Iterator[Fault]:
             beam = view.bodies[cut]
             if "ends" in beam or isinstance(beam.get("ansatz"), Mapping):
                 yield Fault(("plots", name, "cut"), WHOLE_BEAM)
-            damping = beam.get("damping")
-            if isinstance(damping, Mapping) and "ratio" in damping:
-                yield Fault(("plots", name, "cut"), RATIO_OF_PIECES)
         chord = view.pair("plots", name, "chord")
         if chord and chord[0] == chord[1]:
             yield Fault(("plots", name, "chord"), "a chord is between two markers, and these are the same")

@@ -128,8 +128,8 @@ class BeamDamping:
     """Damping of the deformation of a beam, without the masses that are attached to it.
 
     Either `ratio` of critical in each of its free modes, or `mass` times the mass matrix of the deformation plus
-    `stiffness` times K (proportional, 1/s and s). The modes and the mass matrix are those of the mean frame, so that
-    the same deformation is damped alike in every frame.
+    `stiffness` times K (proportional, 1/s and s). The modes and the mass matrix are those of the mean frame of the
+    whole beam, so that the same deformation is damped alike in every frame and in any number of pieces.
     """
 
     ratio: Quantity = Fraction(0)

@@ -48,7 +48,8 @@ class DampingTable(TomlTable):
 class BeamDampingTable(TomlTable):
     """Damping of the deformation of a beam: a fraction of critical damping, or proportional to mass and stiffness.
 
-    It is that of the beam without attached masses, and the same in every frame.
+    It is that of the whole beam without attached masses, the same in every frame and in any number of pieces; rigid
+    motion is not damped.
     """
 
     ratio: Annotated[
@@ -56,7 +57,10 @@ class BeamDampingTable(TomlTable):
     ] = None
     mass: Annotated[
         NotNegativeInput | None,
-        Field(description="Factor of the mass matrix of the deformation, without rigid motion, 1/s."),
+        Field(
+            description="Factor of the mass matrix of the deformation, 1/s: forces against the velocity relative to "
+            "the mean frame of the whole beam."
+        ),
     ] = None
     stiffness: Annotated[NotNegativeInput | None, Field(description="Factor of the stiffness matrix, s.")] = None
 

@@ -19,7 +19,7 @@ from pydantic import (
     model_validator,
 )
 
-from derive.mechanics.multibody.bodies.beam import RATIO_OF_PIECES, WHOLE_BEAM
+from derive.mechanics.multibody.bodies.beam import WHOLE_BEAM
 from derive.mechanics.multibody.bodies.beam_loads import point_names
 from derive.mechanics.multibody.bodies.body_type import BodyType
 from derive.mechanics.multibody.bodies.registry import BODIES
@@ -162,13 +162,11 @@ class BeamBodyTable(BeamKeys):
 
     @model_validator(mode="after")
     def check(self) -> BeamBodyTable:
-        """A damping ratio is that of the modes of the whole rod; loads are not called like markers."""
+        """Natural modes are those of a whole beam; loads are not called like markers."""
         for name in self.loads:
             if taken := point_names(name, self.pieces) & {*self.markers}:
                 text = f"a point of the load {name} is called like the marker {min(taken)}; rename one of them"
                 raise values.WrongValueError(text)
-        if self.pieces > 1 and self.damping is not None and self.damping.ratio is not None:
-            raise values.WrongValueError(RATIO_OF_PIECES)
         if self.pieces > 1 and (self.ends is not None or isinstance(self.ansatz, ShapeFamilyTable)):
             raise values.WrongValueError(WHOLE_BEAM)
         return self

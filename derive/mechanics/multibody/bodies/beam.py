@@ -6,13 +6,16 @@ from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
+import sympy as sp
+
 from derive.errors import Problem, SpecError
 from derive.mechanics.bodies.beam import AXIAL_DOCS, beam_body, beam_point, section_rotations
-from derive.mechanics.bodies.beam_damping import DAMPING_DOCS
+from derive.mechanics.bodies.beam_damping import DAMPING_DOCS, damping_constants
 from derive.mechanics.bodies.displacement_fields import stretching_shapes
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam_loads import load_forces, load_points
-from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
+from derive.mechanics.multibody.bodies.body_type import BodyType, Component, ComponentDamping, Constant, CrossSection
+from derive.mechanics.symbols import owned
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import AttachedMass, Marker, ShapeFamily
 from derive.spec.model.forces import Force
@@ -26,10 +29,6 @@ WHOLE_BEAM = (
     "`ends` and families of shape functions are for beams in one piece: with them the pieces could not bend at the "
     "cuts; leave `pieces` out, or take polynomials without `ends`"
 )
-RATIO_OF_PIECES = (
-    "a damping ratio is that of the modes of a beam in one piece; write damping = { stiffness = 1e-5 }, in s, or do "
-    "not cut the beam into pieces"
-)
 """Why a beam cannot be cut."""
 
 
@@ -40,12 +39,10 @@ class Beam(BodyType[BeamBody]):
     identifying_keys = ("length", "bending_stiffness", "ansatz", "frame")
 
     def components(self, body: BeamBody, gravity: tuple[ModelConstant, ...]) -> tuple[Component, ...]:
-        """The pieces of the rod from its left to its right end. Raises SpecError if its damping forbids to cut it."""
+        """The pieces of the rod from its left to its right end. Raises SpecError if its shapes forbid to cut it."""
         n = body.pieces
         if n > 1 and (body.beam.ends is not None or isinstance(body.beam.ansatz, ShapeFamily)):
             raise SpecError((Problem(f"bodies.{body.name}", WHOLE_BEAM),))
-        if n > 1 and body.beam.damping is not None and body.beam.damping.ratio:
-            raise SpecError((Problem(f"bodies.{body.name}.damping", RATIO_OF_PIECES),))
         result = []
         for k in range(n):
             masses = masses_of_piece(body, k)
@@ -85,6 +82,19 @@ class Beam(BodyType[BeamBody]):
             Joint(f"{body.name}_cut_{k}", "weld", MarkerRef(left, CUT[1]), MarkerRef(right, CUT[0]))
             for k, (left, right) in enumerate(pairs, 1)
         )
+
+    def damping(self, body: BeamBody) -> ComponentDamping | None:
+        """The damping of a rod in pieces; that of one piece belongs to its own equations. Equal entries are one."""
+        if body.beam.damping is None or body.pieces == 1:
+            return None
+        entries, constants = dict[tuple[int, int], sp.Symbol](), dict[sp.Expr, ModelConstant]()
+        for c in (c for c in damping_constants(body.beam, body.pieces) if not c.zero):
+            i, j = c.symbol.identity.shapes
+            doc = f"damping of amplitudes {i} and {j} of {body.name}, counted through its pieces, and of equal pairs"
+            entry = replace(c, symbol=owned(c.symbol, body.name), doc=doc)
+            entries[i, j] = constants.setdefault(c.value, entry).symbol
+        names = tuple(piece_name(body, k) for k in range(body.pieces))
+        return ComponentDamping(names, entries, tuple(constants.values()))
 
     def forces(self, body: BeamBody) -> tuple[Force, ...]:
         """The resultants of the distributed loads."""

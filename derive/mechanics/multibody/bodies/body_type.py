@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Generic, TypeVar
 
+import sympy as sp
+
 from derive.mechanics.body import Body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.multibody.keys import Key
@@ -40,6 +42,19 @@ class Component:
     sections: Mapping[str, CrossSection]
     markers: tuple[str, ...]
     specified: str
+
+
+@dataclass(frozen=True)
+class ComponentDamping:
+    """Damping of the deformation of a body in several components, which it couples: forces - B alphadot, N.
+
+    Amplitudes are counted through the components; `entries` are those of B with i <= j that do not vanish, as symbols
+    of `constants`.
+    """
+
+    components: tuple[str, ...]
+    entries: Mapping[tuple[int, int], sp.Symbol]
+    constants: tuple[ModelConstant, ...]
 
 
 B = TypeVar("B", bound=SceneBody)
@@ -85,6 +100,10 @@ class BodyType(ABC, Generic[B]):
     def joints(self, body: B) -> tuple[Joint, ...]:
         """The joints between its components."""
         return ()
+
+    def damping(self, body: B) -> ComponentDamping | None:
+        """The damping of its deformation that acts between its components; None if there is none."""
+        return None
 
     def forces(self, body: B) -> tuple[Force, ...]:
         """The forces that its loads exert on points of its components."""

@@ -19,7 +19,7 @@ import sympy as sp
 
 from derive.mechanics import quantity
 from derive.mechanics.bodies.attached_masses import located_masses
-from derive.mechanics.bodies.beam import retardation_times
+from derive.mechanics.bodies.beam_damping import retardation_times
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
 from derive.mechanics.bodies.beam_part import part_body, rigid_rows
 from derive.mechanics.bodies.displacement_fields import displacement_fields
@@ -80,11 +80,14 @@ class BeamSection:
         beam, total = self.rod.beam, sp.S.Zero
         if beam.damping is None:
             return total
-        factors = sp.Matrix([list(self._derivatives(2).values())]) * retardation_times(beam, self.rod.pieces)
-        factors *= quantity.value(beam.bending_stiffness)
-        for j, value in enumerate(factors, 1):
-            moment = self.constant(f"damping_{j}", value, f"moment of the damping of shape {j}", "N s")
-            total += moment * self.instance.rows[2 + j].v
+        curvatures = self._derivatives(2)
+        n, pieces = len(curvatures), self.rod.pieces
+        own = retardation_times(beam, pieces)[n * self.piece : n * (self.piece + 1), :]
+        factors = quantity.value(beam.bending_stiffness) * sp.Matrix([list(curvatures.values())]) * own
+        instances = (self.scene.instances[piece_name(self.rod, k)] for k in range(pieces))
+        rates = [instance.rows[2 + i].v for instance in instances for i in curvatures]
+        for j, (value, rate) in enumerate(zip(factors, rates, strict=True), 1):
+            total += self.constant(f"damping_{j}", value, f"moment of the damping by rate {j}", "N s") * rate
         return total
 
     def _derivatives(self, order: int) -> dict[int, sp.Expr]:
