@@ -81,8 +81,12 @@ def _amplitudes(fields: Sequence[BeamField], axis: int, pieces: int) -> list[int
 def _stiffness(beam: PlanarBeam, axis: int, pieces: int) -> sp.Matrix:
     """The stiffness matrix of bending (2) or of stretching (1), in units of `stiffness_units`."""
     unit, shapes = stiffness_units(beam)[axis], _amplitudes(displacement_fields(beam), axis, 1)
-    entries = {c.symbol.identity.shapes: sp.Rational(c.value / unit) for c in beam_stiffness(beam)}
-    piece = sp.Matrix(len(shapes), len(shapes), lambda i, j: entries[shapes[min(i, j)], shapes[max(i, j)]])
+    entries = {c.symbol.identity.shapes: c.value for c in beam_stiffness(beam)}
+
+    def entry(i: int, j: int) -> sp.Rational:
+        return sp.Rational(entries[shapes[min(i, j)], shapes[max(i, j)]] / unit)
+
+    piece = sp.Matrix(len(shapes), len(shapes), entry)
     return sp.diag(*[piece] * pieces)
 
 
