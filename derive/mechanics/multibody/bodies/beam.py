@@ -90,7 +90,7 @@ class Beam(BodyType[BeamBody]):
         entries, constants = dict[tuple[int, int], sp.Symbol](), dict[sp.Expr, ModelConstant]()
         for c in (c for c in damping_constants(body.beam, body.pieces) if not c.zero):
             i, j = c.symbol.identity.shapes
-            doc = f"damping of amplitudes {i} and {j} of {body.name}, counted through its pieces, and of equal pairs"
+            doc = f"damping of amplitudes {i} and {j} of {body.name}, counted through its pieces; also of equal entries"
             entry = replace(c, symbol=owned(c.symbol, body.name), doc=doc)
             entries[i, j] = constants.setdefault(c.value, entry).symbol
         names = tuple(piece_name(body, k) for k in range(body.pieces))

@@ -87,7 +87,9 @@ class BeamSection:
         instances = (self.scene.instances[piece_name(self.rod, k)] for k in range(pieces))
         rates = [instance.rows[2 + i].v for instance in instances for i in curvatures]
         for j, (value, rate) in enumerate(zip(factors, rates, strict=True), 1):
-            total += self.constant(f"damping_{j}", value, f"moment of the damping by rate {j}", "N s") * rate
+            total += (
+                self.constant(f"damping_{j}", value, f"moment of the damping, per rate of amplitude {j}", "N s") * rate
+            )
         return total
 
     def _derivatives(self, order: int) -> dict[int, sp.Expr]:
