@@ -231,8 +231,7 @@ def _plot(plot: Plot) -> Data:
     if isinstance(quantity, ColumnCurves):
         keys = {"x": quantity.x, "y": list(quantity.y)}
     else:
-        chord = [quantity.start, quantity.end]
-        keys = {"deflection": quantity.marker, "chord": chord, "divided_by": quantity.over}
+        keys = {"deflection": quantity.marker, "chord": [*quantity.chord], "divided_by": quantity.divided_by}
     return without_none(
         **keys,
         over=plot.over,

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import PurePath
 
+from derive.mechanics.multibody.outputs.deflection import deflection_doc
 from derive.simulation.observables.motion import reference_curve
-from derive.simulation.observables.plots import PlotCurve, PlotText, deflection_doc, percent
+from derive.simulation.observables.plots import PlotCurve, PlotText, percent
 from derive.spec.model.plots import Deflection, Plot
 from derive.visual.line_chart import Chart, Curve, Panel
 
@@ -22,8 +23,11 @@ def plot_chart(name: str, plot: Plot, text: PlotText, curves: Sequence[PlotCurve
     units = dict.fromkeys(curve.unit for curve in curves)
     panels = [_panel(unit, [curve for curve in curves if curve.unit == unit], reference) for unit in units]
     quantity = plot.quantity
+    doc = text.doc
+    if isinstance(quantity, Deflection):
+        doc = deflection_doc(quantity.marker, quantity.chord, None)  # the divisor is on the axis
     return Chart(
-        f"{name}: {deflection_doc(quantity) if isinstance(quantity, Deflection) else text.doc}",
+        f"{name}: {doc}",
         text.x_label,
         text.x_unit,
         tuple(panels),

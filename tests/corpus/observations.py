@@ -77,6 +77,8 @@ def _value(draft: Draft, key: Key, kind: str) -> Any:
             return draws.choice([*draft.tables["drives"]])
         case KeyType.SPRING:
             return draws.choice([*draft.tables["springs"]])
+        case KeyType.POSITIVE:
+            return rounded(draws.between(0.2, 1.0) * draft.size, 2)
         case KeyType.QUANTITY:
             return draft.quantity(rounded(0.02 * draft.size * draws.sign(), 2), key.unit)
         case KeyType.CHOICE:

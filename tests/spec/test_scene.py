@@ -79,7 +79,7 @@ def test_the_crank_slider_of_the_scenes():
         plots=(
             Plot(
                 "deflection",
-                Deflection(place("rod.middle"), place("rod.left"), place("rod.right"), 0.3),
+                Deflection(place("rod.middle"), (place("rod.left"), place("rod.right")), 0.3),
                 over="motor",
                 cut="rod",
                 pieces=(1, 2, 3),
@@ -164,10 +164,12 @@ def test_a_scene_with_every_key_there_is():
     )
     assert scene.simulation == Simulation(2.0, 0.01, 1e-6)
     assert scene.plots == (
-        Plot("bend", Deflection(place("rod.right"), place("rod.left"), place("slider.pin"), 0.3), None, None, (), None),
+        Plot(
+            "bend", Deflection(place("rod.right"), (place("rod.left"), place("slider.pin")), 0.3), None, None, (), None
+        ),
         Plot(
             "cuts",
-            Deflection(place("rod.left"), place("crank.pin"), place("rod.right"), 1.0),
+            Deflection(place("rod.left"), (place("crank.pin"), place("rod.right")), 1.0),
             "push",
             "rod",
             (1, 4),

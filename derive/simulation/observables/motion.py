@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.outputs.deflection import distance_from_line
 from derive.mechanics.prescribed_motion import drive_motion
 from derive.runtime.native_scene import NativeScene
 from derive.spec.files.splines import cubic_spline
@@ -109,12 +110,10 @@ def transformed(pose: Array, x: Array) -> Array:
 
 
 def deflection(motion: SceneMotion, quantity: Deflection) -> Array:
-    """(n,): the distance of a marker from a chord, positive to its left, divided by `quantity.over` (m)."""
-    start, end = marker_positions(motion, quantity.start), marker_positions(motion, quantity.end)
-    chord, arm = end - start, marker_positions(motion, quantity.marker) - start
-    area = chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0]
-    distance: Array = area / np.hypot(*chord.T)
-    return distance / quantity.over
+    """(n,): the distance of a marker from a chord (m), positive to its left, or its ratio to a length."""
+    points = (marker_positions(motion, at).T for at in (quantity.marker, *quantity.chord))
+    distance: Array = distance_from_line(points, np.hypot)
+    return distance if quantity.divided_by is None else distance / quantity.divided_by
 
 
 def drive_values(drive: Drive, t: Array) -> Array:

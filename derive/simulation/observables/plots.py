@@ -8,6 +8,7 @@ from typing import assert_never
 
 import numpy as np
 
+from derive.mechanics.multibody.outputs.deflection import deflection_doc
 from derive.simulation.observables.motion import Array, SceneMotion, deflection, deviation, drive_unit, simulated_drive
 from derive.simulation.trajectory import ColumnTable, Trajectory
 from derive.spec.model.body import NodalBody
@@ -97,8 +98,8 @@ def plot_text(plot: Plot, spec: Scene | NodalBody, units: Mapping[str, str]) -> 
     match quantity:
         case Deflection():
             assert isinstance(spec, Scene), "the specification of a body has no plots of deflections"
-            divisor = "" if quantity.over == 1 else f", divided by {quantity.over:g} m"
-            return PlotText(deflection_doc(quantity) + divisor, _drive_label(spec, plot), _drive_unit(spec, plot))
+            doc = deflection_doc(quantity.marker, quantity.chord, quantity.divided_by)
+            return PlotText(doc, _drive_label(spec, plot), _drive_unit(spec, plot))
         case ColumnCurves():
             return PlotText(", ".join(quantity.y), "time" if quantity.x == "t" else quantity.x, units[quantity.x])
     assert_never(quantity)
@@ -106,7 +107,8 @@ def plot_text(plot: Plot, spec: Scene | NodalBody, units: Mapping[str, str]) -> 
 
 def deflection_quantity(quantity: Deflection) -> tuple[str, str]:
     """A deflection for the label of an axis, and its unit: m, or none where it is divided by a length."""
-    return ("deflection", "m") if quantity.over == 1 else (f"deflection / {quantity.over:g} m", "")
+    length = quantity.divided_by
+    return ("deflection", "m") if length is None else (f"deflection / {length:g} m", "")
 
 
 def with_unit(name: str, unit: str) -> str:
@@ -131,9 +133,3 @@ def percent(ratio: float) -> str:
     """A ratio in percent, with two significant digits."""
     value = 100 * ratio
     return f"{value:.0f}" if value >= 99.5 else f"{value:.1f}" if value >= 0.995 else f"{value:.2g}"
-
-
-def deflection_doc(quantity: Deflection) -> str:
-    """A deflection in words, without its divisor."""
-    ends = f"{quantity.start} to {quantity.end}"
-    return f"deflection of {quantity.marker} from the chord {ends}"

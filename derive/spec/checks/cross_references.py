@@ -30,7 +30,7 @@ def scene_faults(data: Raw) -> list[Fault]:
     faults = [*_ground(view), *name_faults(view), *parameter_faults(view), *_shapes(view)]
     if view.complete:
         faults += [*_markers(view), *_joints(view), *_drives(view), *_weightless(view), *_actions(view), *_plots(view)]
-        faults += joint_start_faults(view)
+        faults += [*_chords(view), *joint_start_faults(view)]
         faults += [*_inputs(view), *_outputs(view), *column_faults(view)]
     return faults
 
@@ -195,6 +195,14 @@ def _outputs(view: SceneData) -> Iterator[Fault]:
             yield Fault(("outputs", name, key.name), text)
 
 
+def _chords(view: SceneData) -> Iterator[Fault]:
+    for section in ("outputs", "plots"):
+        for name in view.tables[section]:
+            chord = view.pair(section, name, "chord")
+            if chord and chord[0] == chord[1]:
+                yield Fault((section, name, "chord"), "a chord is between two markers, and these are the same")
+
+
 def _plots(view: SceneData) -> Iterator[Fault]:
     drives = view.data.get("drives", {})
     known = [str(drive) for drive in drives] if isinstance(drives, Mapping) else []
@@ -219,9 +227,6 @@ def _plots(view: SceneData) -> Iterator[Fault]:
             beam = view.bodies[cut]
             if "ends" in beam or isinstance(beam.get("ansatz"), Mapping):
                 yield Fault(("plots", name, "cut"), WHOLE_BEAM)
-        chord = view.pair("plots", name, "chord")
-        if chord and chord[0] == chord[1]:
-            yield Fault(("plots", name, "chord"), "a chord is between two markers, and these are the same")
 
 
 def _shapes(view: SceneData) -> Iterator[Fault]:

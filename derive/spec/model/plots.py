@@ -9,12 +9,11 @@ from derive.spec.model.markers import MarkerRef
 
 @dataclass(frozen=True)
 class Deflection:
-    """The distance of `marker` from the chord `start` -> `end`, to its left, divided by `over` (m)."""
+    """The distance of `marker` from the `chord` between two markers, to its left, or its ratio to `divided_by` (m)."""
 
     marker: MarkerRef
-    start: MarkerRef
-    end: MarkerRef
-    over: float
+    chord: tuple[MarkerRef, MarkerRef]
+    divided_by: float | None = None
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from pydantic import (
     model_validator,
 )
 
+from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot, ReferenceCurve
 from derive.spec.model.simulation import Simulation
 from derive.spec.parsing import scene_values, values
@@ -125,15 +126,15 @@ class PlotTable(PlotKeys):
     deflection: Annotated[
         MarkerInput, Field(description="Marker whose distance from the chord is plotted, positive to the left.")
     ]
-    chord: Annotated[TwoMarkers, Field(description="Markers at the beginning and the end of the chord.")]
-    divided_by: Annotated[PositiveFloat, Field(description="Length by which the distance is divided, m.")]
+    chord: Annotated[TwoMarkers, Field(description=CHORD.description)]
+    divided_by: Annotated[PositiveFloat | None, Field(description=DIVIDED_BY.description)] = None
     over: Annotated[
         NameOf | None, Field(description="Drive whose motion is the horizontal axis; by default the time.")
     ] = None
 
     def quantity(self) -> Deflection:
         """The deflection."""
-        return Deflection(self.deflection, *self.chord, self.divided_by)
+        return Deflection(self.deflection, self.chord, self.divided_by)
 
     def over_drive(self) -> str | None:
         """The drive, if there is one."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from derive.mechanics.multibody.outputs.deflection import ChordDeflection
 from derive.mechanics.multibody.outputs.energies import Energies, Powers
 from derive.mechanics.multibody.outputs.marker_motion import Distance, Inclination, MarkerRotation, MarkerVector
 from derive.mechanics.multibody.outputs.output_type import OutputType
@@ -27,6 +28,7 @@ OUTPUTS: Registry[OutputType] = Registry(
         "angular_acceleration": MarkerRotation("angular acceleration of the section at a marker", 2, "rad/s^2"),
         "distance": Distance(),
         "angle": Inclination(),
+        "deflection": ChordDeflection(),
         "reaction": Reaction(),
         "drive": DriveForce(),
         "spring": SpringForce(),

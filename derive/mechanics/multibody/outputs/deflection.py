@@ -1,0 +1,63 @@
+"""The deflection of a marker from the chord between two others: the output, and what plots share with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeVar
+
+import sympy as sp
+
+from derive.mechanics.multibody.keys import Key, KeyType
+from derive.mechanics.multibody.outputs.marker_motion import MARKER
+from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
+from derive.mechanics.multibody.point_motion import length_of
+from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+from derive.spec.model.markers import MarkerRef
+
+CHORD = Key(
+    "chord",
+    KeyType.MARKER_PAIR,
+    "",
+    'Markers at the beginning and the end of the chord, such as ["rod.left", "rod.right"]; the deflection is positive '
+    "to its left.",
+    required=True,
+)
+DIVIDED_BY = Key(
+    "divided_by", KeyType.POSITIVE, "m", "Length by which the deflection is divided, m; by default it is a length."
+)
+
+Number = TypeVar("Number")
+
+
+def distance_from_line(points: Iterable[Any], length: Callable[[Any, Any], Number]) -> Number:
+    """The distance of a point to the left of a line: `points` are the point, the start and the end of the line.
+
+    All have two components, which may be expressions or arrays; length: that of a vector from its components.
+    """
+    point, start, end = points
+    along, arm = ([b[i] - a[i] for i in range(2)] for a, b in ((start, end), (start, point)))
+    distance: Number = (along[0] * arm[1] - along[1] * arm[0]) / length(*along)
+    return distance
+
+
+def deflection_doc(marker: MarkerRef, chord: tuple[MarkerRef, MarkerRef], divided_by: float | None) -> str:
+    """A deflection in words."""
+    divisor = "" if divided_by is None else f", divided by {divided_by:g} m"
+    return f"deflection of {marker} from the chord {chord[0]} to {chord[1]}{divisor}"
+
+
+class ChordDeflection(OutputType):
+    """The distance of a marker from the chord between two markers."""
+
+    doc = "the distance of a marker from the chord between two markers, positive to its left"
+    keys = (MARKER, CHORD, DIVIDED_BY)
+
+    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
+        """One component: a length, or a ratio."""
+        marker, chord, divisor = values["marker"], values["chord"], values.get("divided_by")
+        points = (scene.point(at).position for at in (marker, *chord))
+        distance = distance_from_line(points, lambda x, y: length_of(sp.Matrix([x, y])))
+        doc = deflection_doc(marker, chord, None if divisor is None else float(divisor))
+        if divisor is None:
+            return OutputComponents((OutputComponent("", "m", doc, distance),))
+        return OutputComponents((OutputComponent("", "", doc, distance / divisor),))
