@@ -48,6 +48,7 @@ def test_cables_of_exudyn(monkeypatch: pytest.MonkeyPatch) -> None:
     assert seconds > 0 and len(sensors) == 3 and 1.5e-3 < rms < 2.2e-3 and largest < 6e-3
 
 
+@pytest.mark.long
 def test_python_calls() -> None:
     """All compute the same forces, or the script fails."""
     options = ["--frames", "point", "--states", "5", "--rounds", "1", "--calls", "5"]
@@ -57,6 +58,7 @@ def test_python_calls() -> None:
     assert names[0] == "Tisserand, C, out=" and {"CasADi, buffer", "lambdify, numpy"} < set(names)
 
 
+@pytest.mark.long
 def test_adaptive() -> None:
     """The integrator in C and SciPy take the same steps."""
     command = [sys.executable, str(ROOT / "bench" / "adaptive.py"), "--beams", "1", "--rows", "20", "--runs", "1"]
@@ -114,6 +116,7 @@ def test_batch() -> None:
     assert len(row.split()) == 9
 
 
+@pytest.mark.long
 def test_order_cost() -> None:
     """The program times what it counts, and its `accel` succeeds in all states."""
     command = [sys.executable, str(ROOT / "bench/order_cost.py"), "--shapes", "1", "--frames", "mean", "--runs", "1"]

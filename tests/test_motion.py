@@ -30,6 +30,7 @@ def integrate(native: Native, q: Vector, v: Vector, times: Vector) -> tuple[Vect
     return done.y[:n].T, done.y[n:].T
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("frame", ["mean", "point"])
 def test_energy_and_momentum_stay_over_100_turns(frame: str) -> None:
     native = beams.native(frame)

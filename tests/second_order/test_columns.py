@@ -90,7 +90,7 @@ def critical_load(scene: Scene, highest: float) -> float | None:
         (3, "chord", 1, 1.00056),
         (4, "mean", 1, 1.00056),
         (2, "mean", 2, 1.00752),
-        (2, "mean", 3, 1.00158),
+        pytest.param(2, "mean", 3, 1.00158, marks=pytest.mark.long),
     ],
 )
 def test_a_pinned_column_buckles_at_the_load_of_euler(shapes: int, frame: str, pieces: int, expected: float) -> None:
@@ -98,6 +98,7 @@ def test_a_pinned_column_buckles_at_the_load_of_euler(shapes: int, frame: str, p
     assert critical_load(pinned(shapes, frame, pieces), 20.0) == pytest.approx(expected * EULER, rel=1e-5)
 
 
+@pytest.mark.long
 def test_a_pinned_column_of_first_order_knows_the_load_by_its_number_of_beams_alone() -> None:
     """One beam never buckles, here up to four loads of Euler, two and three do 22 and 9 % late."""
     assert critical_load(pinned(4, "mean", order=1), 4 * EULER) is None
@@ -107,7 +108,12 @@ def test_a_pinned_column_of_first_order_knows_the_load_by_its_number_of_beams_al
 
 @pytest.mark.parametrize(
     ("shapes", "frame", "expected"),
-    [(2, TANGENT, 80.245), (3, TANGENT, 20.2567), (4, "mean", 20.3961), (5, TANGENT, 20.0511)],
+    [
+        (2, TANGENT, 80.245),
+        (3, TANGENT, 20.2567),
+        pytest.param(4, "mean", 20.3961, marks=pytest.mark.long),
+        (5, TANGENT, 20.0511),
+    ],
 )
 def test_the_column_of_beck_flutters(shapes: int, frame: Any, expected: float) -> None:
     """At 20.0509 EI/l^2 by an exact theory: two polynomials are too coarse, five are exact to 1e-5."""

@@ -31,7 +31,7 @@ def rod(terms: str, frame: str, **start: Any) -> dict[str, Any]:
     }
 
 
-@pytest.mark.parametrize("terms", ["truncated", "full"])
+@pytest.mark.parametrize("terms", ["truncated", pytest.param("full", marks=pytest.mark.long)])
 def test_a_free_beam_keeps_its_energy_and_its_momenta(terms: str) -> None:
     """It is bent by 5 % of its length and spins: energy to 1e-7 of what passes between motion and strain."""
     scene = derive.scene("free", bodies={"beam": rod(terms, "mean")})
@@ -48,7 +48,7 @@ def test_a_free_beam_keeps_its_energy_and_its_momenta(terms: str) -> None:
     assert np.ptp(momenta, axis=0).max() < 1e-9 * np.abs(momenta).max()
 
 
-@pytest.mark.parametrize("terms", ["truncated", "full"])
+@pytest.mark.parametrize("terms", [pytest.param("truncated", marks=pytest.mark.long), "full"])
 def test_a_pendulum_that_turns_over_keeps_its_energy(terms: str) -> None:
     """On a hinge under gravity: to 1e-8 of the work of the weight; in the chord frame, where no moment vanishes."""
     scene = derive.scene(

@@ -52,16 +52,16 @@ FIRST, TRUNCATED, FULL = "", 'order = 2\nterms = "truncated"', 'order = 2\nterms
 @pytest.mark.parametrize(
     ("pieces", "ansatz", "order", "keys", "rms", "worst"),
     [
-        (1, legendre(3), TRUNCATED, "", 21.8, 54.8),
+        pytest.param(1, legendre(3), TRUNCATED, "", 21.8, 54.8, marks=pytest.mark.long),
         (1, legendre(4), TRUNCATED, "", 0.068, 0.16),
-        (1, legendre(4), FULL, "", 0.082, 0.24),
-        (2, legendre(3), TRUNCATED, "", 2.55, 6.38),
+        pytest.param(1, legendre(4), FULL, "", 0.082, 0.24, marks=pytest.mark.long),
+        pytest.param(2, legendre(3), TRUNCATED, "", 2.55, 6.38, marks=pytest.mark.long),
         (1, SINE, FIRST, "", 12.53, 27.5),
         (1, SINE, TRUNCATED, "", 0.267, 0.823),
-        (1, SINE, FULL, "", 0.295, 0.921),
+        pytest.param(1, SINE, FULL, "", 0.295, 0.921, marks=pytest.mark.long),
         (1, legendre(4), FIRST, PINNED, 12.3, 26.2),
         (1, legendre(4), TRUNCATED, PINNED, 0.342, 0.873),
-        (1, legendre(4), FULL, PINNED, 0.306, 0.763),
+        pytest.param(1, legendre(4), FULL, PINNED, 0.306, 0.763, marks=pytest.mark.long),
     ],
 )
 def test_deflections(pieces: int, ansatz: str, order: str, keys: str, rms: float, worst: float) -> None:

@@ -49,7 +49,11 @@ def tip(shapes: int, frame: str) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("shapes", "frame", "least", "time", "error"),
-    [(2, TANGENT, -0.5711, 6.725, 2.14), (3, TANGENT, -0.5744, 6.761, 0.26), (4, '"mean"', -0.5736, 6.763, 0.040)],
+    [
+        pytest.param(2, TANGENT, -0.5711, 6.725, 2.14, marks=pytest.mark.long),
+        (3, TANGENT, -0.5744, 6.761, 0.26),
+        pytest.param(4, '"mean"', -0.5736, 6.763, 0.040, marks=pytest.mark.long),
+    ],
 )
 def test_the_tip_lags_and_comes_back(shapes: int, frame: str, least: float, time: float, error: float) -> None:
     """The minimum, its time, and the largest error in % of it; the first-order beam is lost, 80 % off after 7 s."""
@@ -68,6 +72,7 @@ def test_the_truncated_model_in_the_free_tangent_frame_stops_with_a_remedy() -> 
         tip(4, TANGENT)
 
 
+@pytest.mark.long
 def test_a_beam_that_stretches_is_drawn_out_by_the_spin() -> None:
     """With EA = 2.8e7 N the tip at 6 rad/s is rho A w^2 l^3/(3 EA) = 5.14e-4 m further out, as the reference has it.
 
