@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import chain
@@ -30,6 +30,10 @@ class Causality(Enum):
     PARAMETER = "parameter"
     LOCAL = "local"
     OUTPUT = "output"
+
+
+WRITTEN = (Causality.INPUT, Causality.PARAMETER, Causality.OUTPUT)
+"""The causality of variables whose names are in the specification."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +81,8 @@ def nominals(model: HostModel) -> tuple[float, ...]:
 def fmi_variables(model: HostModel) -> tuple[FmiVariable, ...]:
     """All variables of a model, in the order of the value references of `templates/export/fmi/instance.h`.
 
-    Raises SpecError where two have one name.
+    Names of the specification stay. Another one that is taken, such as energy.kinetic beside an output energy, is put
+    behind the name of the model. Raises SpecError where two of the specification are one.
     """
     states, multipliers = _names_of_states(model), []
     derived = derive(model.spec)
@@ -106,17 +111,23 @@ def fmi_variables(model: HostModel) -> tuple[FmiVariable, ...]:
     add(outputs, model.outputs, Causality.OUTPUT)
     add((x.name for x in energies), energies, local)
     add(multipliers, model.multipliers, local)
+    written = [x for x in every if x.causality in WRITTEN]
     first: dict[str, FmiVariable] = {}
-    for variable in every:
+    for variable in written:
         other = first.setdefault(variable.name, variable)
         if other is not variable:
-            what = (
-                f"the {variable.causality.value} {variable.name} has the name of the {other.causality.value} variable"
-            )
+            what = f"{variable.name} is the name of the {other.causality.value} and of the {variable.causality.value}"
             raise SpecError(
                 (Problem("", f"{what}, but all names of a functional mock-up unit differ; rename one"),), None
             )
-    return tuple(every)
+    return tuple(x if x in written else replace(x, name=_free_name(x.name, model.name, first)) for x in every)
+
+
+def _free_name(name: str, model: str, taken: Container[str]) -> str:
+    """A name of no other variable: behind that of the model if it is taken."""
+    while name in taken:
+        name = f"{model}.{name}"
+    return name
 
 
 def _rate_unit(unit: str) -> str:

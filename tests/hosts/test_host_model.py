@@ -9,7 +9,9 @@ import pytest
 from host_models import PUSHED, STEERED, prepared, scene
 
 import derive
+from derive.export.fmi_variables import Causality, fmi_variables
 from derive.export.host_model import host_model
+from derive.spec.toml.read import parse
 
 
 def started(variables: tuple[object, ...]) -> list[float]:
@@ -78,3 +80,14 @@ def test_other_functions_have_start_values() -> None:
 def test_a_body_has_no_ports() -> None:
     model = scene("block")
     assert model.inputs == model.outputs == model.multipliers == ()
+
+
+def test_names_of_a_unit_are_those_of_the_specification_and_others_make_way() -> None:
+    """Outputs called energy and time, as in the tutorial, beside local variables of those names."""
+    outputs = '[outputs.energy]\nkind = "energy"\n[outputs.time]\nkind = "rotation"\nmarker = "rod.tip"\n'
+    variables = fmi_variables(host_model(parse(PUSHED + outputs), sensitivities=True))
+    names = [x.name for x in variables]
+    assert len(set(names)) == len(names)
+    of = {x.name: x.causality for x in variables}
+    assert [of[name] for name in ("energy.kinetic", "energy.total", "time")] == [Causality.OUTPUT] * 3
+    assert of["pushed.energy.kinetic"] is Causality.LOCAL and of["pushed.time"] is Causality.INDEPENDENT
