@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -172,6 +172,29 @@ def test_an_interrupted_sweep_goes_on(tmp_path: Path, threads: Executor) -> None
     assert result.resumed == 4 and same(result, expected)
     again = sweep(slider(), GRID, OUTPUTS, executor=threads, store=store, resume=True)
     assert again.resumed == 9 and same(again, expected)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda line: b'{"n": 1}',
+        lambda line: b"[]",
+        lambda line: b"\xff\x00" + line,
+        lambda line: line[: len(line) // 2],
+        lambda line: line.replace(b"0x1.", b"0x1.1"),
+    ],
+    ids=["no values", "a list", "bytes", "half a line", "another number"],
+)
+def test_a_damaged_line_is_left_out_and_its_sample_computed_again(
+    damage: Callable[[bytes], bytes], tmp_path: Path, threads: Executor
+) -> None:
+    store, expected = tmp_path / "store", sweep(slider(), GRID, OUTPUTS, executor=threads)
+    interrupted(store, threads)
+    head, first, second, *rest = store.read_bytes().splitlines()
+    assert damage(second) != second
+    store.write_bytes(b"".join(line + b"\n" for line in (head, first, damage(second), *rest)))
+    result = sweep(slider(), GRID, OUTPUTS, executor=threads, store=store, resume=True)
+    assert (result.resumed, result.damaged) == (3, 1) and same(result, expected)
 
 
 def test_two_sweeps_do_not_write_to_one_store(tmp_path: Path) -> None:

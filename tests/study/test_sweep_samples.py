@@ -97,3 +97,14 @@ def test_tables_that_make_no_sense(tmp_path: Path, text: str, assignments: list[
 def test_values_are_needed() -> None:
     with pytest.raises(SamplesError, match="no values to sweep over"):
         parsed_samples([], None, None)
+
+
+def test_more_samples_than_a_sweep_takes_are_refused_before_they_take_memory() -> None:
+    text = "more than the 1000000 that a sweep takes"
+    with pytest.raises(SamplesError, match=f"1000000000 samples are {text}"):
+        parsed_samples([("EI", "1:2:1000000000")], None, None)
+    with pytest.raises(SamplesError, match=f"1002000 samples are {text}"):
+        parsed_samples([("EI", "1:2:1002"), ("m", "1:2:1000")], None, None)
+    with pytest.raises(SamplesError, match=f"1000000000 samples are {text}"):
+        parsed_samples([("EI", "uniform(1, 2)")], 1_000_000_000, None)
+    assert len(parsed_samples([("EI", "1:2:1000"), ("m", "1:2:1000")], None, None)) == 1_000_000

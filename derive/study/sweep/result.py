@@ -23,7 +23,7 @@ class SweepResult:
     notes: what runs did otherwise than specified, by the number of the sample. warnings: what the monitors of beams
     warn of, likewise, in the samples with the largest amount of each output; the others are not monitored. models,
     initial_states: those that were computed. units: those of the names that are parameters. resumed: the samples that
-    an earlier run had finished.
+    an earlier run had finished. damaged: the lines of its store that are left out, whose samples are computed again.
     """
 
     name: str
@@ -37,6 +37,7 @@ class SweepResult:
     initial_states: int
     units: Mapping[str, str]
     resumed: int = 0
+    damaged: int = 0
 
     @property
     def labels(self) -> tuple[str, ...]:

@@ -88,7 +88,8 @@ def run_plan(
     finally:
         if kept is not None:
             kept.close()
-    return _result(plan, [done[number] for number in range(len(plan.runs))], resumed)
+    damaged = kept.damaged if kept else 0
+    return _result(plan, [done[number] for number in range(len(plan.runs))], resumed, damaged)
 
 
 def processors() -> int:
@@ -96,7 +97,7 @@ def processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _result(plan: Plan, done: Sequence[Outcome], resumed: int) -> SweepResult:
+def _result(plan: Plan, done: Sequence[Outcome], resumed: int, damaged: int) -> SweepResult:
     failures = {outcome.number: outcome.failure for outcome in done if outcome.failure}
     if len(failures) == len(done):
         first = plan.samples.names, plan.samples.values[0].tolist()
@@ -116,4 +117,5 @@ def _result(plan: Plan, done: Sequence[Outcome], resumed: int) -> SweepResult:
         plan.initial_states,
         plan.units,
         resumed,
+        damaged,
     )

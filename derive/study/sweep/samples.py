@@ -17,6 +17,9 @@ from numpy.typing import ArrayLike
 from derive.errors import TisserandError
 from derive.runtime.native_call import Matrix, Vector
 
+MOST_SAMPLES = 1_000_000
+"""Samples that a sweep takes at most: more of them need hours and gigabytes."""
+
 
 class SamplesError(TisserandError):
     """Samples that make no sense."""
@@ -96,8 +99,17 @@ def grid(axes: Mapping[str, ArrayLike | str]) -> Samples:
     for name, column in zip(axes, columns, strict=True):
         if len(set(column.tolist())) < len(column):
             raise SamplesError(f"{name}: a value of the grid is given twice")
+    _check_count(math.prod(map(len, columns)))
     values = np.array(list(itertools.product(*columns)), dtype=np.float64).reshape(-1, len(columns))
     return Samples(tuple(axes), values, tuple(map(len, columns)))
+
+
+def _check_count(count: int) -> None:
+    """Raise SamplesError if there are too many samples, before they take memory."""
+    if count > MOST_SAMPLES:
+        raise SamplesError(
+            f"{count} samples are more than the {MOST_SAMPLES} that a sweep takes; sweep in several parts"
+        )
 
 
 def _values(name: str, given: ArrayLike | str) -> ArrayLike:
@@ -123,6 +135,7 @@ def random_samples(axes: Mapping[str, Random | float | str], count: int, seed: i
     standard deviation; or a number, which all samples have. The numbers follow from the seed alone: those of the
     generator of Python's `random`, which all versions share.
     """
+    _check_count(count)
     generator, known = random.Random(seed), [_distribution(name, axis) for name, axis in axes.items()]
     rows = [[axis.quantile(max(generator.random(), 2.0**-53)) for axis in known] for _ in range(count)]
     return Samples(tuple(axes), np.array(rows, dtype=np.float64).reshape(-1, len(axes)))
@@ -143,6 +156,7 @@ def spaced(start: float, stop: float, count: int, logarithmic: bool = False) -> 
         raise SamplesError(f"{start:g}:{stop:g}:{count}:log: both ends have to be positive")
     if count == 1 and start != stop:
         raise SamplesError(f"{start:g}:{stop:g}:1: one value cannot be at both ends")
+    _check_count(count)
     return np.geomspace(start, stop, count) if logarithmic else np.linspace(start, stop, count)
 
 

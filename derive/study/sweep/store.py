@@ -1,13 +1,15 @@
 """The store of a sweep: a file to which finished samples are appended, from which an interrupted sweep goes on.
 
 Its first line states what the results depend on; a line for each sample follows, whose numbers are hexadecimal, so that
-they are exact. A process that is killed leaves an incomplete last line at most, which is cut off.
+they are exact. Each line ends with its checksum. A process that is killed leaves an incomplete last line at most, which
+is cut off; other lines that are damaged are left out, and their samples computed again.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -29,13 +31,15 @@ class StaleStore(TisserandError):
 class SampleStore:
     """Finished samples in a file; identity: all that their values depend on, by a name for each part.
 
-    resume: whether the file of an earlier run of the same sweep is continued. Raises StaleStore if it is of another
-    sweep, or if there is one which is not to be continued; nothing is changed then.
+    resume: whether the file of an earlier run of the same sweep is continued. damaged: the lines of it that are left
+    out. Raises StaleStore if it is of another sweep, or if there is one which is not to be continued; nothing is
+    changed then.
     """
 
     def __init__(self, path: Path, identity: Mapping[str, str], resume: bool) -> None:
         self.path, self._identity = path, dict(identity)
         self.finished: tuple[Outcome, ...] = ()
+        self.damaged = 0
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.exists():
             self._file = path.open("r+b")
@@ -52,9 +56,8 @@ class SampleStore:
         complete = data[: data.rfind(b"\n") + 1]
         lines = complete.splitlines()
         try:
-            head = json.loads(lines[0])
-            known: dict[str, str] = head["identity"]
-        except (IndexError, ValueError, TypeError, KeyError):
+            known: dict[str, str] = _content(lines[0])["identity"]
+        except (IndexError, ValueError):
             raise StaleStore(f"{self.path}: this is no store of a sweep; move it, or choose another --out") from None
         if not resume:
             raise StaleStore(
@@ -68,7 +71,13 @@ class SampleStore:
                 "used; remove the file, or choose another --out"
             )
         os.truncate(self.path, len(complete))
-        return tuple(_outcome(json.loads(line)) for line in lines[1:])
+        finished = []
+        for line in lines[1:]:
+            try:
+                finished.append(_outcome(_content(line)))
+            except ValueError:
+                self.damaged += 1
+        return tuple(finished)
 
     def _lock(self) -> None:
         """Keep other sweeps from the file until it is closed, or this process ends; not on Windows."""
@@ -83,7 +92,7 @@ class SampleStore:
         self._write([_plain(outcome) for outcome in outcomes])
 
     def _write(self, lines: Sequence[Mapping[str, Any]]) -> None:
-        self._file.write("".join(f"{json.dumps(line)}\n" for line in lines).encode())
+        self._file.write(b"".join(_line(json.dumps(line).encode()) for line in lines))
         self._file.flush()
 
     def close(self) -> None:
@@ -94,6 +103,19 @@ class SampleStore:
         """Remove the file: the results of the sweep are written."""
         self._file.close()
         self.path.unlink(missing_ok=True)
+
+
+def _line(content: bytes) -> bytes:
+    """A line of the file: its content, and the checksum of it."""
+    return content + f" {zlib.crc32(content):08x}\n".encode()
+
+
+def _content(line: bytes) -> Any:
+    """The content of a line. Raises ValueError if the line is damaged."""
+    content = line[:-9]
+    if _line(content) != line + b"\n":
+        raise ValueError("the checksum is that of another line")
+    return json.loads(content)
 
 
 def _plain(outcome: Outcome) -> dict[str, Any]:

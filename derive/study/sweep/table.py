@@ -64,6 +64,7 @@ def sweep_data(result: SweepResult, plan: Plan) -> dict[str, Any]:
         "models": result.models,
         "initial_states": result.initial_states,
         "resumed": result.resumed,
+        "damaged": result.damaged,
         "outputs": [_output(result, number) for number in range(len(result.outputs))],
         "failed": len(result.failures),
         "failures": _listed(result, result.reasons()),
@@ -98,6 +99,11 @@ def sweep_text(data: dict[str, Any], samples: Samples) -> str:
     lines.append(f"{data['name']}: {_count(data['samples'], 'sample')}{grid}")
     counts = f"  {_count(data['models'], 'compiled model')}, {_count(data['initial_states'], 'initial state')}"
     lines.append(f"{counts}, {data['resumed']} samples resumed" if data["resumed"] else counts)
+    if data["damaged"]:
+        lines.append(
+            f"  note: {_count(data['damaged'], 'line')} of the interrupted sweep damaged, and left out; "
+            "the samples of such lines are computed again"
+        )
     rows = [["", "minimum", "at", "maximum", "at"]]
     for output in data["outputs"]:
         ends = (output["least"], output["largest"])
