@@ -27,7 +27,7 @@ SUPPORTS: dict[str, dict[str, Any]] = {
         "guide": {"kind": "translational", "between": ["ground.wall", "roller.pin"]},
     },
 }
-STRETCHING = {"order": 2, "axial": {"ansatz": ["xi", "xi^2", "xi^3"], "stiffness": 50}}
+STRETCHING: dict[str, Any] = {"order": 2, "axial": {"ansatz": ["xi", "xi^2", "xi^3"], "stiffness": 50}}
 
 
 def rod(pieces: int, damping: dict[str, Any] | None, support: str = "free", shapes: int = 4, **more: Any) -> Scene:
@@ -70,7 +70,9 @@ def test_a_ratio_is_that_of_all_free_modes_of_the_whole_rod(pieces: int, frame: 
 
 
 def test_a_ratio_is_that_of_stretching_as_well() -> None:
-    found = ratios(rod(2, {"ratio": 0.03}, shapes=2, **STRETCHING), 99)
+    of_bending, of_stretching = {"symbol": "EI", "default": 1}, {"symbol": "EA", "default": 50}
+    symbols = {"bending_stiffness": of_bending, "axial": {**STRETCHING["axial"], "stiffness": of_stretching}}
+    found = ratios(rod(2, {"ratio": 0.03}, shapes=2, **STRETCHING | symbols), 99)
     assert len(found) == 2 * (2 + 3)
     np.testing.assert_allclose(found, 0.03, rtol=1e-6)
 

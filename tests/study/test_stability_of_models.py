@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -17,15 +19,16 @@ from derive.cli.specifications import read_scene
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.linear.linearisation import linearise
 from derive.simulation.linear.steady_motion import NoSteadyMotion, steady_motion
-from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.body import BeamDamping, DisplacementOrder
+from derive.spec.model.scene import BeamBody
 from derive.spec.set_values import with_values
 from derive.study.accuracy.models import LadderModel, Shapes
-from derive.study.stability.chart import frequency_line, growth_line
+from derive.study.stability.chart import _description, frequency_line, growth_line
 from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
 from derive.study.stability.ladder_stability import KnownLoss, LadderStability, distance
 from derive.study.stability.model_path import ModelPath, PathPoint, model_path
 from derive.study.stability.parameter import ParameterRange, studied
-from derive.study.stability.table import percent
+from derive.study.stability.table import percent, stability_data, stability_text
 from derive.study.stability.thresholds import Interval, Threshold, intervals, loss, thresholds, wrong_intervals
 
 FIRST, SECOND = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
@@ -272,6 +275,57 @@ def test_a_wrong_verdict_is_stable_where_the_truth_is_not_and_vice_versa() -> No
         assert LadderStability(of.name, of.range, (), of.reference, of.before, KnownLoss(known)).truth == expected
     assert distance(3, 2) == 0.5 and distance(None, 2) is None and distance(3, 0.0) is None
     assert (percent(0.5), percent(-0.0123), percent(20.0), percent(1e-9)) == ("+50 %", "-1.23 %", "+2000 %", "0 %")
+
+
+def lost_at(model: LadderModel, value: float | None) -> ModelPath:
+    """A model that loses its stability at a value, over 0 to 40."""
+    if value is None:
+        return ModelPath(model, intervals=(Interval(0, 40, True),))
+    change = Threshold(value, value, 0, 1)
+    return ModelPath(model, 5, thresholds=(change,), intervals=(Interval(0, value, True), Interval(value, 40, False)))
+
+
+@pytest.mark.parametrize(
+    ("before", "reference", "why"),
+    [
+        (22.0, 20.0, "differs over more than 5 % of a threshold"),
+        (None, 20.0, "2 beams, P2, P3, truncated keeps its stability"),
+        (20.0, None, "2 beams, P2, P3, truncated loses it at 20"),
+    ],
+)
+def test_without_a_converged_reference_verdicts_are_undecided(
+    before: float | None, reference: float | None, why: str
+) -> None:
+    limits, models = ParameterRange("P", 0, 40, 5), (polynomials(2, SECOND, pieces=2), polynomials(4, SECOND, pieces=3))
+    paths = lost_at(polynomials(2, FIRST), None), lost_at(polynomials(2, SECOND), 10.0)
+    of = LadderStability("made", limits, paths, lost_at(models[1], reference), lost_at(models[0], before))
+    assert not of.converged and not any(of.wrong(path) for path in paths)
+    text = " ".join(stability_text(of).split())
+    assert "the reference has not converged: " in text and why in text
+    assert text.count("undecided") == len(paths) + 1 and "stable from" not in text
+    data = stability_data(of)
+    assert not data["reference"]["converged"] and [model["wrong"] for model in data["models"]] == [None] * 3
+    assert "wrong somewhere" not in _description(of)
+    given = LadderStability("made", limits, paths, of.reference, of.before, KnownLoss(20.0))
+    assert given.converged and given.wrong(paths[1]) == (Interval(10.0, 20.0, False),)
+
+
+def test_with_a_converged_reference_verdicts_are_given() -> None:
+    limits, models = ParameterRange("P", 0, 40, 5), (polynomials(2, SECOND, pieces=2), polynomials(4, SECOND, pieces=3))
+    of = LadderStability("made", limits, (), lost_at(models[1], 20.0), lost_at(models[0], 20.5))
+    assert of.converged and of.wrong(lost_at(polynomials(2, FIRST), None)) == (Interval(20.0, 40, True),)
+    assert of.wrong(lost_at(polynomials(2, FIRST), 19.6)) == ()  # within the error of the reference
+
+
+def test_the_column_of_beck_with_damping_of_the_mass_is_lost_at_the_same_load_in_pieces() -> None:
+    """Damping of the deformation makes it flutter at 4.54 N already; it must not depend on the number of pieces."""
+    scene = read_scene(BECK)
+    rod = scene.bodies[0]
+    assert isinstance(rod, BeamBody)
+    damped = replace(rod, beam=replace(rod.beam, damping=BeamDamping(mass=Fraction(1, 2))))
+    parameter = studied(replace(scene, bodies=(damped,)), ParameterRange("P", 3, 6, 4))
+    found = [model_path(parameter, model).loss for model in (polynomials(4, SECOND), polynomials(3, SECOND, pieces=2))]
+    assert found == pytest.approx([4.54, 4.54], rel=2e-3)
 
 
 def test_lines_of_the_picture_keep_to_their_modes() -> None:

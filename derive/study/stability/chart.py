@@ -83,7 +83,7 @@ def _bars(axes: Axes, of: LadderStability, paths: Sequence[ModelPath], titles: d
     axes.set_yticks([])
     for spine in axes.spines.values():
         spine.set_visible(False)
-    label = "truth: given" if of.known else "truth: the richest model"
+    label = "truth: given" if of.known else "truth: the richest model" if of.converged else "undecided: the richest"
     _row(axes, 0, of.truth, ())
     known = "not lost" if of.true_loss is None else f"{of.true_loss:.7g}"
     _names(axes, 0, label, known, style.INK, bold=True)
@@ -213,5 +213,7 @@ def _description(of: LadderStability) -> str:
 
 
 def _wrong_count(of: LadderStability) -> str:
+    if not of.converged:
+        return f"all verdicts on {len(of.paths)} models are undecided"
     wrong = sum(bool(of.wrong(path)) for path in of.paths)
     return f"{wrong} of {len(of.paths)} models are wrong somewhere"

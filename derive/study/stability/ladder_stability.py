@@ -11,6 +11,9 @@ from derive.study.stability.model_path import ModelPath, model_path
 from derive.study.stability.parameter import ParameterRange, StudiedParameter
 from derive.study.stability.thresholds import Interval, wrong_intervals
 
+CONVERGED = 0.05
+"""The reference has converged if the verdicts of both richest models differ over less than this part of a threshold."""
+
 
 @dataclass(frozen=True)
 class KnownLoss:
@@ -46,9 +49,17 @@ class LadderStability:
         return None if a is None or b is None else abs(a - b)
 
     @property
-    def agrees(self) -> bool:
-        """Whether both richest models lose their stability, or neither does."""
-        return (self.reference.loss is None) == (self.before.loss is None)
+    def converged(self) -> bool:
+        """Whether the truth is known: given, or both richest models have the same verdicts, up to small distances."""
+        if self.known is not None:
+            return True
+        both = (self.reference, self.before)
+        if any(path.failure or path.gaps for path in both) or (self.reference.loss is None) != (
+            self.before.loss is None
+        ):
+            return False
+        largest = max((abs(c.value) for path in both for c in path.thresholds), default=0.0)
+        return not wrong_intervals(self.before.intervals, self.reference.intervals, CONVERGED * largest)
 
     @property
     def truth(self) -> tuple[Interval, ...]:
@@ -68,7 +79,12 @@ class LadderStability:
         return self.reference.loss if self.known is None else self.known.value
 
     def wrong(self, path: ModelPath) -> tuple[Interval, ...]:
-        """Where a model is stable and the truth is not, and vice versa, beyond the error of the reference."""
+        """Where a model is stable and the truth is not, and vice versa, beyond the error of the reference.
+
+        Nothing is wrong while the truth is not known: then the verdict is undecided.
+        """
+        if not self.converged:
+            return ()
         return wrong_intervals(path.intervals, self.truth, 0.0 if self.known else self.error or 0.0)
 
 

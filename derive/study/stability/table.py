@@ -7,7 +7,7 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
-from derive.study.stability.ladder_stability import LadderStability, distance
+from derive.study.stability.ladder_stability import CONVERGED, LadderStability, distance
 from derive.study.stability.model_path import ModelPath
 from derive.study.stability.thresholds import Interval, Threshold
 from derive.terminal import table, wrapped
@@ -52,10 +52,19 @@ def truth_sentences(of: LadderStability) -> list[str]:
         result.append(f"{richest}, which keeps its stability")
     elif of.error is not None:
         result.append(f"{richest}, {of.reference.loss:.7g}; {before} differs by {of.error:.1e}")
-    if not of.agrees and not of.before.failure:
-        what = "keeps its stability" if of.before.loss is None else f"loses it at {of.before.loss:.7g}"
-        result.append(f"warning: the reference is not converged; {before} {what}")
+    if not of.converged:
+        result.append(f"the reference has not converged: {_difference(of)}")
     return result
+
+
+def _difference(of: LadderStability) -> str:
+    """Why the reference has not converged."""
+    before = of.before.model.label
+    if of.before.failure:
+        return f"{before} fails: {of.before.failure}"
+    if of.reference.loss is not None and of.before.loss is not None:
+        return f"the verdict of {before} differs over more than {100 * CONVERGED:g} % of a threshold"
+    return f"{before} " + ("keeps its stability" if of.before.loss is None else f"loses it at {of.before.loss:.7g}")
 
 
 def _listed(of: LadderStability) -> Sequence[ModelPath]:
@@ -70,7 +79,7 @@ def _row(of: LadderStability, path: ModelPath) -> list[str]:
         loss_text(path),
         "" if near is None else percent(near),
         ", ".join(f"{c.value:.7g}" for c in further(path)),
-        "; ".join(verdict_text(interval) for interval in of.wrong(path)),
+        "; ".join(verdict_text(interval) for interval in of.wrong(path)) if of.converged else "undecided",
     ]
 
 
@@ -140,7 +149,7 @@ def stability_data(of: LadderStability) -> dict[str, Any]:
             "model": of.reference.model.label,
             "loss": of.reference.loss,
             "error": of.error,
-            "converged": of.agrees,
+            "converged": of.converged,
         },
         "models": [
             {
@@ -153,7 +162,9 @@ def stability_data(of: LadderStability) -> dict[str, Any]:
                     {"low": c.low, "high": c.high, "growing_before": c.before, "growing_after": c.after}
                     for c in path.thresholds
                 ],
-                "wrong": [{"from": w.low, "to": w.high, "stable": w.stable} for w in of.wrong(path)],
+                "wrong": [{"from": w.low, "to": w.high, "stable": w.stable} for w in of.wrong(path)]
+                if of.converged
+                else None,
                 "without_steady_motion": [{"value": p.value, "reason": p.failure} for p in path.gaps],
                 "failure": path.failure,
             }
