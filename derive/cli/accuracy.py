@@ -15,6 +15,7 @@ from derive.study.accuracy.measurement import Line, compile_all, measure
 from derive.study.accuracy.models import LadderModel, LadderRange, ladder
 from derive.study.accuracy.page import accuracy_html
 from derive.study.accuracy.peers import read_peers
+from derive.study.accuracy.plotted_beams import plotted_beams
 from derive.study.accuracy.reference import compared_plot, reference
 from derive.study.accuracy.table import accuracy_csv, accuracy_data, accuracy_text
 from derive.study.timing import machine_description
@@ -71,7 +72,8 @@ def study(scene: Scene, options: argparse.Namespace) -> LadderChart:
     lines = [measured.get(model) or _failed(model, failed[model]) for model in models]
     others = fixed_step_lines(ready, options.integrators, known.plots, options.runs, show_progress)
     lines += [replace(line, warning=measured[line.model].warning) for line in others]
-    return LadderChart(scene.name, tuple(lines), known, options.error, _machine(), peers)
+    shown = plotted_beams(plot, scene)
+    return LadderChart(scene.name, tuple(lines), known, options.error, _machine(), peers, shown)
 
 
 def _failed(model: LadderModel, reason: str) -> Line:

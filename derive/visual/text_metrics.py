@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from functools import cache
 
 FONT = "DejaVu Sans"
+TIED = "\N{NO-BREAK SPACE}"
 
 
 @cache
@@ -28,9 +29,12 @@ def widest(texts: Iterable[str], size: float, bold: bool = False) -> float:
 
 
 def wrapped(text: str, width: float, size: float, bold: bool = False) -> list[str]:
-    """The lines of a text, none of which is wider than a width; a word is divided where it is."""
+    """The lines of a text, none of which is wider than a width; a word is divided where it is.
+
+    A number and its percent sign stay together.
+    """
     lines = [""]
-    for word in text.split():
+    for word in text.replace(" %", f"{TIED}%").split(" "):
         longer = f"{lines[-1]} {word}" if lines[-1] else word
         if widest([longer], size, bold) <= width:
             lines[-1] = longer
@@ -41,4 +45,4 @@ def wrapped(text: str, width: float, size: float, bold: bool = False) -> list[st
             count = max(n for n in range(1, len(rest)) if n == 1 or widest([rest[:n]], size, bold) <= width)
             lines[-1:], rest = [rest[:count], ""], rest[count:]
         lines[-1] = rest
-    return lines
+    return [line.replace(TIED, " ") for line in lines]

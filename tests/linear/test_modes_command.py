@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
-import subprocess
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -14,6 +12,7 @@ import pytest
 from linear_scenes import hanging_rod, pendulums
 
 import derive
+from browser import CHROMIUM, browsed
 from conftest import ROOT
 from derive.artifacts import sha256
 from derive.cli.main import main
@@ -24,7 +23,6 @@ from derive.simulation.observables.spatial_player_data import drawn_body
 from derive.spec.model.markers import MarkerRef
 from derive.visual.mode_pages import modes_page, modes_picture
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 PENDULUM = """\
 name = "damped_bar"
 [scene]
@@ -177,10 +175,7 @@ def test_a_mode_is_selected_in_a_browser(rod: Modes, tmp_path: Path) -> None:
     """#mode=2 draws the second motion at an instant: the tip is beside the line through the hook."""
     path = tmp_path / "page.html"
     path.write_text(modes_page(rod, 2))
-    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
-    command += ["--virtual-time-budget=1000", "--window-size=1000,800", "--dump-dom", f"file://{path}#mode=2&t=0"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
-    dom = done.stdout.split("<script", 1)[0]
+    dom = browsed(path, "mode=2&t=0", "1000,800").split("<script", 1)[0]
     assert [f"{i}: {mode.frequency:.4g} Hz" in dom for i, mode in enumerate(rod.modes[:2], 1)] == [True, True]
     points = re.findall(r'<path data-k="(?:rod|beam)" d="M([^"]*)"', dom)[0].split("L")
     first, last = (np.array(point.split(), dtype=float) for point in (points[0], points[-1]))

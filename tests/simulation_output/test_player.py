@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
-import subprocess
 from dataclasses import replace
 from html import unescape
 from itertools import combinations
@@ -15,6 +13,7 @@ import numpy as np
 import pytest
 import slider
 
+from browser import CHROMIUM, browsed
 from derive.artifacts import MARK
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import SceneMotion, marker_positions
@@ -24,7 +23,6 @@ from derive.spec.model.scene import RigidBody
 from derive.visual.player import json_island, player_page
 
 EVIL = "</script><script>alert(1)</script>&<!--"
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
 
 def page(motion: SceneMotion, curves: list[Column]) -> str:
@@ -109,13 +107,6 @@ def test_outlines_speeds_and_guides() -> None:
     assert 0.15 <= guide["range"][0] < guide["range"][1] <= 0.45
     assert speeds(0.1) == [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1]
     assert speeds(10)[3] == 1 and speeds(15)[3] in (1, 2) and len(speeds(0)) == 7
-
-
-def browsed(page: Path, options: str, size: str) -> str:
-    """The document of a page after its scripts have run in a window of a size."""
-    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={page.parent / 'profile'}"]
-    command += ["--virtual-time-budget=1000", f"--window-size={size}", "--dump-dom", f"file://{page}#{options}"]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout  # type: ignore[arg-type]
 
 
 MEASURE = """<script>

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +11,7 @@ import numpy as np
 import pytest
 
 import derive
+from browser import CHROMIUM, browsed
 from conftest import ROOT
 from derive.artifacts import MARK
 from derive.cli.main import main
@@ -20,7 +19,6 @@ from derive.simulation.body_trajectory import BodyTrajectory
 from derive.simulation.observables.spatial_player_data import MAX_NODES, neighbours, spatial_player_data
 from derive.visual.player import spatial_player_page
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 START = derive.SpatialStart(
     position=(0.1, 0.0, 0.0),
     quaternion=(0.6, 0.0, 0.0, 0.8),
@@ -95,10 +93,7 @@ def test_it_plays_in_a_browser(trajectory: BodyTrajectory, tmp_path: Path) -> No
     data = spatial_player_data(trajectory)
     path = tmp_path / "page.html"
     path.write_text(spatial_player_page(data))
-    options = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
-    url = f"file://{path}#t=0.013&yaw=0&pitch=0"
-    command = [CHROMIUM, *options, "--virtual-time-budget=1000", "--window-size=1000,900", "--dump-dom", url]
-    dom = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
+    dom = browsed(path, "t=0.013&yaw=0&pitch=0", "1000,900")
     assert "t = <b>0.01300</b> s" in dom
     x, y = map(float, re.search(r'data-corner="([-\d.]+) ([-\d.]+)"', dom).groups())
     width, height = map(int, re.search(r'data-size="(\d+) (\d+)"', dom).groups())

@@ -10,24 +10,30 @@ from pathlib import Path
 
 import pytest
 
+from browser import CHROMIUM, browsed
 from conftest import ROOT
 from derive.cli.main import main
 from derive.errors import SpecError
 from derive.simulation.validity.monitors import Cause, Monitor
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.plots import Deflection, Plot
+from derive.spec.model.plots import ColumnCurves, Deflection, Plot
+from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import RigidBody, Scene
 from derive.spec.toml.read import read
-from derive.study.accuracy.chart import LadderChart, accuracy_svg, lane_text
-from derive.study.accuracy.chart_labels import label_groups, percent, spread
+from derive.study.accuracy.chart import LadderChart, accuracy_svg
+from derive.study.accuracy.chart_labels import duration, label_groups, milliseconds, percent, spread
+from derive.study.accuracy.doubts import doubt, doubt_lines
+from derive.study.accuracy.headline import headline, headline_texts
 from derive.study.accuracy.measurement import Line, Point, compiled, motion, plot_errors
 from derive.study.accuracy.models import LadderModel, LadderRange, Shapes, ladder, model_scene
 from derive.study.accuracy.page import accuracy_html
 from derive.study.accuracy.pareto import candidates, front, recommended
 from derive.study.accuracy.peers import Peer
+from derive.study.accuracy.plotted_beams import plotted_beams
 from derive.study.accuracy.reference import Reference, compared_plot, reference
-from derive.study.accuracy.table import accuracy_csv, accuracy_text, cheapest
+from derive.study.accuracy.table import accuracy_csv, accuracy_data, accuracy_text, cheapest
+from svg_text import outside, text_boxes
 
 SCENE = ROOT / "scenes" / "crank_slider_3.toml"
 FIRST, TRUNCATED = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
@@ -101,28 +107,103 @@ def test_labels_stay_apart_and_as_near_as_they_can() -> None:
 
 def a_chart() -> LadderChart:
     quantity = Deflection(MarkerRef("rod", "a"), MarkerRef("rod", "b"), MarkerRef("rod", "c"), 1.0)
-    return LadderChart("made", LINES, Reference((Plot("tip", quantity),), "made.csv", 0.005), 0.01, "a machine")
+    known = Reference((Plot("tip", quantity),), "made.csv", 0.005)
+    return LadderChart("made", LINES, known, 0.01, "a machine", shown=("rod",))
 
 
 def test_the_chart_says_what_it_shows() -> None:
     chart = a_chart()
     svg = accuracy_svg(chart)
-    assert svg.startswith("<svg") and svg == accuracy_svg(chart)
+    assert svg.startswith("<svg") and svg == accuracy_svg(chart) and outside(svg) == []
     assert "<title>1 beam, P2, P3, truncated, 5 coordinates\n" in svg  # what a browser shows for the line
-    assert "grey: its own error, 0.5 %" in svg and "cheapest at 1 %" in svg and "a machine" in svg
-    lane = "\n".join(lane_text(LINES))
-    assert "the axial force is beyond its limit: 1 beam, P2 to P5, truncated (10 %)" in lane
-    assert "it does not start: 1 beam, P2 to P6, truncated" in lane
+    assert "grey: its own error, 0.5 %" in svg and "at most 1 %" in svg and "a machine" in svg
+    assert "it does not start: 1 beam, P2 to P6, truncated" in "\n".join(doubt_lines(LINES, ("rod",)))
     assert [[one.model.count for one in group] for group in label_groups(LINES[:3])] == [[3], [2], [1]]
     assert percent(0.123) == "12 %" and percent(0.00123) == "0.12 %"
-    text = accuracy_text(chart)
-    assert "cheapest valid model with an error of at most 1 %: 1 beam, P2, P3, truncated" in text
-    assert "errors below that of the reference" in text
-    assert "no valid model has an error of at most 0.01 %" in accuracy_text(replace(chart, error=1e-4))
+    assert [milliseconds(x) for x in (5.93e-5, 4.51e-2, 12.3456)] == ["0.0593", "45.1", "12 346"]
+    assert [duration(x) for x in (5.93e-5, 0.9994, 12.3456)] == ["0.0593 ms", "999 ms", "12.3 s"]
+    assert "errors below that of the reference" in accuracy_text(chart)
     page = accuracy_html(chart)
     assert "it does not start" in page and "http" not in page.replace("http://www.w3.org", "")
     rows = list(csv.DictReader(accuracy_csv(chart).splitlines()))
     assert len(rows) == 7 and rows[-1]["valid"] == "False"
+
+
+def test_one_headline_names_the_recommended_model_a_cheaper_one_in_doubt_and_the_next_better_one() -> None:
+    """In the chart, on the page, in the terminal and in the record alike."""
+    chart = a_chart()
+    sentences = {
+        "Recommended": "1 beam, P2, P3, truncated, tolerance 0.0001: error 1 % (largest 2 %), 0.1 ms; "
+        "the cheapest valid model with an error of at most 1 %",
+        "Cheaper, if its warning does not matter": "1 beam, P2 to P5, truncated, tolerance 0.001: error 0.01 % "
+        "(largest 0.02 %), 0.02 ms; 10 % implied, 0.01 % measured: the axial force of rod is in doubt; "
+        "the estimate is of all of rod, the measurement of what the plot shows",
+        "Next better": "1 beam, P2 to P4, truncated, tolerance 0.0001: error 0.1 % (largest 0.2 %), 0.2 ms",
+    }
+    assert dict(headline_texts(chart.headline, chart.shown)) == sentences
+    shown = {
+        "chart": " ".join(box.text for box in text_boxes(accuracy_svg(chart))),
+        "page": re.sub(r"<[^>]*>", " ", accuracy_html(chart).replace("&nbsp;", " ")),
+        "terminal": accuracy_text(chart),
+    }
+    for text in (" ".join(text.split()) for text in shown.values()):
+        assert all(title in text and sentence in text for title, sentence in sentences.items())
+    data = accuracy_data(chart)
+    assert [data[key]["cpu_s"] for key in ("recommended", "cheaper", "better")] == [1e-4, 2e-5, 2e-4]
+    accurate = headline(LINES, 0.001)
+    assert accurate.recommended is not None and accurate.recommended.line is LINES[2] and accurate.better is None
+    assert dict(headline_texts(accurate, ()))["Next better"] == "none: no other valid model has a smaller error"
+    coarse = headline(LINES, 0.02)
+    assert coarse.better is not None and coarse.better.line is LINES[2]  # another model, not a finer run of the same
+    (none, cheaper) = headline_texts(headline(LINES, 1e-4), ())
+    assert none[1].startswith(
+        "none: no valid model has an error of at most 0.01 %; the most accurate one is 1 beam, P2"
+    )
+    assert cheaper[1].startswith("1 beam, P2 to P5, truncated")
+
+
+def test_where_monitor_and_measurement_differ_both_are_shown_with_the_reason() -> None:
+    """The monitor of the crank implies 31 %, and the plot, in which 0.94 % is measured, shows the rod."""
+    crank = replace(WARNING, beam="crank", cause=Cause.END_MOMENT, error=0.31)
+    doubted = line(1, (0.02, 1e-5), (0.0094, 3e-5), warning=crank)
+    reason = "the moment at the ends of crank is in doubt, and the plot shows rod"
+    assert doubt(doubted, ("rod",)) == f"31 % implied, 0.94 % measured: {reason}"
+    assert doubt_lines((doubted,), ("rod",))[1:] == [f"{reason}: {doubted.label} (31 %, 0.94 %)"]
+    assert doubt(replace(doubted, warning=WARNING), ("rod",)).endswith("the measurement of what the plot shows")
+    assert doubt(line(1, (0.09, 1e-5), warning=WARNING), ("rod",)).endswith("the axial force of rod is in doubt")
+    page = accuracy_html(replace(a_chart(), lines=(*LINES, doubted)))
+    row = next(row for row in re.findall("<tr>.*?</tr>", page) if reason in row)
+    assert "<td>0.94 %</td>" in row and "<td>31 %</td>" in row
+
+
+def test_the_beams_that_a_plot_shows(crank_slider: Scene) -> None:
+    joint = next(joint.name for joint in crank_slider.joints if joint.second.body == "rod")
+    outputs = (
+        SceneOutput("tip", "position", {"marker": MarkerRef("rod", "middle")}),
+        SceneOutput("length", "distance", {"between": (MarkerRef("ground", "o"), MarkerRef("rod", "right"))}),
+        SceneOutput("force", "reaction", {"joint": joint}),
+        SceneOutput("energy", "energy"),
+    )
+    scene = replace(crank_slider, outputs=outputs)
+    assert plotted_beams(scene.plots[0], scene) == ("rod",)
+    columns = {"tip_2": True, "length": True, "force_1": True, "energy_total": False, "crank_phi": False}
+    columns |= {"rod_1_alpha2": True, "rod_3_phidot": True, "t": False}
+    shown = {name: plotted_beams(Plot("p", ColumnCurves((name,))), scene) == ("rod",) for name in columns}
+    assert shown == columns
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")
+def test_the_table_fits_into_a_window(tmp_path: Path) -> None:
+    """The last column is not cut off at 1400 pixels."""
+    page = tmp_path / "page.html"
+    measure = "<script>document.title = JSON.stringify([...document.querySelectorAll('.table, table, td:last-child')]"
+    measure += ".map(e => [e.getBoundingClientRect().right, e.scrollWidth - e.clientWidth]))</script>"
+    page.write_text(accuracy_html(replace(a_chart(), lines=(*LINES, *LINES))).replace("</body>", f"{measure}</body>"))
+    title = re.search(r"<title>(\[\[.*?)</title>", browsed(page, "", "1400,1000"))
+    assert title is not None
+    (around, inner), *rest = json.loads(title[1])
+    assert around <= 1400 and inner == 0 and len(rest) > 8
+    assert all(right <= around and over <= 0 for right, over in rest)
 
 
 def test_runs_of_other_programs_stand_where_runs_of_models_with_their_time_and_error_do() -> None:

@@ -24,7 +24,7 @@ COORDINATES = {
 def default_plots(scene: Scene, model: Model) -> tuple[Plot, ...]:
     """One plot over the time for each output that no plot shows; without outputs and plots, those of coordinates."""
     if scene.outputs or scene.plots:
-        return tuple(_plot(output.name, _columns(output)) for output in _unplotted(scene))
+        return tuple(_plot(output.name, output_columns(output)) for output in _unplotted(scene))
     quantities = ((name, [c.name for c in model.coordinates if c.role in roles]) for name, roles in COORDINATES.items())
     return tuple(_plot(name, columns) for name, columns in quantities if columns)
 
@@ -48,10 +48,10 @@ def _unplotted(scene: Scene) -> list[SceneOutput]:
     """The outputs that no plot shows, and whose names no plot has."""
     plotted = {y for plot in scene.plots if isinstance(plot.quantity, ColumnCurves) for y in plot.quantity.y}
     names = {plot.name for plot in scene.plots}
-    return [o for o in scene.outputs if o.name not in names and not plotted & {*_columns(o)}]
+    return [o for o in scene.outputs if o.name not in names and not plotted & {*output_columns(o)}]
 
 
-def _columns(output: SceneOutput) -> Sequence[str]:
+def output_columns(output: SceneOutput) -> Sequence[str]:
     """The columns of an output."""
     labels = OUTPUTS[output.kind].labels
     return tuple(f"{output.name}_{label}" if label else output.name for label in labels)

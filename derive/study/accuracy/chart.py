@@ -3,19 +3,29 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from derive.simulation.validity.monitors import Cause
-from derive.study.accuracy.chart_labels import COLOURS, ORDER_NAMES, colour, group_label, label_groups, percent, spread
+from derive.study.accuracy.chart_labels import (
+    COLOURS,
+    ORDER_NAMES,
+    colour,
+    duration,
+    group_label,
+    label_groups,
+    percent,
+    spread,
+)
+from derive.study.accuracy.doubts import doubt, doubt_lines
+from derive.study.accuracy.headline import Headline, headline, headline_texts
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.models import FAMILIES, LadderModel, Shapes
-from derive.study.accuracy.pareto import Candidate, candidates, front, recommended
+from derive.study.accuracy.pareto import candidates, front
 from derive.study.accuracy.peers import Peer
 from derive.study.accuracy.reference import Reference
 from derive.visual import chart_style as style
+from derive.visual.text_metrics import wrapped
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,11 +35,10 @@ WIDTH, PANEL, HEIGHT, LEFT, GAP, MARGIN = 11.2, 3.55, 4.3, 0.78, 0.2, 2.95
 """The picture, its two panels, and the margins to their left, between them and to their right, in inches."""
 LABEL = 0.165
 """The least distance of labels, in inches."""
-ROW, SUBTITLE = 0.19, 140
-"""The height of a line of the head, in inches, and the characters of a line of the subtitle."""
-LANE = 160
-"""Characters of a line below the chart."""
-
+ROW, EDGE = 0.19, 0.4
+"""The height of a line of the head, and the margin to its right, in inches."""
+SMALL, POINTS = 8.5, 72
+"""The size of the text of the head, in points, and the points of an inch."""
 DASHES: dict[str, tuple[float | None, ...]] = {
     "adaptive": (None, None),
     "rk4": (1, 1),
@@ -37,19 +46,14 @@ DASHES: dict[str, tuple[float | None, ...]] = {
 }
 """Those of lines by their integrators."""
 DASH_NAMES = {"rk4": "dotted", "generalised-alpha": "dash-dotted"}
-CAUSES = {
-    Cause.DEFLECTION: "the deflection",
-    Cause.SPIN: "the spin",
-    Cause.AXIAL_FORCE: "the axial force",
-    Cause.HIGHEST_SHAPE: "the highest shape",
-    Cause.END_MOMENT: "the moment at the ends",
-    Cause.MASS_MATRIX: "the mass matrix",
-}
 
 
 @dataclass(frozen=True)
 class LadderChart:
-    """What a chart shows: the lines of a ladder of `name`, their reference, the error that is asked for, and peers."""
+    """What a chart shows: the lines of a ladder of `name`, their reference, the error that is asked for, and peers.
+
+    shown: the names of the beams that the plot shows, if it shows some alone.
+    """
 
     name: str
     lines: tuple[Line, ...]
@@ -57,6 +61,7 @@ class LadderChart:
     error: float
     machine: str
     peers: tuple[Peer, ...] = ()
+    shown: tuple[str, ...] = ()
 
     @property
     def drawn(self) -> tuple[Line, ...]:
@@ -64,21 +69,26 @@ class LadderChart:
         return tuple(line for line in self.lines if line.points)
 
     @property
-    def chosen(self) -> Candidate | None:
-        """The cheapest valid run that is accurate enough."""
-        return recommended(candidates(self.lines), self.error)
+    def headline(self) -> Headline:
+        """The result: the recommended run, a cheaper one in doubt, and the next better one."""
+        return headline(self.lines, self.error)
 
 
-def accuracy_svg(chart: LadderChart) -> str:
-    """The text of the chart, whose points and lines have titles. The same numbers give the same bytes."""
+def accuracy_svg(chart: LadderChart, alone: bool = True) -> str:
+    """The text of the chart, whose points and lines have titles. The same numbers give the same bytes.
+
+    alone: with the title, the headline and the doubts, which a page around the chart shows itself.
+    """
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    lane = lane_text(chart.lines)
+    lane = _wrapped(doubt_lines(chart.lines, chart.shown), 8) if alone else []
+    above = _title(chart) if alone else []
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(style.SETTINGS)
-        head, foot = 0.94 + ROW * len(_subtitle(chart)), 0.62 + 0.17 * len(lane)
+        head = 0.68 + ROW * (len(above) + len(_subtitle(chart))) + (0.07 if alone else 0)
+        foot = 0.62 + 0.17 * len(lane)
         height = head + HEIGHT + foot
         figure = Figure(figsize=(WIDTH, height))
 
@@ -100,7 +110,7 @@ def accuracy_svg(chart: LadderChart) -> str:
             else:
                 axes.set_ylabel("error, rms of the peak")
         _labels(figure, chart, foot, height)
-        _head(figure, chart, height)
+        _head(figure, chart, above, height)
         for k, text in enumerate(lane):
             figure.text(LEFT / WIDTH, (0.17 * (len(lane) - k) - 0.05) / height, text, fontsize=8, color=style.INK)
         return style.titled(style.figure_svg(figure, _description(chart)), titles)
@@ -117,21 +127,21 @@ def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], numbe
             continue
         pale = id(line) not in useful
         look: dict[str, Any] = {"color": colour(line.model), "linewidth": 1.1 if pale else 1.9}
-        look |= {"alpha": 0.38 if pale else 1, "marker": _marker(line.model), "markersize": 3.5 if pale else 5}
+        look |= {"alpha": 0.5 if pale else 1, "marker": _marker(line.model), "markersize": 3.5 if pale else 5}
         look |= {} if line.valid else {"fillstyle": "none"}
         x, y = [cost(p) for p in shown], [p.rms for p in shown]
         dashes = DASHES[line.integrator] if line.valid else (3, 2)
         axes.plot(x, y, gid=f"line_{number}_{n}", dashes=dashes, **look)
-        titles[f"line_{number}_{n}"] = line_title(line)
+        titles[f"line_{number}_{n}"] = line_title(line, chart.shown)
     if number == 0:
         _peers(axes, chart, titles)
     if good:
         x, y = [cost(r.point) for r in good], [r.point.rms for r in good]
         axes.step(x, y, where="post", color=style.INK, linewidth=0.8, alpha=0.6)
-    if chart.chosen is not None:
-        point = chart.chosen.point
-        ring: dict[str, Any] = {"marker": "o", "markersize": 13, "fillstyle": "none", "markeredgewidth": 1.6}
-        axes.plot([cost(point)], [point.rms], color=style.INK, linestyle="none", **ring)
+    for run, width in ((chart.headline.recommended, 1.6), (chart.headline.cheaper, 0.7)):
+        if run is not None:
+            ring: dict[str, Any] = {"marker": "o", "markersize": 13, "fillstyle": "none", "markeredgewidth": width}
+            axes.plot([cost(run.point)], [run.point.rms], color=style.INK, linestyle="none", **ring)
     low, high = _range(chart)
     axes.set_ylim(low, high)
     axes.yaxis.set_major_formatter(lambda value, _: percent(value))
@@ -156,7 +166,7 @@ def _peers(axes: Axes, chart: LadderChart, titles: dict[str, str]) -> None:
 def peer_text(run: tuple[float, float, float]) -> str:
     """A run of another program in words."""
     seconds, rms, largest = run
-    return f"rms {percent(rms)}, largest {percent(largest)}, {1e3 * seconds:.3g} ms"
+    return f"rms {percent(rms)}, largest {percent(largest)}, {duration(seconds)}"
 
 
 def _power(value: float) -> str:
@@ -198,22 +208,39 @@ def _labels(figure: Figure, chart: LadderChart, foot: float, height: float) -> N
         figure.text((edge + 0.24) / WIDTH, y, f"{percent(best)}  {text}", va="center", fontsize=8, color=tint)
 
 
-def _head(figure: Figure, chart: LadderChart, height: float) -> None:
-    title = f"{chart.name}: what accuracy costs"
-    figure.text(LEFT / WIDTH, 1 - 0.1 / height, title, va="top", fontweight="bold", fontsize=11)
-    subtitle = _subtitle(chart)
-    figure.text(LEFT / WIDTH, 1 - 0.36 / height, "\n".join(subtitle), va="top", fontsize=8.5)
-    x, y = LEFT, 0.41 + ROW * len(subtitle)
+def _title(chart: LadderChart) -> list[tuple[str, bool]]:
+    """The title and the headline in lines, and whether each is bold."""
+    result = [(f"{chart.name}: what accuracy costs", True)]
+    for title, text in headline_texts(chart.headline, chart.shown):
+        result += [(line, False) for line in _wrapped([f"{title}: {text}"], SMALL)]
+    return result
+
+
+def _head(figure: Figure, chart: LadderChart, above: Sequence[tuple[str, bool]], height: float) -> None:
+    y = 0.1
+
+    def write(text: str, x: float = LEFT, **look: Any) -> None:
+        figure.text(x / WIDTH, 1 - y / height, text, **{"va": "top", "fontsize": SMALL, **look})
+
+    for text, bold in above:
+        write(text, fontweight="bold" if bold else "normal", fontsize=11 if bold else SMALL)
+        y += ROW + (0.07 if bold else 0)
+    for text in _subtitle(chart):
+        write(text, color=style.FAINT)
+        y += ROW
+    x = LEFT
     for order, name in ORDER_NAMES.items():
         if any(line.model.order is order and line.model.shapes is not Shapes.RIGID for line in chart.drawn):
-            figure.text(x / WIDTH, 1 - y / height, f"■ {name}", va="top", fontsize=8.5, color=COLOURS[order])
+            write(f"■ {name}", x, color=COLOURS[order])
             x += 0.3 + 0.072 * len(name)
+    y += ROW
     signs = "● natural modes  ■ one beam  ▲ several beams; stairs: no cheaper run is better"
     signs += "  ◆ other programs" if chart.peers else ""
     names = dict.fromkeys(line.integrator for line in chart.drawn if line.integrator != "adaptive")
     signs += "".join(f"; {DASH_NAMES[name]}: {name}" for name in names)
-    signs += "  ◯ cheapest at " + percent(chart.error) if chart.chosen else ""
-    figure.text(LEFT / WIDTH, 1 - (y + ROW) / height, signs, va="top", fontsize=8.5, color=style.INK)
+    signs += "  ◯ recommended" if chart.headline.recommended else ""
+    signs += "  ○ cheaper, with a warning" if chart.headline.cheaper else ""
+    write(signs)
 
 
 def _subtitle(chart: LadderChart) -> list[str]:
@@ -221,38 +248,27 @@ def _subtitle(chart: LadderChart) -> list[str]:
     text = f"{chart.reference.plots[0].name}, against {chart.reference.source}"
     if chart.reference.error:
         text += f" (grey: its own error, {percent(chart.reference.error)})"
-    return textwrap.wrap(f"{text}; {chart.machine}", SUBTITLE)
+    return _wrapped([f"{text}; {chart.machine}"], SMALL)
 
 
-def lane_text(lines: Sequence[Line]) -> list[str]:
-    """What is said below the chart of models that are not valid or have failed, by their reasons."""
-    reasons: dict[str, list[str]] = {}
-    for line in lines:
-        if line.warning is not None and line.integrator == "adaptive":
-            text = f"{CAUSES[line.warning.cause]} is beyond its limit"
-            reasons.setdefault(text, []).append(f"{line.label} ({percent(line.warning.error)})")
-        if line.failure:
-            reasons.setdefault(line.failure, []).append(line.label)
-    if not reasons:
-        return []
-    result = ["Not valid (hollow, dashed), with the error that a monitor implies:"]
-    for reason, models in reasons.items():
-        result += textwrap.wrap(f"{reason}: {'; '.join(models)}", LANE, subsequent_indent="    ")
-    return result
+def _wrapped(texts: Sequence[str], size: float) -> list[str]:
+    """Texts in lines of the width of the chart."""
+    room = POINTS * (WIDTH - LEFT - EDGE)
+    return [line for text in texts for line in wrapped(text, room, size)]
 
 
-def line_title(line: Line) -> str:
+def line_title(line: Line, shown: Sequence[str]) -> str:
     """A line in words: its model, and for each run its setting, the error and the cost."""
     runs = [
-        f"{p.setting}: rms {percent(p.rms)}, largest {percent(p.worst)}, {1e3 * p.seconds[0]:.3g} ms, "
+        f"{p.setting}: rms {percent(p.rms)}, largest {percent(p.worst)}, {duration(p.seconds[0])}, "
         f"{p.evaluations} evaluations"
         for p in line.points
     ]
-    reason = line.warning.warning if line.warning else line.failure
-    return "\n".join([f"{line.label}, {line.coordinates} coordinates", *runs, *([reason] if reason else [])])
+    reasons = [doubt(line, shown), line.warning.warning if line.warning else ""]
+    return "\n".join([f"{line.label}, {line.coordinates} coordinates", *runs, *filter(None, reasons)])
 
 
 def _description(chart: LadderChart) -> str:
-    chosen = chart.chosen
+    chosen = chart.headline.recommended
     best = f"; the cheapest at {percent(chart.error)} is {chosen.line.label}" if chosen else ""
     return f"{chart.name}: error over cost of {len(chart.drawn)} models{best}"

@@ -79,3 +79,18 @@ def percent(ratio: float) -> str:
     """A ratio in percent, with two significant digits."""
     value = 100 * ratio
     return f"{value:.0f} %" if value >= 10 else f"{value:.2g} %"
+
+
+def duration(seconds: float) -> str:
+    """A time with three significant digits and its unit."""
+    return f"{1e3 * seconds:.3g} ms" if seconds < 0.9995 else f"{grouped(seconds)} s"
+
+
+def milliseconds(seconds: float) -> str:
+    """A time in ms, with at least three significant digits."""
+    return grouped(1e3 * seconds)
+
+
+def grouped(value: float) -> str:
+    """A number with at least three significant digits, without an exponent: 0.0123, 1.23, 12 345."""
+    return f"{value:.3g}" if value < 999.5 else f"{value:,.0f}".replace(",", " ")

@@ -1,10 +1,15 @@
-"""The page of a ladder: its chart, whose lines show their numbers, and a table; nothing is loaded from elsewhere."""
+"""The page of a ladder: its headline, its chart, whose lines show their numbers, and a table.
+
+Nothing is loaded from elsewhere.
+"""
 
 from __future__ import annotations
 
 from derive.rendering import render
 from derive.study.accuracy.chart import LadderChart, accuracy_svg
-from derive.study.accuracy.chart_labels import percent
+from derive.study.accuracy.chart_labels import grouped, milliseconds, percent
+from derive.study.accuracy.doubts import doubt_reason
+from derive.study.accuracy.headline import headline_texts
 from derive.study.accuracy.table import cheapest
 
 
@@ -16,16 +21,23 @@ def accuracy_html(chart: LadderChart) -> str:
         rows.append(
             (
                 line.label,
-                str(line.coordinates),
                 percent(p.rms),
                 percent(p.worst),
-                f"{1e3 * p.seconds[0]:.3g}",
-                f"{p.evaluations:,}".replace(",", " "),
-                f"{p.operations:,}".replace(",", " "),
+                percent(line.warning.error) if line.warning else "",
+                milliseconds(p.seconds[0]),
+                grouped(p.evaluations),
+                grouped(p.operations) if p.operations else "",
+                str(line.coordinates),
                 p.setting,
-                line.warning.warning if line.warning else line.failure,
+                doubt_reason(line, chart.shown),
             )
         )
-    failed = [(line.label, line.failure) for line in chart.lines if not line.points]
-    values = {"name": chart.name, "picture": accuracy_svg(chart), "rows": rows, "failed": failed, "chart": chart}
+    values = {
+        "name": chart.name,
+        "headline": headline_texts(chart.headline, chart.shown),
+        "picture": accuracy_svg(chart, alone=False),
+        "rows": rows,
+        "warnings": list(dict.fromkeys(line.warning.warning for line in chart.drawn if line.warning)),
+        "failed": [(line.label, line.failure) for line in chart.lines if not line.points],
+    }
     return render("study/accuracy.html.jinja", values)

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import csv
 import io
+import textwrap
 from typing import Any
 
-from derive.study.accuracy.chart import LadderChart, lane_text, peer_text
+from derive.study.accuracy.chart import LadderChart, peer_text
 from derive.study.accuracy.chart_labels import percent
+from derive.study.accuracy.doubts import doubt_lines
+from derive.study.accuracy.headline import headline_texts
 from derive.study.accuracy.measurement import Line, Point
+from derive.study.accuracy.pareto import Candidate
+from derive.terminal import WIDTH
 
 COLUMNS_OF_PEERS = ("cpu_s", "rms_error", "largest_error")
 COLUMNS = (
@@ -30,15 +35,10 @@ def accuracy_text(chart: LadderChart) -> str:
         numbers += f"{p.operations or '':12}"
         rows.append(f"{line.label:{width}}{line.coordinates:13}{numbers}{'' if line.valid else '  not valid'}")
     rows += [f"{peer.name:{width}}               {peer_text(peer.runs[-1])}" for peer in chart.peers]
-    rows += ["", *(text.replace(" (hollow, dashed)", "") for text in lane_text(chart.lines)), ""]
-    if chart.chosen is None:
-        rows.append(f"no valid model has an error of at most {percent(chart.error)}")
-    else:
-        run = chart.chosen
-        rows.append(
-            f"cheapest valid model with an error of at most {percent(chart.error)}: {run.line.label} with "
-            f"{run.point.setting}: {percent(run.point.rms)}, {1e3 * run.point.seconds[0]:.3g} ms"
-        )
+    doubts = (text.replace(" (hollow, dashed)", "") for text in doubt_lines(chart.lines, chart.shown))
+    result = (f"{title}: {text}" for title, text in headline_texts(chart.headline, chart.shown))
+    for texts in (doubts, result):
+        rows += ["", *(line for text in texts for line in textwrap.wrap(text, WIDTH, subsequent_indent="    "))]
     if chart.reference.error is not None and any(line.best < chart.reference.error for line in chart.drawn):
         rows.append("errors below that of the reference say only that they are small")
     return "\n".join(rows)
@@ -65,7 +65,7 @@ def accuracy_csv(chart: LadderChart) -> str:
 
 def accuracy_data(chart: LadderChart) -> dict[str, Any]:
     """The whole study as plain data."""
-    chosen = chart.chosen
+    result = chart.headline
     return {
         "name": chart.name,
         "machine": chart.machine,
@@ -97,9 +97,22 @@ def accuracy_data(chart: LadderChart) -> dict[str, Any]:
             for peer in chart.peers
         ],
         "asked": chart.error,
-        "recommended": None
-        if chosen is None
-        else {"model": chosen.line.label, "setting": chosen.point.setting, "rms_error": chosen.point.rms},
+        "shown": list(chart.shown),
+        "recommended": _run(result.recommended),
+        "cheaper": _run(result.cheaper),
+        "better": _run(result.better),
+    }
+
+
+def _run(run: Candidate | None) -> dict[str, Any] | None:
+    """A run of the headline."""
+    if run is None:
+        return None
+    return {
+        "model": run.line.label,
+        "setting": run.point.setting,
+        "rms_error": run.point.rms,
+        "cpu_s": run.point.seconds[0],
     }
 
 

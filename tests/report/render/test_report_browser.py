@@ -5,7 +5,6 @@ from __future__ import annotations
 import html as escaping
 import json
 import re
-import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -13,10 +12,10 @@ from typing import Any
 import pytest
 import sample_report
 
+from browser import CHROMIUM
 from derive.report.writers.equation_html import equations_shown
 from derive.report.writers.html import html
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 PROBE = """
 function probe(frame) {
   const page = frame.contentDocument, view = frame.contentWindow;

@@ -1,0 +1,59 @@
+"""What monitors doubt of the models of a ladder, beside what is measured, and why the two differ."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from derive.simulation.validity.monitors import Cause
+from derive.study.accuracy.chart_labels import percent
+from derive.study.accuracy.measurement import Line
+
+CAUSES = {
+    Cause.DEFLECTION: "the deflection",
+    Cause.SPIN: "the spin",
+    Cause.AXIAL_FORCE: "the axial force",
+    Cause.HIGHEST_SHAPE: "the highest shape",
+    Cause.END_MOMENT: "the moment at the ends",
+    Cause.MASS_MATRIX: "the mass matrix",
+}
+SMALLER = 2
+"""A measured error that is smaller than the implied one by this factor needs a reason."""
+
+
+def doubt(line: Line, shown: Sequence[str]) -> str:
+    """What a monitor implies of a line, what is measured, and why they differ; or why a run failed; or nothing.
+
+    shown: the names of the beams that the plot shows.
+    """
+    if line.warning is None or not line.points:
+        return doubt_reason(line, shown)
+    return f"{percent(line.warning.error)} implied, {percent(line.best)} measured: {doubt_reason(line, shown)}"
+
+
+def doubt_reason(line: Line, shown: Sequence[str]) -> str:
+    """What a monitor doubts of a line, and why the measured error may be smaller; or why a run failed; or nothing."""
+    warning = line.warning
+    if warning is None:
+        return line.failure
+    text = f"{CAUSES[warning.cause]} of {warning.beam} is in doubt"
+    if shown and warning.beam not in shown:
+        return f"{text}, and the plot shows {' and '.join(shown)}"
+    if line.points and not line.best > warning.error / SMALLER:
+        return f"{text}; the estimate is of all of {warning.beam}, the measurement of what the plot shows"
+    return text
+
+
+def doubt_lines(lines: Sequence[Line], shown: Sequence[str]) -> list[str]:
+    """The models with doubts or failures, with the implied and the measured errors: a line for each reason."""
+    reasons: dict[str, list[str]] = {}
+    for line in lines:
+        if line.warning is not None and line.integrator == "adaptive":
+            measured = percent(line.best) if line.points else "not measured"
+            models = reasons.setdefault(doubt_reason(line, shown), [])
+            models.append(f"{line.label} ({percent(line.warning.error)}, {measured})")
+        if line.failure:
+            reasons.setdefault(line.failure, []).append(line.label)
+    if not reasons:
+        return []
+    result = ["Not valid (hollow, dashed), with the error that a monitor implies, and the measured one:"]
+    return [*result, *(f"{reason}: {'; '.join(models)}" for reason, models in reasons.items())]

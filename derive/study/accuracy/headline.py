@@ -1,0 +1,74 @@
+"""The result of a ladder in three sentences: the recommended model, a cheaper one in doubt, and the next better one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from derive.study.accuracy.chart_labels import duration, percent
+from derive.study.accuracy.doubts import doubt
+from derive.study.accuracy.measurement import Line
+from derive.study.accuracy.pareto import Candidate, candidates, recommended
+
+
+@dataclass(frozen=True)
+class Headline:
+    """Runs of a ladder for an error that is asked for.
+
+    recommended: the cheapest run of a valid model with that error. best: the most accurate one if there is none.
+    cheaper: the cheapest run with that error of a model that a monitor warns of, if it is cheaper than the recommended
+    one. better: the cheapest run of another valid model with a smaller error.
+    """
+
+    error: float
+    recommended: Candidate | None
+    best: Candidate | None
+    cheaper: Candidate | None
+    better: Candidate | None
+
+
+def headline(lines: Sequence[Line], error: float) -> Headline:
+    """The runs of the headline of a ladder."""
+    valid = candidates(lines)
+    chosen = recommended(valid, error)
+    warned = [Candidate(line, p) for line in lines if line.warning and not line.failure for p in line.points]
+    cheaper = recommended(warned, error)
+    if chosen is not None and cheaper is not None and _seconds(cheaper) >= _seconds(chosen):
+        cheaper = None
+    others = () if chosen is None else [run for run in valid if run.line is not chosen.line]
+    smaller = [run for run in others if chosen is not None and run.point.rms < chosen.point.rms]
+    return Headline(
+        error,
+        chosen,
+        min(valid, key=lambda run: run.point.rms, default=None) if chosen is None else None,
+        cheaper,
+        min(smaller, key=_seconds, default=None),
+    )
+
+
+def headline_texts(of: Headline, shown: Sequence[str]) -> list[tuple[str, str]]:
+    """The sentences, each with its title; `shown` are the beams that the plot shows."""
+    asked = percent(of.error)
+    if of.recommended is None:
+        best = f"; the most accurate one is {_run(of.best)}" if of.best else ""
+        result = [("Recommended", f"none: no valid model has an error of at most {asked}{best}")]
+    else:
+        result = [("Recommended", f"{_run(of.recommended)}; the cheapest valid model with an error of at most {asked}")]
+    if of.cheaper is not None:
+        text = f"{_run(of.cheaper)}; {doubt(of.cheaper.line, shown)}"
+        result.append(("Cheaper, if its warning does not matter", text))
+    if of.better is not None:
+        result.append(("Next better", _run(of.better)))
+    elif of.recommended is not None:
+        result.append(("Next better", "none: no other valid model has a smaller error"))
+    return result
+
+
+def _seconds(run: Candidate) -> float:
+    return run.point.seconds[0]
+
+
+def _run(run: Candidate) -> str:
+    """A run in words: its model, its setting, its error and its time."""
+    error = f"{percent(run.point.rms)} (largest {percent(run.point.worst)})"
+    return f"{run.line.label}, {run.point.setting}: error {error}, {duration(_seconds(run))}"
