@@ -106,7 +106,7 @@ def test_labels_stay_apart_and_as_near_as_they_can() -> None:
 
 
 def a_chart() -> LadderChart:
-    quantity = Deflection(MarkerRef("rod", "a"), MarkerRef("rod", "b"), MarkerRef("rod", "c"), 1.0)
+    quantity = Deflection(MarkerRef("rod", "a"), (MarkerRef("rod", "b"), MarkerRef("rod", "c")))
     known = Reference((Plot("tip", quantity),), "made.csv", 0.005)
     return LadderChart("made", LINES, known, 0.01, "a machine", shown=("rod",))
 
