@@ -136,7 +136,7 @@ int tisserand_adaptive_restart(tisserand_adaptive *s, double end)
 
     s->limit = HUGE_VAL;
     s->last = s->t;
-    s->interpolates = 0;
+    s->within = TISSERAND_NOT_YET;
     code = derivatives(s, s->t, s->y, s->f);
     if (code == 0) {
         s->step = first_step(s, end);
@@ -213,7 +213,7 @@ static int accept(tisserand_adaptive *s, double t)
     copy(n, s->trial, s->y);
     s->last = s->t;
     s->t = t;
-    s->interpolates = 0;
+    s->within = TISSERAND_NOT_YET;
     s->refused = 0;
     s->counts.fixed.steps++;
     return TISSERAND_OK;
@@ -281,13 +281,19 @@ int tisserand_adaptive_state(tisserand_adaptive *s, double t, double *y)
         copy(system.n, s->last < s->t ? s->end : s->y, y);
         return TISSERAND_OK;
     }
-    if (!s->interpolates) {
+    if (s->within == TISSERAND_NOT_YET) {
         const int code = tisserand_interpolant(&system, s->last, s->t - s->last, s->begin, s->end, s->stages, s->trial,
                                                s->interpolant);
         if (code != 0) {
             return code;
         }
-        s->interpolates = 1;
+        s->within = tisserand_interpolant_error(system.n, s->begin, s->end, s->interpolant, s->options.rtol,
+                                                s->options.atol) < 1.0
+                        ? TISSERAND_INTERPOLATES
+                        : TISSERAND_OWN_STEPS;
+    }
+    if (s->within == TISSERAND_OWN_STEPS) {
+        return tisserand_stages(&system, s->last, t - s->last, s->begin, s->stages, s->trial, y);
     }
     tisserand_interpolate(system.n, (t - s->last) / (s->t - s->last), s->begin, s->interpolant, y);
     return TISSERAND_OK;

@@ -3,9 +3,9 @@
  *
  * The Runge-Kutta method of Dormand and Prince of order 8 with adaptive steps and dense output (DOP853), for any
  * generated model by its descriptor. After each step a scene is projected onto g = 0 and gdot = 0, as fixed_step.c
- * does. The control of steps and errors is that of DOP853 in SciPy. C99 or C++, and the header of a model; no
- * allocation. It needs dormand_prince.c, which has the method, and fixed_step.c; adaptive_rows.c is a loop around it
- * that fills rows at given times.
+ * does. The control of steps is that of DOP853 in SciPy, with an estimate of errors that holds for fast vibrations as
+ * well. C99 or C++, and the header of a model; no allocation. It needs dormand_prince.c, which has the method and the
+ * estimate, and fixed_step.c; adaptive_rows.c is a loop around it that fills rows at given times.
  *
  *     cc -std=c99 -DTISSERAND_HEADER='"my_scene.h"' adaptive.c dormand_prince.c fixed_step.c \
  *        my_scene.c my_program.c -lm
@@ -47,6 +47,10 @@ typedef struct {
     long rejected; /* steps that were repeated with a shorter length; they are not among fixed.steps */
 } tisserand_adaptive_counts;
 
+/* How states within a step are computed: it has not been decided yet, by the interpolant, or, where the error of that
+   exceeds the tolerances, each by a shorter step from the begin of the step. */
+typedef enum { TISSERAND_NOT_YET, TISSERAND_INTERPOLATES, TISSERAND_OWN_STEPS } tisserand_within;
+
 /* An integration in progress, whose arrays are parts of `work`. Read it; only the functions below write it. */
 typedef struct {
     const tisserand_model *model;
@@ -64,7 +68,7 @@ typedef struct {
     double *end;      /* the state at t before its projection */
     double *stages;   /* the stages of the last step */
     double *interpolant;
-    int interpolates; /* whether the interpolant has been computed */
+    tisserand_within within;
     double *trial;    /* a state that is computed */
     double *work;     /* of fixed_step.c */
     tisserand_adaptive_counts counts;
@@ -101,7 +105,8 @@ int tisserand_adaptive_step(
     double end,
     int before_break);
 
-/* Interpolate the state y = q, v at a time within the last step; its error is of order 8. It is not projected. */
+/* Compute the state y = q, v at a time within the last step, by interpolation or, where that is less exact than the
+   tolerances, by a shorter step from the begin of the last one; its error is of order 8. It is not projected. */
 int tisserand_adaptive_state(
     tisserand_adaptive *s,
     double t,

@@ -92,7 +92,7 @@ class _Solver(ctypes.Structure):
         ("end", ctypes.c_void_p),
         ("stages", ctypes.c_void_p),
         ("interpolant", ctypes.c_void_p),
-        ("interpolates", ctypes.c_int),
+        ("within", ctypes.c_int),
         ("trial", ctypes.POINTER(ctypes.c_double)),
         ("work", ctypes.c_void_p),
         ("counts", _Counts),

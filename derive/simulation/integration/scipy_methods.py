@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from ctypes import POINTER, c_double, c_void_p, cast
-from typing import Any, Literal
+from typing import Any, Literal, assert_never
 
 import numpy as np
 
@@ -53,10 +53,8 @@ def integrate(
 
     Raises SingularConfiguration or DriveCannotBeFollowed at a dead centre, DriftTooLarge, IntegrationStopped.
     """
-    from scipy import integrate as scipy_integrate
-
     began = time.process_time()
-    solver_type = getattr(scipy_integrate, method)
+    solver_type = _solver_type(method)
     instants = row_times(times)
     evaluator = Evaluator(native, k)
     rows = SolutionWriter(native, k, instants, drift, projected, until)
@@ -96,6 +94,21 @@ def integrate(
     except (ModelError, DriftTooLarge) as error:
         raise diagnose_error(native, k, t, y, error) from error
     return rows.solution(evaluator.cost(steps, began), notes)
+
+
+def _solver_type(method: Literal["DOP853", "RK45"]) -> Any:
+    """The class of SciPy, or one derived from it, that takes the steps; SciPy's integrators are loaded here alone."""
+    match method:
+        case "DOP853":
+            from derive.simulation.integration.dormand_prince import DormandPrince
+
+            return DormandPrince
+        case "RK45":
+            from scipy.integrate import RK45
+
+            return RK45
+        case _ as never:
+            assert_never(never)
 
 
 class Evaluator:

@@ -9,6 +9,7 @@ from derive.study.methods.cases import Driven
 from derive.study.methods.implicit_steps import Rule
 from derive.study.methods.method_study import MethodStudy
 from derive.study.methods.scene_methods import Method
+from derive.study.methods.step_control import PHASES
 from derive.terminal import magnitude
 
 MET = 1e-9
@@ -17,6 +18,8 @@ ORDER = 0.7
 """A measured power of the step agrees with the order of a method within this."""
 NEAR = 0.05
 """A measured value agrees with a predicted one within this part."""
+UNSAFE, SAFE = 100, 3
+"""An error so many times as large as its estimate is not controlled; one that is less than SAFE times as large is."""
 DEGREE = pi / 180
 
 
@@ -32,7 +35,7 @@ class MethodFailure:
 
 def failures(study: MethodStudy) -> tuple[MethodFailure, ...]:
     """The failures of methods, each with what this study has measured."""
-    lines = [_step_limit(study), _drift(study), _dead_centre(study), *_trapezoidal(study)]
+    lines = [_step_limit(study), _step_control(study), _drift(study), _dead_centre(study), *_trapezoidal(study)]
     return (*(line for line in lines if line), _gimbal_lock(study), _monomials(study), _rigid_motion(study))
 
 
@@ -48,6 +51,24 @@ def _step_limit(study: MethodStudy) -> MethodFailure | None:
     )
     agrees = all(line.below and not line.above and abs(line.ratio - 1) < NEAR for line in limited)
     return MethodFailure("explicit step limit", f"omega_max h < {theory}", measured, agrees)
+
+
+def _step_control(study: MethodStudy) -> MethodFailure:
+    first, last = study.controls[0], study.controls[-1]
+    classical, own, rows = ([getattr(c, name) for c in study.controls] for name in ("classical", "own", "row"))
+    measured = (
+        f"omega h = {first.product:g} to {last.product:g}, worst of {len(PHASES)} phases: error over estimate "
+        f"{magnitude(min(classical))} to {magnitude(max(classical))} by DOP853 of SciPy, {min(own):.1f} to "
+        f"{max(own):.1f} by adaptive and dop853, whose rows within a step are off by at most {max(rows):.1f} of the "
+        "tolerance"
+    )
+    agrees = min(classical) > UNSAFE and max(own) < SAFE and max(rows) < SAFE
+    return MethodFailure(
+        "step control: fast vibrations",
+        "an estimate of one order vanishes at two phases of a vibration, and steps beyond the limit are taken",
+        measured,
+        agrees,
+    )
 
 
 def _drift(study: MethodStudy) -> MethodFailure | None:

@@ -18,6 +18,7 @@ from derive.study.methods.ringing import Ringing, ringing
 from derive.study.methods.scene_methods import IMPLICIT, Method, MethodScene, method_scene
 from derive.study.methods.shape_bases import BasisCondition, RigidMotionLeft, basis_conditions, rigid_motion_left
 from derive.study.methods.stability_functions import classical, step_limit
+from derive.study.methods.step_control import StepControl, step_controls
 from derive.study.methods.step_limits import HighestFrequency, StepLimit, highest_frequency, step_limits
 
 HALF = 0.5
@@ -37,6 +38,7 @@ class MethodStudy:
     steps: int
     frequency: HighestFrequency
     limits: tuple[StepLimit, ...]
+    controls: tuple[StepControl, ...]
     drifts: tuple[DriftRun, ...]
     order: DriftOrder | None
     forms: tuple[FormRun, ...]
@@ -90,7 +92,7 @@ def method_study(
         order = drift_order(of, h) if of.native.nlambda else None
     except TisserandError as error:
         order, notes = None, (*notes, f"order of the drift: {first_line(error)}")
-    progress("small scenes: dead centres, free flight, tumbling, shapes")
+    progress("small cases: estimates of errors, dead centres, free flight, tumbling, shapes")
     return MethodStudy(
         scene.name,
         of.along,
@@ -98,6 +100,7 @@ def method_study(
         steps,
         frequency,
         tuple(limits),
+        step_controls(),
         tuple(drifts),
         order,
         tuple(forms),

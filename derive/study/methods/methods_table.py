@@ -18,6 +18,7 @@ from derive.study.methods.formulations import FORM_NAMES
 from derive.study.methods.free_flight import AMPLITUDE
 from derive.study.methods.method_study import MethodStudy
 from derive.study.methods.stability_functions import bdf, last_growth
+from derive.study.methods.step_control import PHASES
 from derive.study.methods.step_limits import GROWN, LARGE, STEPS, StepLimit
 from derive.terminal import magnitude, table, wrapped
 
@@ -35,7 +36,15 @@ class StudyTable:
 
 def tables(study: MethodStudy) -> tuple[StudyTable, ...]:
     """All tables of a study."""
-    made = (_limits(study), _drift(study), _forms(study), _conditioning(study), _ringing(study), _dead_centres(study))
+    made = (
+        _limits(study),
+        _controls(study),
+        _drift(study),
+        _forms(study),
+        _conditioning(study),
+        _ringing(study),
+        _dead_centres(study),
+    )
     return tuple(one for one in (*made, _momentum(study), _bases(study)) if one.rows)
 
 
@@ -127,6 +136,20 @@ def _grows(stable: bool | None) -> str:
 
 def _seconds(h: float) -> str:
     return f"{h:.3e}"
+
+
+def _controls(study: MethodStudy) -> StudyTable:
+    rows = [
+        (f"{c.product:g}", magnitude(c.classical), f"{c.own:.2f}", f"{c.interpolated:.1f}", f"{c.row:.2f}")
+        for c in study.controls
+    ]
+    title = f"errors of a vibration over their estimates, adaptive steps, worst of {len(PHASES)} phases"
+    head = ("omega h", "step, as SciPy's DOP853", "step", "row, interpolated", "row")
+    notes = (
+        "row, interpolated: the largest error within the step, over the estimate of the step; row: with a shorter step "
+        "where the estimate of the interpolant asks for it",
+    )
+    return StudyTable(title, head, tuple(rows), 0, notes)
 
 
 def _drift(study: MethodStudy) -> StudyTable:
