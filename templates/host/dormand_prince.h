@@ -61,8 +61,9 @@ int tisserand_interpolant(
     double *trial,
     double *interpolant);
 
-/* The estimate of the largest error of the interpolant within its step, likewise, from its coefficients. In a step with
-   omega h between 3 and 8 it is 8 to 27 times the error at the end. */
+/* The estimate of the largest error of the interpolant within its step, likewise, from its coefficients, but relative to
+   twice the tolerance: if it is below 1, the interpolant is as exact as a state within a step has to be. In a step with
+   omega h between 3 and 8 the interpolant is 8 to 27 times as inexact as the end. */
 double tisserand_interpolant_error(
     int n,
     const double *y,

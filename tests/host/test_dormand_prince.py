@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Tree = tuple["Tree", ...]
 """A rooted tree, by the subtrees of its root."""
 
-TABLES = {"A": (16, 16), "C": (16,), "ERROR5": (12,), "THIRD": (3,), "DENSE": (4, 16)}
+TABLES = {"A": (16, 16), "C": (16,), "ERROR5": (12,), "ERROR6": (12,), "THIRD": (3,), "DENSE": (4, 16)}
 
 
 @pytest.fixture(scope="module")
@@ -89,14 +89,33 @@ def test_the_step_has_order_eight(tables: dict[str, Array]) -> None:
     assert defect(b, a, 9) > 1e-7
 
 
-def test_the_estimates_have_orders_five_and_three(tables: dict[str, Array]) -> None:
+def test_the_estimates_have_orders_six_five_and_three(tables: dict[str, Array]) -> None:
     a = tables["A"]
-    fifth = a[12, :12] - tables["ERROR5"]
+    sixth, fifth = a[12, :12] - tables["ERROR6"], a[12, :12] - tables["ERROR5"]
     third = np.zeros(12)
     third[[0, 8, 11]] = tables["THIRD"]
-    for b, order in ((fifth, 5), (third, 3)):
-        assert max(defect(b, a, lower) for lower in range(1, order + 1)) < 1e-14
+    for b, order, rounding in ((sixth, 6, 5e-14), (fifth, 5, 1e-14), (third, 3, 1e-14)):
+        assert max(defect(b, a, lower) for lower in range(1, order + 1)) < rounding
         assert defect(b, a, order + 1) > 1e-4
+
+
+def test_there_is_no_other_estimate_of_order_six(tables: dict[str, Array]) -> None:
+    a = tables["A"][:12, :12]
+    conditions = np.array([weight(tree, a) for order in range(1, 7) for tree in trees(order)])
+    conditions /= np.abs(conditions).max(axis=1)[:, None]
+    assert np.sum(np.linalg.svd(conditions, compute_uv=False) > 1e-12) == 11
+
+
+def vibration(weights: Array, a: Array, product: float) -> float:
+    """|h sum_j weights[j] K[j]| for ydot = i omega y from y = 1, product = omega h."""
+    stages = np.linalg.solve(np.eye(12) - 1j * product * a[:12, :12], 1j * product * np.ones(12))
+    return float(abs(weights @ stages))
+
+
+def test_the_estimates_of_a_vibration_are_equal_at_the_limit_of_stability(tables: dict[str, Array]) -> None:
+    a = tables["A"]
+    fifth, sixth = (vibration(tables[name], a, 5.9604) for name in ("ERROR5", "ERROR6"))
+    assert sixth == pytest.approx(fifth, rel=1e-4)
 
 
 @pytest.mark.parametrize("x", [0.1, 0.37, 0.5, 0.8])

@@ -28,7 +28,10 @@ def step_error(h: float, change: Vector, stages: Array, allowed: Vector) -> floa
 
 
 def interpolant_error(interpolant: Array, allowed: Vector) -> float:
-    """The error estimate of an interpolant within its step, likewise; interpolant: its coefficients (7, n)."""
+    """The error estimate of an interpolant within its step: below 1, it is as exact as a state there has to be.
+
+    interpolant: its coefficients (7, n). allowed (n,): see `step_error`. Raises CompilerError.
+    """
     none, coefficients = np.zeros_like(allowed), np.ascontiguousarray(interpolant)
     scale = np.ascontiguousarray(allowed)
     addresses = [array.ctypes.data for array in (none, none, coefficients)]

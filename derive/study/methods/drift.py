@@ -21,6 +21,7 @@ from derive.simulation.compiled_scene import max_norm
 from derive.simulation.errors import SimulationError
 from derive.study.methods.scene_methods import IMPLICIT, Method, MethodRun, MethodScene, equal_times
 from derive.study.states import State
+from derive.terminal import magnitude
 
 POINTS = 240
 """The times of a run in which its drift is looked at."""
@@ -30,10 +31,12 @@ CONSERVED = 1e-5
 """Power that drives do not account for, relative to that of all parts, above which the energy is no measure."""
 ORDER_STEPS = 10_000
 """The steps of the run that shows the order of the drift: fewer would drift by rounding errors."""
+ROUNDED = 1e-13
+"""Drift below this, relative to the size of the scene, may be rounding errors of that many steps."""
 FEWEST = 6
 """The steps that the spline of the power needs."""
-LATE = 0.3
-"""The part of the time of a run after which exponents of growth are fitted."""
+LATE, FITTED = 0.3, 3
+"""The part of the time of a run after which exponents of growth are fitted, and the least number of points for that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,15 +72,17 @@ KINDS = tuple((method, projected) for method in (Method.RK4, Method.ADAPTIVE) fo
 
 
 def drift_runs(
-    of: MethodScene, h: float, steps: int, methods: Sequence[Method], progress: Callable[[str], None]
+    of: MethodScene, h: float, steps: int, methods: Sequence[Method], energy: bool, progress: Callable[[str], None]
 ) -> list[DriftRun]:
-    """Runs of `steps` steps of h (s); the adaptive method covers the same time with the tolerance of the scene."""
-    conserved = conserves(of, of.states(9))
+    """Runs of `steps` steps of h (s); the adaptive method covers the same time with the tolerance of the scene.
+
+    energy: whether that of the scene is conserved, and looked at.
+    """
     result = []
     for method, projected in KINDS:
         if method in methods:
             progress(f"{of.scene.name}: drift over {steps} steps of {method.value}")
-            result.append(drift_run(of, method, projected, h, steps, conserved))
+            result.append(drift_run(of, method, projected, h, steps, energy))
     return result
 
 
@@ -155,17 +160,28 @@ class DriftOrder:
 
 
 def drift_order(of: MethodScene, h: float, steps: int = ORDER_STEPS) -> DriftOrder:
-    """The order of the drift, from runs over the same time with steps of h and h/2 (s). Raises TisserandError."""
+    """The order of the drift, from runs over the same time with steps of h and h/2 (s).
+
+    Raises TisserandError where a run fails, and where there is no more drift than rounding errors.
+    """
     whole, half = (drift_run(of, Method.RK4, False, h / n, n * steps, energy=False) for n in (1, 2))
     if failure := whole.failure or half.failure:
         raise SimulationError(failure)
-    ratio = whole.position[-1] / max(half.position[-1], np.finfo(float).tiny)
-    return DriftOrder(steps, float(whole.position[-1]), exponent(whole.t, whole.position), float(np.log2(ratio)))
+    most, least = float(whole.position[-1]), float(half.position[-1])
+    if least < ROUNDED * max(of.size, max_norm(of.q)):
+        raise SimulationError(
+            f"without projection rk4 drifts by {magnitude(most)} m in {steps} steps, and by {magnitude(least)} m with "
+            "steps half as long, which may be rounding errors"
+        )
+    return DriftOrder(steps, most, exponent(whole.t, whole.position), float(np.log2(most / least)))
 
 
 def exponent(t: Vector, size: Vector) -> float:
-    """The exponent p with which a drift grows as t^p, over the last part of a run."""
-    if not len(t) or not np.all(size[t >= LATE * t[-1]] > 0):
+    """The exponent p with which a drift (n,) grows as t^p, t > 0 (n,), over the last part of a run.
+
+    NaN if there is no drift, or if the run is too short for a fit; `size` may be empty.
+    """
+    late = t >= LATE * t[-1] if len(size) else np.zeros(len(t), dtype=bool)
+    if late.sum() < FITTED or not np.all(size[late] > 0):
         return float("nan")
-    late = t >= LATE * t[-1]
     return float(np.polyfit(np.log(t[late]), np.log(size[late]), 1)[0])

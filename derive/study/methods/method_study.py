@@ -11,7 +11,7 @@ from derive.spec.model.scene import Scene
 from derive.study.methods.attitude import Tumble, tumble
 from derive.study.methods.conditioning import Conditioning, conditioning
 from derive.study.methods.dead_centre import DeadCentre, dead_centres
-from derive.study.methods.drift import DriftOrder, DriftRun, drift_order, drift_runs
+from derive.study.methods.drift import DriftOrder, DriftRun, conserves, drift_order, drift_runs
 from derive.study.methods.formulations import FormRun, form_runs
 from derive.study.methods.free_flight import MomentumDrift, momentum_drifts
 from derive.study.methods.ringing import Ringing, ringing
@@ -29,7 +29,8 @@ HALF = 0.5
 class MethodStudy:
     """What a study of methods has found; `along` says what the states are taken from, `h` (s) is the step of long runs.
 
-    order: None of a scene without constraints, and where a run fails. notes: what could not be done, and why.
+    conserved: whether the work of drives is all that changes the energy. order: None of a scene without constraints,
+    and where it cannot be measured. notes: what could not be done, and why.
     """
 
     name: str
@@ -39,6 +40,7 @@ class MethodStudy:
     frequency: HighestFrequency
     limits: tuple[StepLimit, ...]
     controls: tuple[StepControl, ...]
+    conserved: bool
     drifts: tuple[DriftRun, ...]
     order: DriftOrder | None
     forms: tuple[FormRun, ...]
@@ -86,12 +88,17 @@ def method_study(
         )
     h = HALF * step_limit(classical()) / frequency.largest
     limits = step_limits(of, frequency, methods, progress)
-    drifts = drift_runs(of, h, steps, methods, progress)
-    forms = form_runs(of, h, progress) if of.native.nlambda else []
-    try:
-        order = drift_order(of, h) if of.native.nlambda else None
-    except TisserandError as error:
-        order, notes = None, (*notes, f"order of the drift: {first_line(error)}")
+    conserved = conserves(of, of.states(9))
+    drifts = drift_runs(of, h, steps, methods, conserved, progress)
+    forms, order = [], None
+    if of.native.nlambda:
+        forms = form_runs(of, h, progress)
+        try:
+            order = drift_order(of, h)
+        except TisserandError as error:
+            notes += (f"index 3 drift: not measured; {first_line(error)}",)
+    else:
+        notes += ("index 3 drift, formulations: left out; this scene has no constraints",)
     progress("small cases: estimates of errors, dead centres, free flight, tumbling, shapes")
     return MethodStudy(
         scene.name,
@@ -101,6 +108,7 @@ def method_study(
         frequency,
         tuple(limits),
         step_controls(),
+        conserved,
         tuple(drifts),
         order,
         tuple(forms),

@@ -1,9 +1,9 @@
 """The control of explicit steps: what an estimate makes of the error of a fast vibration, at every phase of it.
 
 A step of ydot = i omega y multiplies y by the stability function R(i omega h) instead of exp(i omega h). The
-generalised velocity of a mode is the real part of y, and the estimate of its error that of another complex number: if it
-is of a single order it vanishes twice per period, whatever the error is, so that the method takes a step that is too
-long, even one that is unstable.
+generalised velocity of a mode is the real part of y, and the estimate of its error is that of another complex number.
+If it is of a single order it vanishes twice per period, whatever the error is, so that the method takes a step that is
+too long, even one that is unstable.
 """
 
 from __future__ import annotations
