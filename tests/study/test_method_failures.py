@@ -26,6 +26,7 @@ from derive.study.methods.shape_bases import (
     shapes,
     solution_error,
 )
+from derive.study.methods.step_control import step_controls
 
 
 def test_limits_on_the_imaginary_axis() -> None:
@@ -46,6 +47,12 @@ def test_implicit_methods_have_no_limit_and_leave_rho_of_high_frequencies() -> N
     assert [theory.last_growth(theory.bdf(order)) for order in (2, 3, 4, 5)] == pytest.approx(
         [0, 1.94, 4.71, 9.39], abs=0.02
     )
+
+
+def test_estimates_hold_at_any_phase_of_a_vibration() -> None:
+    for control in step_controls():
+        assert control.classical > 100 and control.own < 2.3
+        assert control.row < 2.5 < control.interpolated
 
 
 def test_multipliers_ring_unless_rho_is_less_than_1() -> None:

@@ -30,6 +30,7 @@ from derive.study.variants import variant
 
 FAILURES = (
     "explicit step limit",
+    "step control: fast vibrations",
     "index 3 drift",
     "dead centre",
     "trapezoidal rule: momentum",
@@ -71,6 +72,7 @@ def test_a_line_differs_where_its_measurement_does() -> None:
     assert s.order is not None
     worse = {
         "explicit step limit": replace(s, limits=(replace(s.limits[0], above=True), *s.limits[1:])),
+        "step control: fast vibrations": replace(s, controls=tuple(replace(c, own=9.0) for c in s.controls)),
         "index 3 drift": replace(s, order=replace(s.order, step=1.0)),
         "dead centre": replace(s, dead_centres=(*s.dead_centres[:2], replace(s.dead_centres[2], reported=np.nan))),
         "trapezoidal rule: momentum": replace(s, momentum=tuple(replace(m, drift=0.1) for m in s.momentum)),
@@ -101,7 +103,7 @@ def test_the_tables_and_the_files() -> None:
     svg, page = methods_svg(s), methods_html(s)
     assert svg.startswith("<svg") and svg == methods_svg(s) and "mathdefault" not in svg
     assert "Dead centres: G loses rank" in svg and svg.count("not projected") == 2
-    assert page.count("<h2>") == 9 and "http" not in page.replace("http://www.w3.org", "")
+    assert page.count("<h2>") == 10 and "http" not in page.replace("http://www.w3.org", "")
     rows = list(csv.DictReader(methods_csv(s).splitlines()))
     assert tuple(row["failure"] for row in rows) == FAILURES
     data: dict[str, Any] = json.loads(json.dumps(methods_data(s), allow_nan=False))
