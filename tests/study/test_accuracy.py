@@ -162,6 +162,15 @@ def test_one_headline_names_the_recommended_model_a_cheaper_one_in_doubt_and_the
     assert cheaper[1].startswith("1 beam, P2 to P5, truncated")
 
 
+def test_a_reference_with_a_larger_error_than_is_asked_for_decides_nothing() -> None:
+    chart = replace(a_chart(), error=0.004)
+    sentence = "Undecided: which models have an error of at most 0.4 %; that of the reference itself is 0.5 %"
+    assert sentence in " ".join(accuracy_text(chart).split())
+    assert accuracy_data(chart)["recommended"] is None and "recommended" not in accuracy_svg(chart)
+    unknown = replace(chart, reference=replace(chart.reference, error=None))
+    assert unknown.headline.recommended is not None
+
+
 def test_where_monitor_and_measurement_differ_both_are_shown_with_the_reason() -> None:
     """The monitor of the crank implies 31 %, and the plot, in which 0.94 % is measured, shows the rod."""
     crank = replace(WARNING, beam="crank", cause=Cause.END_MOMENT, error=0.31)

@@ -71,7 +71,7 @@ class LadderChart:
     @property
     def headline(self) -> Headline:
         """The result: the recommended run, a cheaper one in doubt, and the next better one."""
-        return headline(self.lines, self.error)
+        return headline(self.lines, self.error, self.reference.error)
 
 
 def accuracy_svg(chart: LadderChart, alone: bool = True) -> str:

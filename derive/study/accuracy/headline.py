@@ -17,7 +17,8 @@ class Headline:
 
     recommended: the cheapest run of a valid model with that error. best: the most accurate one if there is none.
     cheaper: the cheapest run with that error of a model that a monitor warns of, if it is cheaper than the recommended
-    one. better: the cheapest run of another valid model with a smaller error.
+    one. better: the cheapest run of another valid model with a smaller error. undecided: the error of the reference, if
+    it is larger than the one that is asked for, so that no run is known to have it; None if it is not.
     """
 
     error: float
@@ -25,10 +26,13 @@ class Headline:
     best: Candidate | None
     cheaper: Candidate | None
     better: Candidate | None
+    undecided: float | None = None
 
 
-def headline(lines: Sequence[Line], error: float) -> Headline:
-    """The runs of the headline of a ladder."""
+def headline(lines: Sequence[Line], error: float, of_reference: float | None = None) -> Headline:
+    """The runs of the headline of a ladder; of_reference: the error of the reference itself, if it is known."""
+    if of_reference is not None and of_reference > error:
+        return Headline(error, None, None, None, None, undecided=of_reference)
     valid = candidates(lines)
     chosen = recommended(valid, error)
     warned = [Candidate(line, p) for line in lines if line.warning and not line.failure for p in line.points]
@@ -49,6 +53,9 @@ def headline(lines: Sequence[Line], error: float) -> Headline:
 def headline_texts(of: Headline, shown: Sequence[str]) -> list[tuple[str, str]]:
     """The sentences, each with its title; `shown` are the beams that the plot shows."""
     asked = percent(of.error)
+    if of.undecided is not None:
+        text = f"which models have an error of at most {asked}; that of the reference itself is {percent(of.undecided)}"
+        return [("Undecided", text)]
     if of.recommended is None:
         best = f"; the most accurate one is {_run(of.best)}" if of.best else ""
         result = [("Recommended", f"none: no valid model has an error of at most {asked}{best}")]
