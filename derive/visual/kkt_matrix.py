@@ -15,7 +15,7 @@ NAMED, LETTER, FOOT, LEGEND = 45, 6.2, 24, 240
 
 STYLE = """\
   <style>
-    text { font: 11px system-ui, sans-serif; fill: #1c2733; } .ground { fill: #ffffff; }
+    text { font: 11px system-ui, 'DejaVu Sans', sans-serif; fill: #1c2733; } .ground { fill: #ffffff; }
     .value, .own { fill: #1f6f8b; } .fill, .new { fill: #d98a3d; } .frame { fill: none; stroke: #b8c2cc; }
     @media (prefers-color-scheme: dark) {
       text { fill: #e6edf3; } .ground { fill: #13171b; }

@@ -31,7 +31,7 @@ INSTANTS = 101
 
 STYLE = """\
   <style>
-    text { font: 12px system-ui, sans-serif; fill: #1c2733; }
+    text { font: 12px system-ui, 'DejaVu Sans', sans-serif; fill: #1c2733; }
     .ground { fill: #ffffff; } .body { fill: #cfe3ec; stroke: #1f6f8b; stroke-width: 2; stroke-linejoin: round; }
     .rod { fill: none; stroke: #1f6f8b; stroke-width: 8; } .core { fill: none; stroke: #cfe3ec; stroke-width: 4; }
     .mass { fill: #1f6f8b; }

@@ -28,7 +28,7 @@ MANY = 60
 
 STYLE = """\
   <style>
-    text { font: 13px system-ui, sans-serif; fill: #1c2733; } .ground { fill: #ffffff; }
+    text { font: 13px system-ui, 'DejaVu Sans', sans-serif; fill: #1c2733; } .ground { fill: #ffffff; }
     .title { font-weight: 600; font-size: 15px; } .mode { font-weight: 600; } .note { fill: #5b6773; }
     path { fill: none; stroke-linejoin: round; stroke-linecap: round; }
     .rest { stroke: #b8c2cc; stroke-width: 2; } circle.rest { fill: #b8c2cc; }

@@ -15,7 +15,7 @@ TEXT, TITLE, NAMED_CELL = 13, 15, 12
 """The sizes of texts, and the side of cells above which rows have their names, in pixels."""
 STYLE = """\
   <style>
-    text { font: 13px system-ui, sans-serif; fill: #1c2733; } .ground { fill: #ffffff; }
+    text { font: 13px system-ui, 'DejaVu Sans', sans-serif; fill: #1c2733; } .ground { fill: #ffffff; }
     .title { font-weight: 600; font-size: 15px; }
     .value { fill: #1f6f8b; } .zero { fill: #b8c2cc; } .frame { fill: none; stroke: #b8c2cc; }
     @media (prefers-color-scheme: dark) {

@@ -42,7 +42,7 @@ SHORT = 3
 
 STYLE = """\
   <style>
-    text { font: 13px system-ui, sans-serif; fill: #1c2733; }
+    text { font: 13px system-ui, 'DejaVu Sans', sans-serif; fill: #1c2733; }
     .ground { fill: #ffffff; } .value, .own { fill: #1f6f8b; } .zero, .dot { fill: #8795a1; }
     .frame { fill: none; stroke: #b8c2cc; }
     .none { fill: #ffffff; fill-opacity: 0; }

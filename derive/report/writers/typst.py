@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import groupby
+from pathlib import Path
 
 from derive.artifacts import MARK
 from derive.errors import TisserandError
@@ -180,10 +181,16 @@ class TypstMissing(TisserandError):
 
 
 def pdf(page: Page) -> bytes:
-    """The page as PDF: the same bytes for the same page and version of Typst. Raises TypstMissing."""
+    """The page as PDF: the same bytes for the same page and versions of Typst and Matplotlib. Raises TypstMissing.
+
+    The fonts are those of Typst, and for pictures that of Matplotlib, with whose metrics they are laid out.
+    """
     try:
         import typst as wheel
     except ImportError as error:
         raise TypstMissing("PDF needs the Python package typst: pip install 'tisserand[report]'") from error
-    made: bytes = wheel.compile(typst(page).encode(), format="pdf", ignore_system_fonts=True, timestamp=0)
+    import matplotlib as mpl
+
+    fonts = wheel.Fonts(include_system_fonts=False, font_paths=[Path(mpl.get_data_path()) / "fonts" / "ttf"])
+    made: bytes = wheel.compile(typst(page).encode(), format="pdf", font_paths=fonts, timestamp=0)
     return made

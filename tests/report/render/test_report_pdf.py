@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import sample_report
 from sample_report import EVERYTHING, EVIL, PHI, row, square
@@ -28,8 +29,10 @@ from derive.report.document.formula import (
     Part,
     Quotient,
 )
+from derive.report.document.page import Page, Paragraph, Picture
 from derive.report.writers.typst import TypstMissing, pdf, typst
 from derive.report.writers.typst_math import string, summand_typst, typst_math
+from derive.visual.line_chart import Chart, Curve, Panel, svg
 
 
 def text_of(data: bytes, folder: Path) -> str:
@@ -69,6 +72,23 @@ def test_what_it_says(tmp_path: Path) -> None:
     ):
         assert word in said, word
     assert "#set $x$ `q` | _a_ *b* 100% {c}" in said
+
+
+@pytest.mark.skipif(shutil.which("pdftotext") is None, reason="there is no pdftotext here")
+def test_pictures_have_their_font_and_are_on_one_page_with_their_captions(tmp_path: Path) -> None:
+    """Wherever a page ends, and if a chart, here with a panel for each of seven units, is higher than a page."""
+    pytest.importorskip("typst")
+    x = np.linspace(0, 1, 5)
+    panels = tuple(Panel("deflection / 0.4 m", f"unit {n}", (Curve("", x, 1e-4 * x),)) for n in range(7))
+    high, low = (Picture(svg(Chart("a title", "time", "s", some)), "", "a caption") for some in (panels, panels[:1]))
+    texts = (Paragraph(("A sentence that is above a picture. " * (5 * n + 2),)) for n in range(12))
+    data = pdf(Page("title", (), (high, *(block for text in texts for block in (text, low)))))
+    assert b"DejaVuSans" in data.replace(b"DejaVuSansMono", b"")
+    pages = text_of(data, tmp_path).split("\f")
+    for shown in pages:
+        assert shown.count("a title") == shown.count("time, s") == shown.count("a caption")
+    assert sum(shown.count("a caption") for shown in pages) == 13
+    assert any(all(f"unit {n}" in shown for n in range(7)) for shown in pages)
 
 
 def test_strings() -> None:
