@@ -18,6 +18,14 @@ def show_progress(text: str = "") -> None:
         sys.stderr.flush()
 
 
+def show_result(text: str) -> None:
+    """What came of a step of a long command: a line on stderr, or the line of progress where that is a tty."""
+    if sys.stderr.isatty():
+        show_progress(text)
+    else:
+        print(text, file=sys.stderr, flush=True)
+
+
 class SimulationProgress:
     """The line of progress of a simulation: `label`, the time that it has reached, and the estimated remaining time.
 

@@ -16,8 +16,8 @@ from derive.study.accuracy.reference import compared_plot
 from derive.study.choice.choice_text import choice_data, choice_text
 from derive.study.choice.screening import screening
 from derive.study.choice.search import Choice, choose
-from derive.study.choice.written_specification import chosen_specification
-from derive.terminal import show_progress
+from derive.study.choice.written_specification import WrittenSpecification, chosen_specification
+from derive.terminal import show_progress, show_result
 
 EXPECTED_SIZE = 100_000
 """About what a specification needs at most, in bytes."""
@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
             raise SpecError((Problem("bodies", "there is no beam here, and nothing to choose"),))
         plots = [compared_plot(scene, name) for name in dict.fromkeys(options.plot or [None])]
         screened = screening(scene)
-        choice = choose(scene, plots, options.error, show_progress)
+        choice = choose(scene, plots, options.error, show_progress, show_result)
     except SpecError as error:
         raise with_lines(error, options.spec) from None
     finally:
@@ -47,22 +47,26 @@ def run(options: argparse.Namespace) -> int:
     written = None if choice.chosen is None else _written(options.spec, target, choice)
     if options.json:
         data = choice_data(scene.name, [plot.name for plot in plots], screened, choice)
-        print(json.dumps({**data, "specification": written}, indent=2))
+        target_data = {
+            "specification": str(target) if written else None,
+            "notes": list(written.notes) if written else [],
+        }
+        print(json.dumps({**data, **target_data}, indent=2))
     else:
         print(choice_text(scene.name, [plot.name for plot in plots], screened, choice))
         if written:
-            print(f"\nwrote {written}")
+            print("\n".join(["", f"wrote {target}", *(f"  {note}" for note in written.notes)]))
     return 0 if written else 1
 
 
-def _written(spec: Path, target: Path, choice: Choice) -> str:
-    """Write the specification of what is chosen, which is read once more before. Returns the name of the file."""
+def _written(spec: Path, target: Path, choice: Choice) -> WrittenSpecification:
+    """Write the specification of what is chosen, which is read once more before."""
     assert choice.chosen is not None
     line, point = choice.chosen
     source = spec.read_text(encoding="utf-8-sig")
-    text = chosen_specification(source, spec, target, read_scene(spec), line.model, point.tolerance)
-    parse(text, str(target))
+    written = chosen_specification(source, spec, target, read_scene(spec), line.model, point.tolerance)
+    parse(written.text, str(target))
     target.parent.mkdir(parents=True, exist_ok=True)
     with target.open("x", encoding="utf-8") as file:  # another process may have made it meanwhile
-        file.write(text)
-    return str(target)
+        file.write(written.text)
+    return written

@@ -45,6 +45,11 @@ CALLED = {
 }
 """The functions of a model that an evaluation of each count calls."""
 
+SAME = 0.01
+"""Errors of runs with two tolerances that differ by less, relatively, are those of the model."""
+LONG = 0.5
+"""CPU seconds of a run that is timed once: what disturbs it is small against it."""
+
 
 @dataclass(frozen=True, eq=False)
 class CompiledLadderModel:
@@ -184,74 +189,48 @@ class Line:
 Progress = Callable[[str], None]
 
 
-def compile_all(
-    scene: Scene, models: Sequence[LadderModel], progress: Progress
-) -> tuple[list[CompiledLadderModel], dict[LadderModel, str]]:
-    """The models that can be derived and compiled, and the reasons why others cannot."""
-    ready, failed = [], {}
-    for n, model in enumerate(models, 1):
-        progress(f"compiling model {n} of {len(models)}: {model.label}")
-        try:
-            ready.append(compiled(scene, model))
-        except TisserandError as error:
-            failed[model] = first_line(error)
-    return ready, failed
+def measured(of: CompiledLadderModel, plots: Sequence[Plot], tolerances: Sequence[float]) -> Line:
+    """The line of a compiled model: its errors against the references of `plots`, and its cost, in one run each.
 
-
-def measure(
-    ready: Sequence[CompiledLadderModel],
-    plots: Sequence[Plot],
-    tolerances: Sequence[float],
-    runs: int,
-    progress: Progress,
-) -> list[Line]:
-    """The lines of models that are compiled: errors against the references of `plots`, and interleaved times.
-
-    tolerances: from coarse to fine.
+    tolerances: from coarse to fine. Those beyond two runs with about the same error are left out: they cost more, and
+    the error is that of the model.
     """
-    accuracies = []
-    for n, of in enumerate(ready, 1):
-        progress(f"running model {n} of {len(ready)}: {of.model.label}")
-        accuracies.append(_accuracy(of, plots, tolerances))
-    todo = [(of, tolerance) for of, accuracy in zip(ready, accuracies, strict=True) for tolerance in accuracy.errors]
-    finished = [end_run(of, tolerance) for of, tolerance in todo]
-    clocks = [partial(_seconds, of, tolerance) for of, tolerance in todo]
-    rows = interleaved(clocks, runs, lambda run: progress(f"timing, run {run + 1} of {runs}")) if clocks else []
-    lines = []
-    for of, accuracy in zip(ready, accuracies, strict=True):
-        points = []
-        for i, (owner, tolerance) in enumerate(todo):
-            if owner is of:
-                seconds = [row[i] for row in rows]
-                spread = median(seconds), min(seconds), max(seconds)
-                count = finished[i].counts["accelerations"]
-                points.append(
-                    Point(tolerance, *accuracy.errors[tolerance], spread, count, of.operations(finished[i].counts))
-                )
-        lines.append(Line(of.model, of.coordinates, tuple(points), accuracy.warning, accuracy.failure))
-    return lines
-
-
-@dataclass(frozen=True)
-class _Accuracy:
-    """The errors of the runs of a model by their tolerances, and what is wrong with it."""
-
-    errors: dict[float, tuple[float, float]]
-    warning: Monitor | None
-    failure: str
-
-
-def _accuracy(of: CompiledLadderModel, plots: Sequence[Plot], tolerances: Sequence[float]) -> _Accuracy:
-    errors: dict[float, tuple[float, float]] = {}
-    warning = None
+    points: list[Point] = []
+    warning, failure = None, ""
     for tolerance in tolerances:
         try:
-            moved = motion(of, tolerance, monitored=tolerance == tolerances[-1])
-            errors[tolerance] = plot_errors(plots, moved)
+            moved = motion(of, tolerance, monitored=True)
+            rms, worst = plot_errors(plots, moved)
+            run = end_run(of, tolerance)
         except TisserandError as error:
-            return _Accuracy(errors, None, f"tolerance {tolerance:g}: {first_line(error)}")
+            warning, failure = None, f"tolerance {tolerance:g}: {first_line(error)}"
+            break
+        cost = run.counts["accelerations"], of.operations(run.counts)
+        points.append(Point(tolerance, rms, worst, (run.seconds,) * 3, *cost))
         warning = max((m for m in moved.validity if m.passed), key=lambda monitor: monitor.error, default=None)
-    return _Accuracy(errors, warning, "")
+        if len(points) > 1 and abs(points[-2].rms - rms) <= SAME * rms:
+            break
+    return Line(of.model, of.coordinates, tuple(points), warning, failure)
+
+
+def retimed(
+    lines: Sequence[Line], ready: Mapping[LadderModel, CompiledLadderModel], runs: int, progress: Progress
+) -> list[Line]:
+    """The lines with the CPU times of interleaved runs; runs that take long are not repeated, and keep their time."""
+    timed = [(line, p) for line in lines for p in line.points if p.seconds[0] < LONG]
+    clocks = [partial(_seconds, ready[line.model], p.tolerance) for line, p in timed]
+    rows = interleaved(clocks, runs, lambda run: progress(f"timing, run {run + 1} of {runs}")) if clocks else []
+    times = {
+        (line.model, p.tolerance): (median(of), min(of), max(of))
+        for (line, p), of in zip(timed, zip(*rows, strict=True), strict=True)
+    }
+    return [
+        replace(
+            line,
+            points=tuple(replace(p, seconds=times.get((line.model, p.tolerance), p.seconds)) for p in line.points),
+        )
+        for line in lines
+    ]
 
 
 def _seconds(of: CompiledLadderModel, tolerance: float) -> float:

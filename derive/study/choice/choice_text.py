@@ -10,7 +10,7 @@ from derive.study.accuracy.chart_labels import percent
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.table import cheapest
 from derive.study.choice.screening import Screening
-from derive.study.choice.search import Choice, accurate
+from derive.study.choice.search import Choice, accurate, implied_error
 
 STEPS = 2
 """Cheaper and more accurate models beside the chosen one."""
@@ -26,10 +26,25 @@ def choice_text(name: str, plots: Sequence[str], screened: Sequence[Screening], 
     lines += [f"  {one.text}" for one in screened]
     lines += ["", f"Reference: {known.model.label}, which agrees to {percent(known.error)} with"]
     lines += [f"  {a.label}: {percent(a.difference)}" for a in known.agreements]
+    lines += _shares(choice)
     width = max(len(line.model.label) for line in choice.tried)
     lines += ["", f"  {'tried':{width}}  tolerance  measured  implied        ms  evaluations  operations"]
     lines += [f"  {line.model.label:{width}}  {_tried(line, choice)}" for line in choice.tried]
     return "\n".join([*lines, "", *_verdict(choice)])
+
+
+def _shares(choice: Choice) -> list[str]:
+    """What each beam adds to the error if it is coarsened alone: a line for each model of it."""
+    if choice.base is None:
+        return []
+    width = max(len(of.model.label) for of in choice.shares)
+    names = max(len(of.beam) for of in choice.shares)
+    head = ["", f"Shares of the beams in the error, with the others as {choice.base.label}"]
+    return head + [
+        f"  {of.beam:{names}}  {of.model.label:{width}}  "
+        + (f"fails: {of.failure}" if of.share is None else f"{percent(of.share):>8}")
+        for of in choice.shares
+    ]
 
 
 def _tried(line: Line, choice: Choice) -> str:
@@ -54,8 +69,12 @@ def _verdict(choice: Choice) -> list[str]:
         lines = [f"No model that was tried has an error of at most {percent(choice.error)}."]
         if choice.best is not None:
             line, point = choice.best
-            implied = f", and a monitor implies {percent(line.warning.error)}" if line.warning else ""
+            implied = f", and a monitor implies {percent(implied_error(line))}" if line.warning else ""
             lines.append(f"The best is {line.model.label} with {percent(point.rms)}{implied}, in {_ms(point)}.")
+            if any(p.rms + choice.reference.error <= choice.error for of in choice.tried for p in of.points):
+                lines.append(
+                    "Monitors imply larger errors of models that are near the reference, so that it is in doubt."
+                )
         return lines
     line, point = choice.chosen
     result = [f"Chosen: {line.model.label}, {point.setting}: {percent(point.rms)} in {_ms(point)}"]
@@ -101,6 +120,10 @@ def choice_data(name: str, plots: Sequence[str], screened: Sequence[Screening], 
             "error": known.error,
             "agreements": {a.label: a.difference for a in known.agreements},
         },
+        "base": choice.base.label if choice.base else None,
+        "shares": [
+            {"beam": of.beam, "model": of.model.label, "share": of.share, "failure": of.failure} for of in choice.shares
+        ],
         "tried": [
             {
                 "model": line.model.label,

@@ -20,11 +20,12 @@ from derive.simulation.validity.held_beam import lowest_mode
 from derive.simulation.validity.monitors import Cause
 from derive.simulation.validity.piece_shapes import PieceShapes
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import value_at
 from derive.study.accuracy.measurement import compiled, motion
-from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.accuracy.models import LadderModel, Shapes, output_columns
 
 TOLERANCE = 1e-6
 """That of the runs that are looked at."""
@@ -124,8 +125,10 @@ def _accelerations(scene: Scene, beams: list[BeamBody]) -> dict[str, tuple[float
         for n, marker in enumerate(ends)
         for kind in ("position", "acceleration")
     )
+    columns = tuple(column for output in watched for column in output_columns(output))
+    watching = replace(scene, outputs=watched, plots=(Plot("screened", ColumnCurves(columns)),))
     try:
-        moved = motion(compiled(replace(scene, outputs=watched), LadderModel(Shapes.RIGID), monitored=False), TOLERANCE)
+        moved = motion(compiled(watching, LadderModel(Shapes.RIGID), monitored=False), TOLERANCE)
     except TisserandError:
         return {}
     fall = np.array([si_value(g) for g in scene.gravity or ()] or [0.0, 0.0])

@@ -3,39 +3,84 @@
 from __future__ import annotations
 
 import os
-from collections.abc import MutableMapping
+from collections.abc import Iterator, MutableMapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import tomlkit
 
+from derive.mechanics.multibody.keys import KeyType
+from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody, Scene
-from derive.study.accuracy.models import FAMILIES, LadderModel, Shapes
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.plots import ColumnCurves
+from derive.spec.model.scene import BeamBody, RigidBody, Scene
+from derive.study.accuracy.models import (
+    FAMILIES,
+    LadderModel,
+    Shapes,
+    modelled,
+    output_columns,
+    start_remainders,
+)
 
 BEAM_KEYS = ("ansatz", "frame", "orthogonal", "ends", "order", "terms", "pieces")
 """The keys of a beam that say how it is modelled."""
 SCHEMA = "#:schema"
 
 
+@dataclass(frozen=True)
+class WrittenSpecification:
+    """A specification as TOML, and a line on each thing that it has no longer, or approximately."""
+
+    text: str
+    notes: tuple[str, ...]
+
+
 def chosen_specification(
     text: str, source: Path, target: Path, scene: Scene, model: LadderModel, tolerance: float
-) -> str:
+) -> WrittenSpecification:
     """The TOML text with the beams modelled so and the tolerance of the simulation; files are found from `target`."""
     document = tomlkit.parse(text)
     name = f"{scene.name}_chosen"
     document["name"] = name
-    for body in scene.bodies:
-        if isinstance(body, BeamBody):
-            _model_beam(document["bodies"][body.name], body, model)
+    for beam in beam_bodies(scene):
+        _model_beam(document["bodies"][beam.name], beam, model.of(beam.name))
     simulation: Any = document["simulation"]
     simulation["tolerance"] = tolerance
     for plot in document.get("plots", {}).values():
         for key in ("cut", "pieces"):
             plot.pop(key, None)
+    notes = (*start_remainders(scene, model), *_without_sections(document, scene, model))
     _relocate(document, source.parent, target.parent)
-    return _headed(tomlkit.dumps(document), source, target, model)
+    return WrittenSpecification(_headed(tomlkit.dumps(document), source, target, model), notes)
+
+
+def _without_sections(document: MutableMapping[str, Any], scene: Scene, model: LadderModel) -> Iterator[str]:
+    """Remove the outputs of sections of beams that are rigid now, and the curves of plots that show them."""
+    rigid = {beam.name for beam in beam_bodies(scene) if model.of(beam.name).shapes is Shapes.RIGID}
+    for output in scene.outputs:
+        keys = [key.name for key in OUTPUTS[output.kind].keys if key.type is KeyType.BEAM_MARKER]
+        markers = (output.values.get(key) for key in keys)
+        bodies = [m.body for m in markers if isinstance(m, MarkerRef) and m.body in rigid]
+        if not bodies:
+            continue
+        del document["outputs"][output.name]
+        yield f"outputs.{output.name}: left out, since {bodies[0]} is rigid"
+        gone = set(output_columns(output))
+        for plot in scene.plots:
+            table = document.get("plots", {}).get(plot.name)
+            if table is None or not isinstance(plot.quantity, ColumnCurves):
+                continue
+            kept = [name for name in table["y"] if name not in gone]
+            if kept and plot.quantity.x not in gone:
+                table["y"] = kept
+            else:
+                del document["plots"][plot.name]
+                yield f"plots.{plot.name}: left out, since it shows {output.name}"
 
 
 def _headed(text: str, source: Path, target: Path, model: LadderModel) -> str:
@@ -48,12 +93,16 @@ def _headed(text: str, source: Path, target: Path, model: LadderModel) -> str:
     return f"{SCHEMA} {schema}\n{comment}{rest}"
 
 
-def _model_beam(table: MutableMapping[str, Any], body: BeamBody, model: LadderModel) -> None:
+def _model_beam(table: MutableMapping[str, Any], beam: BeamBody, model: LadderModel) -> None:
+    """Give the table of a beam the keys of its model."""
+    body = modelled(beam, model)
     for key in BEAM_KEYS:
         table.pop(key, None)
-    if model.shapes is Shapes.RIGID:
+    if isinstance(body, RigidBody):
         _make_rigid(table, body)
         return
+    if body.start.guess and not beam.start.guess:
+        table["start"]["guess"] = True
     if model.shapes in FAMILIES:
         family = tomlkit.inline_table()
         family.update({"kind": FAMILIES[model.shapes][0], "count": model.count})
@@ -68,20 +117,28 @@ def _model_beam(table: MutableMapping[str, Any], body: BeamBody, model: LadderMo
         table["pieces"] = model.pieces
 
 
-def _make_rigid(table: MutableMapping[str, Any], body: BeamBody) -> None:
-    """Mass, inertia and markers of a slender rigid rod in place of what a beam has."""
-    mass, length = si_value(body.beam.mass), si_value(body.beam.length)
-    for key in ("length", "bending_stiffness", "damping", "axial"):
+def _make_rigid(table: MutableMapping[str, Any], body: RigidBody) -> None:
+    """The keys of a rigid body in place of those of a beam."""
+    for key in ("length", "bending_stiffness", "damping", "axial", "masses"):
         table.pop(key, None)
-    table["mass"] = mass
-    table["inertia"] = mass * length**2 / 12
+    assert body.mass is not None and body.inertia is not None
+    table["mass"], table["inertia"] = si_value(body.mass), si_value(body.inertia)
+    if centre := si_value(body.centre[0]):
+        table["centre"] = [centre, 0.0]
     markers = tomlkit.inline_table()
-    markers.update({m.name: [float(m.at) * length / 2, 0.0] for m in body.beam.markers})
+    markers.update({m.name: [si_value(m.x), si_value(m.y)] for m in body.markers})
     table["markers"] = markers
     start = table.get("start")
-    if start is not None:
-        for key in ("deflection", "deflection_rate"):
-            start.pop(key, None)
+    if start is None:
+        return
+    for key in ("deflection", "deflection_rate"):
+        start.pop(key, None)
+    for key in ("position", "angle", "velocity", "spin"):
+        value = getattr(body.start, key)
+        if key in start and value is not None:
+            start[key] = list(value) if isinstance(value, tuple) else value
+    if body.start.guess:
+        start["guess"] = True
 
 
 def _relocate(table: Any, source: Path, target: Path) -> None:
