@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import time
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,20 +13,25 @@ from derive.artifacts import MARK, File, check_folder, sha256, write
 from derive.spec.model.scene import Scene
 from derive.study.accuracy.chart import LadderChart, accuracy_svg
 from derive.study.accuracy.fixed_steps import fixed_step_lines
-from derive.study.accuracy.measurement import Line, compile_all, measure
-from derive.study.accuracy.models import LadderModel, LadderRange, ladder
+from derive.study.accuracy.ladder_run import LadderRun
+from derive.study.accuracy.measurement import Line, retimed
+from derive.study.accuracy.models import LadderRange, ladder
 from derive.study.accuracy.page import accuracy_html
 from derive.study.accuracy.peers import read_peers
 from derive.study.accuracy.plotted_beams import plotted_beams
 from derive.study.accuracy.reference import compared_plot, reference
 from derive.study.accuracy.table import accuracy_csv, accuracy_data, accuracy_text
 from derive.study.timing import machine_description
-from derive.terminal import show_progress
+from derive.terminal import show_progress, show_result
 from derive.version import VERSION
 
 NAME = "accuracy"
 EXPECTED_SIZE = 1_000_000
 """About what the files of a study need, in bytes."""
+BETWEEN = 10.0
+"""Seconds between two writings of what there is."""
+INTERRUPTED = 130
+"""The exit code after Ctrl-C."""
 
 
 def run(scene: Scene, options: argparse.Namespace) -> int:
@@ -33,7 +40,7 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
     record = f"{NAME}.json"
     planned = [File(f"{NAME}.{kind}", "") for kind in ("svg", "html")]
     check_folder([*planned, File(f"{NAME}.csv", "", record=record), File(record, "")], folder, EXPECTED_SIZE)
-    chart = study(scene, options)
+    chart, interrupted = study(scene, options, lambda part: write(_files(part, accuracy_data(part)), folder))
     show_progress()
     data = accuracy_data(chart)
     files = _files(chart, data)
@@ -43,7 +50,7 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
         print(json.dumps({**data, "files": written}, indent=2))
     else:
         print("\n".join([accuracy_text(chart), "", *(f"wrote {name}" for name in written)]))
-    return 0
+    return INTERRUPTED if interrupted else 0
 
 
 def _files(chart: LadderChart, data: dict[str, object]) -> tuple[File, ...]:
@@ -58,26 +65,43 @@ def _files(chart: LadderChart, data: dict[str, object]) -> tuple[File, ...]:
     )
 
 
-def study(scene: Scene, options: argparse.Namespace) -> LadderChart:
-    """The ladder that the options ask for. Raises SpecError, SimulationError, CompilerError."""
+def study(scene: Scene, options: argparse.Namespace, record: Callable[[LadderChart], None]) -> tuple[LadderChart, bool]:
+    """The ladder that the options ask for, and whether Ctrl-C has ended it before the last model.
+
+    record: takes the part of the ladder that there is, now and then. Raises SpecError, SimulationError, CompilerError.
+    """
     plot = compared_plot(scene, options.plot)
     peers = read_peers(options.peers) if options.peers else ()
-    known = reference(scene, plot, options.reference_error, options.own_reference, show_progress)
+    error, own = options.reference_error, options.own_reference
+    known = reference(scene, plot, error, own, show_progress, show_result)
     limits = LadderRange(options.orders, options.frames, options.shapes, options.pieces, options.sines, options.modes)
     models = ladder(limits)
-    ready, failed = compile_all(scene, models, show_progress)
-    measured = {
-        line.model: line for line in measure(ready, known.plots, options.tolerances, options.runs, show_progress)
-    }
-    lines = [measured.get(model) or _failed(model, failed[model]) for model in models]
-    others = fixed_step_lines(ready, options.integrators, known.plots, options.runs, show_progress)
-    lines += [replace(line, warning=measured[line.model].warning) for line in others]
     shown = plotted_beams(plot, scene)
-    return LadderChart(scene.name, tuple(lines), known, options.error, _machine(), peers, shown)
+    runs = LadderRun(replace(scene, plots=(plot,)), known, options.tolerances)
+    machine, last = _machine(), time.monotonic()
 
+    def chart(lines: Sequence[Line], *notes: str) -> LadderChart:
+        return LadderChart(scene.name, tuple(lines), known, options.error, machine, peers, shown, (*runs.notes, *notes))
 
-def _failed(model: LadderModel, reason: str) -> Line:
-    return Line(model, 0, (), failure=reason)
+    def recorded() -> None:
+        nonlocal last
+        if time.monotonic() - last > BETWEEN:
+            record(chart(runs.lines, "unfinished: more models are being run"))
+            last = time.monotonic()
+
+    try:
+        runs.run(models, show_progress, show_result, recorded)
+        lines = retimed(runs.lines, runs.ready, options.runs, show_progress)
+        others = fixed_step_lines(
+            list(runs.ready.values()), options.integrators, known.plots, options.runs, show_progress
+        )
+    except KeyboardInterrupt:
+        if not any(line.points for line in runs.lines):
+            raise
+        missing = len(models) - runs.count
+        return chart(runs.lines, f"interrupted: {missing} models were not run" if missing > 0 else "interrupted"), True
+    warnings = {line.model: line.warning for line in lines}
+    return chart([*lines, *(replace(line, warning=warnings[line.model]) for line in others)]), False
 
 
 def _machine() -> str:

@@ -16,12 +16,17 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Deflection
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse, read
-from derive.study.accuracy.models import LadderModel, LadderRange, Shapes
+from derive.study.accuracy.measurement import CompiledLadderModel, compiled
+from derive.study.accuracy.models import LadderModel, LadderRange, Shapes, mixed
+from derive.study.accuracy.predicted_cost import PredictedCost, fastest_rate
 from derive.study.accuracy.reference import rms_difference
 from derive.study.choice import search
+from derive.study.choice import trusted_reference as references
+from derive.study.choice.beam_shares import BeamShare, combinations
 from derive.study.choice.choice_text import choice_text, neighbours
 from derive.study.choice.screening import screening
-from derive.study.choice.search import Agreement, Choice, NotConverged, TrustedReference, choose, trusted_reference
+from derive.study.choice.search import Choice, choose
+from derive.study.choice.trusted_reference import Agreement, NotConverged, TrustedReference, trusted_reference
 from derive.study.choice.written_specification import chosen_specification
 
 SCENE = ROOT / "scenes" / "crank_slider_3.toml"
@@ -76,7 +81,7 @@ def made(name: str, stiffness: float, start: str, joints: str, duration: float, 
 def small_references(monkeypatch: pytest.MonkeyPatch) -> None:
     """References of two beams with three shapes, which is enough here, and an end with the first model that is good."""
     small = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED, "mean", 2)
-    monkeypatch.setattr(search, "_refinements", lambda: (small,))
+    monkeypatch.setattr(references, "_refinements", lambda: (small,))
     monkeypatch.setattr(search, "BEYOND", 0)
 
 
@@ -153,15 +158,15 @@ def test_set_a(set_a: tuple[Scene, TrustedReference], monkeypatch: pytest.Monkey
     (one,) = screening(scene)
     assert one.axial == pytest.approx(0.227, abs=1e-3)  # what a run with P2 to P5 sees
     assert "axial force up to 23 % of its buckling load" in one.text
-    lines = {}
-    plain = search._line
+    ready: dict[LadderModel, CompiledLadderModel] = {}
 
-    def once(scene: Scene, model: LadderModel, plot: object) -> object:
-        if model not in lines:
-            lines[model] = plain(scene, model, known.plots)
-        return lines[model]
+    def once(scene: Scene, model: LadderModel) -> CompiledLadderModel:
+        if model not in ready:
+            ready[model] = compiled(scene, model)
+        return ready[model]
 
-    monkeypatch.setattr(search, "_line", once)
+    monkeypatch.setattr(search, "compiled", once)
+    monkeypatch.setattr(search, "_more_of_one_beam", lambda: ())
     monkeypatch.setattr(search, "trusted_reference", lambda *_: known)
     monkeypatch.setattr(search, "TRIED", LadderRange(("first", "truncated"), ("mean",), (1, 3), (), (1,)))
     found = {error: choose(scene, known.plots, error, quiet) for error in (0.01, 0.05, 0.15, 1e-4)}
@@ -177,9 +182,9 @@ def test_set_a(set_a: tuple[Scene, TrustedReference], monkeypatch: pytest.Monkey
 def test_a_reference_that_has_not_converged_is_not_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = made("sag", 1.0, "{ position = [0.5, 0] }", ON_PINS, 0.6, ACROSS)
     small = (LadderModel(Shapes.POLYNOMIALS, 2, DisplacementOrder.TRUNCATED, "mean", 2),)
-    monkeypatch.setattr(search, "_refinements", lambda: small)
+    monkeypatch.setattr(references, "_refinements", lambda: small)
     with pytest.raises(
-        NotConverged, match=r"the finest, 2 beams, P2, P3, truncated, differs by .* from that with fewer shapes"
+        NotConverged, match=r"itself is reached: 2 beams, P2, P3, truncated differs by .* from that with fewer shapes"
     ):
         trusted_reference(scene, scene.plots[:1], 1e-3, quiet)
 
@@ -201,7 +206,7 @@ def test_what_is_written_is_the_text_of_the_user_with_other_beams(
     scene, _ = set_a
     target = tmp_path / "x" / "chosen.toml"
     target.parent.mkdir()
-    text = chosen_specification(SCENE.read_text(), SCENE, target, scene, model, 1e-5)
+    text = chosen_specification(SCENE.read_text(), SCENE, target, scene, model, 1e-5).text
     assert all(key in text for key in keys), text
     assert (
         text.splitlines()[1]
@@ -224,11 +229,138 @@ def test_the_command(
     monkeypatch.setattr(search, "TRIED", LadderRange(("truncated",), ("mean",), (1,), (), (1,)))
     out = tmp_path / "chosen.toml"
     assert main(["choose", str(SCENE), "--error", "0.05", "--out", str(out), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    text = capsys.readouterr()
+    found = json.loads(text.out)
+    assert "model 3: 1 sine, truncated: 0.2" in text.err  # a line for each model where standard error is no terminal
     assert found["chosen"]["model"] == "1 sine, truncated" and found["specification"] == str(out)
     assert main(["build", str(out), "--out", str(tmp_path)]) == 0
     before = out.read_bytes()
     assert main(["choose", str(SCENE), "--out", str(out)]) == 2
     assert "exists, and is not overwritten" in capsys.readouterr().err and out.read_bytes() == before
+    monkeypatch.setattr(search, "_more_of_one_beam", lambda: ())
     assert main(["choose", str(SCENE), "--error", "1e-4", "--out", str(tmp_path / "none.toml")]) == 1
     assert "No model that was tried" in capsys.readouterr().out and not (tmp_path / "none.toml").exists()
+
+
+TWO = """
+name = "two"
+[ground.markers]
+pin = [0, 0]
+[bodies.upper]
+ansatz = ["1", "xi", "xi^2", "xi^3"]
+mass = 1
+length = 1
+bending_stiffness = 1000
+markers = { top = -1, middle = 0, end = 1 }
+masses = { lump = { at = 1, mass = 1 } }
+start = { position = [0.5, 0] }
+[bodies.lower]
+ansatz = ["1", "xi", "xi^2", "xi^3"]
+mass = 1
+length = 1
+bending_stiffness = 5
+markers = { top = -1, middle = 0, end = 1 }
+start = { position = [1.5, 0], angle = 0, deflection_rate = "0.3*xi^2 - 0.1" }
+[joints]
+bearing = { kind = "revolute", between = ["ground.pin", "upper.top"] }
+pin = { kind = "revolute", between = ["upper.end", "lower.top"] }
+[scene]
+gravity = [0, -9.81]
+[outputs]
+bending = { kind = "bending_moment", section = "upper.middle" }
+place = { kind = "position", marker = "lower.middle" }
+[simulation]
+duration = 0.2
+output = 0.002
+[plots.place]
+y = ["place_1", "bending"]
+[plots.moment]
+y = ["bending"]
+[plots.deflection]
+deflection = "lower.middle"
+chord = ["lower.top", "lower.end"]
+divided_by = 1
+"""
+RIGID, SINE = LadderModel(Shapes.RIGID), LadderModel(Shapes.SINES, 1, DisplacementOrder.TRUNCATED, "chord")
+PARABOLA, FINE = (LadderModel(Shapes.POLYNOMIALS, count, DisplacementOrder.TRUNCATED) for count in (1, 3))
+
+
+def two() -> Scene:
+    scene = parse(TWO)
+    assert isinstance(scene, Scene)
+    return scene
+
+
+@pytest.mark.long
+def test_each_beam_has_a_model_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stiff beam above a soft one: the upper one is rigid, the lower one bends; and what is claimed is true."""
+    small = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED, "mean", 2)
+    monkeypatch.setattr(references, "_refinements", lambda: (small,))
+    scene = two()
+    choice = choose(scene, scene.plots[2:], 0.05, quiet)
+    assert choice.chosen is not None
+    line, point = choice.chosen
+    assert line.model.of("upper") == RIGID and line.model.of("lower").shapes is not Shapes.RIGID
+    cheapest = min(
+        (p.operations for other in choice.tried for p in other.points if not other.model.beams and p.rms < 0.04),
+        default=None,
+    )
+    assert cheapest is None or point.operations < cheapest
+    shares = {(of.beam, of.model.shapes): of.share for of in choice.shares}
+    assert shares["upper", Shapes.RIGID] < 0.02 < shares["lower", Shapes.RIGID]  # type: ignore[operator]
+    text = choice_text(scene.name, ["deflection"], (), choice)
+    assert "Shares of the beams in the error" in text and "Chosen: upper: rigid; lower: " in text
+
+
+def test_combinations_are_within_the_error_and_go_from_cheap_to_dear() -> None:
+    scene = two()
+    shares = (
+        BeamShare("upper", RIGID, 0.006),
+        BeamShare("upper", SINE, 0.002),
+        BeamShare("upper", PARABOLA, None, "it fails"),
+        BeamShare("lower", RIGID, 0.5),
+        BeamShare("lower", SINE, 0.008),
+        BeamShare("lower", PARABOLA, 0.009),  # dearer than one sine, and worse
+    )
+    cost = PredictedCost(scene)
+    models = [of.model for of in combinations(scene, FINE, shares, 0.01, cost)]
+    pairs = [(model.of("upper"), model.of("lower")) for model in models]
+    assert pairs[0] == (RIGID, SINE)  # 0.6 and 0.8 % are 1 %
+    assert pairs.index((RIGID, FINE)) < pairs.index((SINE, FINE)) < pairs.index((FINE, FINE))
+    assert all(RIGID != lower != PARABOLA != upper for upper, lower in pairs) and len(pairs) == 6
+    assert [of.operations for of in combinations(scene, FINE, shares, 0.01, cost)] == sorted(
+        cost.operations(model) for model in models
+    )
+    assert (RIGID, SINE) not in [
+        (of.model.of("upper"), of.model.of("lower")) for of in combinations(scene, FINE, shares, 0.0099, cost)
+    ]
+
+
+def test_stiffness_is_predicted_from_the_fastest_vibration() -> None:
+    """A free beam with P2 alone has sqrt(720) for 22.4; pieces are stiffer by their number squared."""
+    scene = two()
+    unit = np.sqrt(1000.0)  # sqrt(EI/(m l^3)) of the upper beam
+    assert fastest_rate(scene, PARABOLA) == pytest.approx(np.sqrt(720) * unit)
+    assert fastest_rate(scene, replace(PARABOLA, pieces=2)) == pytest.approx(4 * np.sqrt(720) * unit)
+    assert fastest_rate(scene, RIGID) == 0
+    assert fastest_rate(scene, mixed({"upper": RIGID, "lower": PARABOLA})) == pytest.approx(np.sqrt(3600))
+
+
+def test_what_is_written_of_rigid_beams_runs_and_says_what_is_gone(tmp_path: Path) -> None:
+    spec, target = tmp_path / "two.toml", tmp_path / "chosen.toml"
+    spec.write_text(TWO)
+    model = mixed({"upper": RIGID, "lower": SINE})
+    written = chosen_specification(TWO, spec, target, two(), model, 1e-5)
+    assert "# Chosen by tisserand choose: upper: rigid; lower: 1 sine, truncated." in written.text
+    chosen = parse(written.text, str(target))
+    assert isinstance(chosen, Scene)
+    upper, lower = chosen.bodies
+    assert upper.kind == "rigid" and upper.mass == 2 and upper.centre == (0.25, 0)  # type: ignore[union-attr]
+    assert lower.start.guess and [plot.name for plot in chosen.plots] == ["place", "deflection"]
+    assert [output.name for output in chosen.outputs] == ["place"]
+    assert any("deflection_rate" in note and "is not in the shapes of lower" in note for note in written.notes)
+    assert "outputs.bending: left out, since upper is rigid" in written.notes
+    assert "plots.moment: left out, since it shows bending" in written.notes
+    assert "plots.place: the curve bending is left out" in written.notes
+    target.write_text(written.text)
+    assert main(["simulate", str(target), "--out", str(tmp_path)]) == 0

@@ -26,6 +26,8 @@ PER_RADIAN = 2.3
 """Evaluations of the adaptive method per radian of the fastest vibration, in stiff models."""
 PER_COORDINATE = 100.0
 """Operations of an evaluation, with its part of factorisations and projections, per coordinate of the bodies."""
+HELD = 0.4
+"""The operations over those that follow so from a free beam, before any are measured: joints slow vibrations down."""
 POINTS = 24
 """Those of the quadrature of products of shape functions."""
 
@@ -78,16 +80,16 @@ class PredictedCost:
 
     def operations(self, model: LadderModel) -> float:
         """Operations of a run, about."""
-        stiff = self._stiff(model) * (median(self._ratios) if self._ratios else 1.0)
-        return max(stiff, self._least * PER_COORDINATE * self._coordinates(model))
+        stiff = self._stiff(model) * (median(self._ratios) if self._ratios else HELD)
+        return max(stiff, self._least * PER_COORDINATE * self.coordinates(model))
 
     def _stiff(self, model: LadderModel) -> float:
         """Operations of a run whose steps the fastest vibration bounds."""
         evaluations = PER_RADIAN * fastest_rate(self._scene, model) * self._duration
-        return evaluations * PER_COORDINATE * self._coordinates(model)
+        return evaluations * PER_COORDINATE * self.coordinates(model)
 
-    def _coordinates(self, model: LadderModel) -> int:
-        """Those of all bodies."""
+    def coordinates(self, model: LadderModel) -> int:
+        """The coordinates of all bodies, without joints."""
         beams = beam_bodies(self._scene)
         own = [max(3, model.of(beam.name).size) for beam in beams]
         return sum(own) + 3 * (len(self._scene.bodies) - len(beams))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +13,7 @@ from derive.simulation.trajectory import Trajectory
 from derive.spec.model.plots import ColumnCurves, Plot, ReferenceCurve
 from derive.spec.model.scene import Scene
 from derive.spec.parsing.faults import did_you_mean
-from derive.study.accuracy.measurement import compiled, motion
+from derive.study.accuracy.measurement import Progress, compiled, motion
 from derive.study.accuracy.models import refinements
 
 Curves = tuple[PlotCurve, ...]
@@ -52,24 +52,28 @@ def compared_plot(scene: Scene, name: str | None) -> Plot:
     return known[name]
 
 
-def reference(scene: Scene, plot: Plot, error: float | None, own: bool, progress: Callable[[str], None]) -> Reference:
+def reference(
+    scene: Scene, plot: Plot, error: float | None, own: bool, progress: Progress, report: Progress = lambda _: None
+) -> Reference:
     """The reference of a plot: its file, whose error may be given, or with `own` or without a file a finer model.
 
-    Raises SpecError, SimulationError, CompilerError.
+    progress: takes what is being done; report: takes a line on each model. Raises SpecError, SimulationError,
+    CompilerError.
     """
     if plot.reference is not None and not own:
         return Reference((replace(plot, cut=None, pieces=()),), plot.reference.file, error)
-    return _own(scene, plot, progress)
+    return _own(scene, plot, progress, report)
 
 
-def _own(scene: Scene, plot: Plot, progress: Callable[[str], None]) -> Reference:
+def _own(scene: Scene, plot: Plot, progress: Progress, report: Progress) -> Reference:
     """The finest of ever finer models; its error is its difference from the one before."""
     bare = bare_plots(plot)
     finest, before, label = Curves(), Curves(), ""
     for model in refinements():
-        progress(f"reference: {model.label}")
+        progress(f"reference: {model.label} ...")
         moved = motion(compiled(replace(scene, plots=bare), model, monitored=False), TOLERANCE)
         before, finest, label = finest, curves_of(bare, moved), model.label
+        report(f"reference: {label}: {1e3 * moved.solution.cost.seconds:.3g} ms")
     difference = rms_difference(finest, before)
     if difference is None:
         raise SpecError((Problem(f"plots.{plot.name}", "it vanishes all the time, so that no error of it is known"),))

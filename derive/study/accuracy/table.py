@@ -37,7 +37,7 @@ def accuracy_text(chart: LadderChart) -> str:
     rows += [f"{peer.name:{width}}               {peer_text(peer.runs[-1])}" for peer in chart.peers]
     doubts = (text.replace(" (hollow, dashed)", "") for text in doubt_lines(chart.lines, chart.shown))
     result = (f"{title}: {text}" for title, text in headline_texts(chart.headline, chart.shown))
-    for texts in (doubts, result):
+    for texts in (doubts, chart.notes, result):
         rows += ["", *(line for text in texts for line in textwrap.wrap(text, WIDTH, subsequent_indent="    "))]
     if chart.reference.error is not None and any(line.best < chart.reference.error for line in chart.drawn):
         rows.append("errors below that of the reference say only that they are small")
@@ -96,6 +96,7 @@ def accuracy_data(chart: LadderChart) -> dict[str, Any]:
             {"model": peer.name, "runs": [dict(zip(COLUMNS_OF_PEERS, run, strict=True)) for run in peer.runs]}
             for peer in chart.peers
         ],
+        "notes": list(chart.notes),
         "asked": chart.error,
         "shown": list(chart.shown),
         "recommended": _run(result.recommended),

@@ -93,7 +93,8 @@ def neighbours(choice: Choice) -> dict[str, list[tuple[Line, Point]]]:
     chosen, point = choice.chosen
     runs = [(line, shown(line, choice)) for line in choice.tried if line.points and line is not chosen]
     down = sorted((r for r in runs if r[1].rms > point.rms), key=lambda r: r[1].rms)
-    up = sorted((r for r in runs if r[1].rms < point.rms), key=lambda r: r[1].operations)
+    sure = [r for r in runs if implied_error(r[0]) <= choice.error]
+    up = sorted((r for r in sure if r[1].rms < point.rms), key=lambda r: r[1].operations)
     finer = [(chosen, p) for p in chosen.points if p.rms < GAIN * point.rms]
     cheaper = [r for r in down if r[1].operations < point.operations]
     return {"step down": cheaper[:STEPS], "step up": [*finer[:1], *up][:STEPS]}

@@ -75,9 +75,12 @@ def _without_sections(document: MutableMapping[str, Any], scene: Scene, model: L
             table = document.get("plots", {}).get(plot.name)
             if table is None or not isinstance(plot.quantity, ColumnCurves):
                 continue
-            kept = [name for name in table["y"] if name not in gone]
+            kept = [name for name in plot.quantity.y if name not in gone]
+            if len(kept) == len(plot.quantity.y) and plot.quantity.x not in gone:
+                continue
             if kept and plot.quantity.x not in gone:
                 table["y"] = kept
+                yield f"plots.{plot.name}: the curve {output.name} is left out"
             else:
                 del document["plots"][plot.name]
                 yield f"plots.{plot.name}: left out, since it shows {output.name}"

@@ -1,0 +1,126 @@
+"""The runs of a ladder, from few coordinates to many; models that cannot matter any more are left out with a reason."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+from derive.errors import TisserandError, first_line
+from derive.spec.model.scene import Scene
+from derive.study.accuracy.chart_labels import percent
+from derive.study.accuracy.measurement import CompiledLadderModel, Line, Progress, compiled, measured
+from derive.study.accuracy.models import LadderModel, start_remainders
+from derive.study.accuracy.predicted_cost import PredictedCost
+from derive.study.accuracy.reference import Reference
+from derive.terminal import duration_text
+
+DEARER = 2.0
+"""Predicted operations over those of a model that is as accurate, from which a model is left out."""
+STAGNANT = 0.05
+"""The relative difference of the errors of two models of a kind, below which more shapes do not help."""
+BETTER = 0.5
+"""The error of a cheaper model over theirs, at most, if they cannot matter."""
+PER_COORDINATE, PER_OPERATION = 0.2, 3e-10
+"""Seconds to derive and compile a model, per coordinate of its bodies, and seconds of an operation, to begin with."""
+
+
+class LadderRun:
+    """The lines of a ladder as they come: an interruption leaves what there is.
+
+    lines: of the models that have run, or have failed. notes: a line on each model that was left out, and on starts
+    that a model has only approximately. ready: the models that are compiled.
+    """
+
+    def __init__(self, scene: Scene, known: Reference, tolerances: Sequence[float]) -> None:
+        self._scene, self._known, self._tolerances = scene, known, tolerances
+        self.cost = PredictedCost(scene)
+        self.lines: list[Line] = []
+        self._left_out: dict[str, list[LadderModel]] = {}
+        self._starts: list[str] = []
+        self.ready: dict[LadderModel, CompiledLadderModel] = {}
+
+    @property
+    def notes(self) -> list[str]:
+        """Lines on the models that were left out, and on starts that a model has only approximately."""
+        left_out = (
+            f"left out: {'; '.join(model.label for model in models)}: {reason}"
+            for reason, models in self._left_out.items()
+        )
+        return [*left_out, *self._starts]
+
+    @property
+    def count(self) -> int:
+        """The models that are done with."""
+        return len(self.lines) + sum(map(len, self._left_out.values()))
+
+    def run(
+        self, models: Sequence[LadderModel], progress: Progress, report: Progress, record: Callable[[], None]
+    ) -> None:
+        """Run models. progress: takes what is being done; report: what came of it, with the remaining time; record: is
+        called after each model."""
+        began, done = time.monotonic(), 0.0
+        report(f"{len(models)} models, about {duration_text(sum(map(self.seconds, models)))}")
+        for n, model in enumerate(models, 1):
+            name = f"model {n} of {len(models)}: {model.label}"
+            if reason := self.dispensable(model):
+                self._left_out.setdefault(reason, []).append(model)
+                report(f"{name}: left out: {reason}")
+                continue
+            progress(f"{name} ...")
+            predicted = self.seconds(model)
+            line = self._line(model)
+            self.lines.append(line)
+            self.cost.add(line)
+            done += predicted
+            rest = [other for other in models[n:] if not self.dispensable(other)]
+            left = sum(map(self.seconds, rest)) * (time.monotonic() - began) / done
+            report(f"{name}: {_outcome(line)}" + (f"; about {duration_text(left)} left" if rest else ""))
+            record()
+
+    def seconds(self, model: LadderModel) -> float:
+        """How long a model takes to be derived, compiled, and run twice with each tolerance, about, s."""
+        operations = 2 * len(self._tolerances) * self.cost.operations(model)
+        return PER_COORDINATE * self.cost.coordinates(model) + PER_OPERATION * operations
+
+    def dispensable(self, model: LadderModel) -> str:
+        """Why a model cannot matter: a cheaper one has a smaller error. Empty if it may matter."""
+        predicted = self.cost.operations(model)
+        for line in self.lines:
+            if not line.valid or self._known.error is None or line.best > self._known.error:
+                continue
+            if predicted > DEARER * min(p.operations for p in line.points if p.rms <= self._known.error):
+                return f"dearer than {line.label}, whose error of {percent(line.best)} is within that of the reference"
+        fewer = [line for line in self.lines if line.points and _kind(line.model) == _kind(model)]
+        fewer = sorted((line for line in fewer if line.model.count < model.count), key=lambda line: line.model.count)
+        if len(fewer) < 2 or abs(fewer[-1].best - fewer[-2].best) > STAGNANT * fewer[-1].best:
+            return ""
+        cheapest = min(p.operations for p in fewer[-1].points)
+        for line in self.lines:
+            if line.valid and line.best < BETTER * fewer[-1].best and line.points[-1].operations < cheapest:
+                return (
+                    f"dearer than {line.label} with {percent(line.best)}, and more shapes of its kind stay at "
+                    f"{percent(fewer[-1].best)}"
+                )
+        return ""
+
+    def _line(self, model: LadderModel) -> Line:
+        try:
+            of = compiled(self._scene, model)
+            self._starts += (f"{model.label}: {text}" for text in start_remainders(self._scene, model))
+        except TisserandError as error:
+            return Line(model, 0, (), failure=first_line(error))
+        self.ready[model] = of
+        return measured(of, self._known.plots, self._tolerances)
+
+
+def _kind(model: LadderModel) -> tuple[object, ...]:
+    """What models have in common that differ in the number of shapes."""
+    return model.shapes, model.order, model.frame, model.pieces
+
+
+def _outcome(line: Line) -> str:
+    """What came of a model, in a few words."""
+    if not line.points:
+        return line.failure
+    warning = f", a monitor implies {percent(line.warning.error)}" if line.warning else ""
+    return f"{percent(line.best)}{warning} in {1e3 * line.points[-1].seconds[0]:.3g} ms"

@@ -1,0 +1,126 @@
+"""The runs of a ladder: what cannot matter is left out, what there is survives Ctrl-C, a pipe gets a line per model."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT
+from derive.cli.main import main
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.scene import Scene
+from derive.spec.toml.read import read
+from derive.study.accuracy import ladder_run
+from derive.study.accuracy.ladder_run import LadderRun
+from derive.study.accuracy.measurement import CompiledLadderModel, Line, Point, compiled, measured, retimed
+from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.accuracy.reference import Reference
+
+SCENE = ROOT / "scenes" / "crank_slider_3.toml"
+FIRST, TRUNCATED = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    result = read(SCENE)
+    assert isinstance(result, Scene)
+    return result
+
+
+def ladder_run_of(scene: Scene, *lines: Line) -> LadderRun:
+    """A ladder of which these lines have run, with a reference that is right to 0.1 %."""
+    result = LadderRun(scene, Reference(scene.plots[:1], "made", 1e-3), (1e-3,))
+    result.lines += lines
+    return result
+
+
+def polynomials(count: int, order: DisplacementOrder, error: float, operations: int) -> Line:
+    point = Point(1e-3, error, error, (1e-3,) * 3, 1000, operations)
+    return Line(LadderModel(Shapes.POLYNOMIALS, count, order), 3 + count, (point,))
+
+
+def test_a_model_cannot_matter_that_is_dearer_than_what_is_as_good_as_the_reference(scene: Scene) -> None:
+    dear = LadderModel(Shapes.POLYNOMIALS, 6, TRUNCATED)
+    assert "within that of the reference" in ladder_run_of(scene, polynomials(2, TRUNCATED, 9e-4, 10**5)).dispensable(
+        dear
+    )
+    assert ladder_run_of(scene, polynomials(2, TRUNCATED, 2e-3, 10**5)).dispensable(dear) == ""
+    assert ladder_run_of(scene, polynomials(2, TRUNCATED, 9e-4, 10**10)).dispensable(dear) == ""
+    assert ladder_run_of(scene, polynomials(2, TRUNCATED, 9e-4, 10**5)).dispensable(LadderModel(Shapes.RIGID)) == ""
+
+
+def test_a_model_cannot_matter_whose_kind_no_longer_improves_where_a_cheaper_one_is_better(scene: Scene) -> None:
+    stays = polynomials(2, FIRST, 0.121, 10**6), polynomials(3, FIRST, 0.12, 2 * 10**6)
+    better = polynomials(2, TRUNCATED, 0.01, 10**6)
+    more = LadderModel(Shapes.POLYNOMIALS, 6, FIRST)
+    assert "more shapes of its kind stay at 12 %" in ladder_run_of(scene, *stays, better).dispensable(more)
+    assert ladder_run_of(scene, *stays).dispensable(more) == ""
+    assert ladder_run_of(scene, stays[0], better).dispensable(more) == ""
+    improves = polynomials(3, FIRST, 0.05, 2 * 10**6)
+    assert ladder_run_of(scene, stays[0], improves, better).dispensable(more) == ""
+    assert ladder_run_of(scene, *stays, better).dispensable(LadderModel(Shapes.POLYNOMIALS, 6, TRUNCATED)) == ""
+
+
+def test_tolerances_beyond_the_error_of_the_model_are_left_out(scene: Scene) -> None:
+    rigid = compiled(scene, LadderModel(Shapes.RIGID))
+    line = measured(rigid, scene.plots[:1], (1e-3, 1e-4, 1e-6, 1e-8))
+    assert [p.tolerance for p in line.points] == [1e-3, 1e-4]  # a rigid rod is 47 % off, whatever the steps
+    (again,) = retimed([line], {rigid.model: rigid}, 3, lambda _: None)
+    assert [(p.rms, p.operations) for p in again.points] == [(p.rms, p.operations) for p in line.points]
+    assert all(least <= middle <= most for middle, least, most in (p.seconds for p in again.points))
+
+
+ASKED = [
+    "--shapes",
+    "2",
+    "--pieces",
+    "1",
+    "--sines",
+    "1",
+    "--orders",
+    "first",
+    "--tolerances",
+    "1e-3,1e-4",
+    "--runs",
+    "1",
+]
+
+
+def test_an_interruption_leaves_what_there_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(scene: Scene, model: LadderModel) -> CompiledLadderModel:
+        if model.shapes is not Shapes.RIGID:
+            raise KeyboardInterrupt
+        return compiled(scene, model)
+
+    monkeypatch.setattr(ladder_run, "compiled", interrupted)
+    assert main(["study", "accuracy", str(SCENE), *ASKED, "--out", str(tmp_path)]) == 130
+    text = capsys.readouterr()
+    assert "interrupted: 2 models were not run" in text.out
+    assert "3 models, about " in text.err and "model 1 of 3: rigid: 47 % in " in text.err
+    rows = list(csv.DictReader((tmp_path / "accuracy.csv").read_text().splitlines()))
+    assert {row["model"] for row in rows} == {"rigid"}
+    assert json.loads((tmp_path / "accuracy.json").read_text())["notes"] == ["interrupted: 2 models were not run"]
+    assert (tmp_path / "accuracy.svg").exists() and (tmp_path / "accuracy.html").exists()
+
+
+def test_what_there_is_is_written_meanwhile(scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before the second model is derived, the files have the first."""
+    seen: list[list[str]] = []
+
+    def watching(scene: Scene, model: LadderModel) -> CompiledLadderModel:
+        record = tmp_path / "accuracy.json"
+        if record.exists():
+            data = json.loads(record.read_text())
+            seen.append([*(line["model"] for line in data["models"]), *data["notes"]])
+        return compiled(scene, LadderModel(Shapes.RIGID))
+
+    monkeypatch.setattr("derive.cli.accuracy.BETWEEN", 0.0)
+    monkeypatch.setattr(ladder_run, "compiled", watching)
+    assert main(["study", "accuracy", str(SCENE), *ASKED, "--out", str(tmp_path)]) == 0
+    assert seen[0] == ["rigid", "unfinished: more models are being run"]
+    assert "unfinished" not in (tmp_path / "accuracy.json").read_text()
