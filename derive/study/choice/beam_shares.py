@@ -105,7 +105,7 @@ def replaced(scene: Scene, base: LadderModel, models: dict[str, LadderModel]) ->
 
 
 @dataclass(frozen=True)
-class Combination:
+class BeamCombination:
     """A model whose beams are modelled each on its own, and the error and the operations that it should have."""
 
     model: LadderModel
@@ -115,7 +115,7 @@ class Combination:
 
 def combinations(
     scene: Scene, base: LadderModel, shares: Sequence[BeamShare], budget: float, cost: PredictedCost
-) -> tuple[Combination, ...]:
+) -> tuple[BeamCombination, ...]:
     """The combinations whose error should be within a budget, from cheap to dear."""
     names = [beam.name for beam in beam_bodies(scene)]
     most = max(2, int(COMBINATIONS ** (1 / len(names))))
@@ -125,7 +125,7 @@ def combinations(
         error = float(np.sqrt(sum((of.share or 0.0) ** 2 for of in chosen)))
         if error <= budget:
             model = mixed({of.beam: of.model for of in chosen})
-            result.append(Combination(model, error, cost.operations(model)))
+            result.append(BeamCombination(model, error, cost.operations(model)))
     return tuple(sorted(result, key=lambda of: (of.operations, of.error)))
 
 
