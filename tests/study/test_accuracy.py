@@ -253,7 +253,7 @@ def test_where_nothing_can_be_written_is_known_before_the_work(
 def test_one_sine_of_second_order_costs_little_and_is_right(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Set A: 0.27 % rms, for a tenth of the operations of two beams, which have 2.5 %."""
     asked = ["--orders", "truncated", "--shapes", "3", "--pieces", "2", "--sines", "1", "--tolerances", "1e-3,1e-5"]
-    asked += ["--runs", "1", "--reference-error", "1e-3", "--out", str(tmp_path), "--json"]
+    asked += ["--runs", "1", "--reference-error", "1e-4", "--out", str(tmp_path), "--json"]  # less than it has
     peers = tmp_path / "peers.csv"
     peers.write_text("model,cpu_s,rms_error,largest_error\ncables,0.03,0.0018,0.005\ncables,0.05,0.001,0.003\n")
     asked += ["--integrators", "rk4,generalised-alpha", "--peers", str(peers)]

@@ -52,7 +52,8 @@ DASH_NAMES = {"rk4": "dotted", "generalised-alpha": "dash-dotted"}
 class LadderChart:
     """What a chart shows: the lines of a ladder of `name`, their reference, the error that is asked for, and peers.
 
-    shown: the names of the beams that the plot shows, if it shows some alone. notes: a line on each model that was left out, on approximate starts, and on an interruption.
+    shown: the names of the beams that the plot shows, if it shows some alone. notes: lines on models that were left
+    out, on approximate starts, and on an interruption.
     """
 
     name: str

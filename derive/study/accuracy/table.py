@@ -38,7 +38,8 @@ def accuracy_text(chart: LadderChart) -> str:
     doubts = (text.replace(" (hollow, dashed)", "") for text in doubt_lines(chart.lines, chart.shown))
     result = (f"{title}: {text}" for title, text in headline_texts(chart.headline, chart.shown))
     for texts in (doubts, chart.notes, result):
-        rows += ["", *(line for text in texts for line in textwrap.wrap(text, WIDTH, subsequent_indent="    "))]
+        lines = [line for text in texts for line in textwrap.wrap(text, WIDTH, subsequent_indent="    ")]
+        rows += ["", *lines] if lines else []
     if chart.reference.error is not None and any(line.best < chart.reference.error for line in chart.drawn):
         rows.append("errors below that of the reference say only that they are small")
     return "\n".join(rows)
