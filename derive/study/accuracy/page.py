@@ -38,6 +38,7 @@ def accuracy_html(chart: LadderChart) -> str:
         "picture": accuracy_svg(chart, alone=False),
         "rows": rows,
         "warnings": list(dict.fromkeys(line.warning.warning for line in chart.drawn if line.warning)),
+        "notes": chart.notes,
         "failed": [(line.label, line.failure) for line in chart.lines if not line.points],
     }
     return render("study/accuracy.html.jinja", values)
