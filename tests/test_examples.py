@@ -65,6 +65,7 @@ CHECKS: dict[str, Check] = {
     "joint_of_my_own": near(1, 1e-8),
     "mean_or_point_frame": lambda value: value == (15, 5),
     "monomial_conditioning": lambda value: value == pytest.approx((hilbert_condition(10), 23 / 5), rel=1e-6),
+    "motor_run_up": lambda value: value[0] == 2.5 and value[1] == pytest.approx(1, abs=5e-3),
     "optimal_slewing": lambda value: min(value[0]) > 0.05 and value[1][0] < 5e-3 and value[1][1] < 5e-4,
     "parameter_sweep": near(0.5, 1e-12),
     "pendulum_reaction": near(2.5, 1e-6),

@@ -79,6 +79,9 @@ def _files(result: Modes, count: int) -> list[File | BinaryFile]:
 def _text(result: Modes, count: int) -> list[str]:
     shown = result.first(count)
     lines = [f"{result.spec.name}: {len(result.modes)} modes about {_state(result)}"]
+    if result.equilibrium is not None and result.functions_of_time:
+        text = f"functions of time have their values at t = 0 there: {', '.join(result.functions_of_time)}"
+        lines += wrapped([f"{text}; --at T linearises about the motion at another time"], "  ")
     if shown:
         rows = [["mode", "frequency, Hz", "damping ratio", "eigenvalue, 1/s"]]
         lines += table([*rows, *([str(i), *_mode(mode)] for i, mode in enumerate(shown, 1))])

@@ -110,7 +110,9 @@ class Lookup(TimeOperation):
 
 
 def select(a: sp.Expr, b: sp.Expr, x: sp.Expr, y: sp.Expr) -> sp.Expr:
-    """x where a < b, else y; one of them, if they are equal."""
+    """x where a < b, else y; one of them, if they are equal or a and b are numbers."""
+    if a.is_Rational and b.is_Rational:
+        return x if a < b else y
     return x if x == y else Select(a, b, x, y)
 
 

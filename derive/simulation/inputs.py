@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,8 +12,8 @@ from derive.errors import Problem, SpecError
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Vector, checked_vector
 from derive.runtime.native_scene import Forms, NativeScene
-from derive.spec.model.forces import CustomForce, Force, Torque
-from derive.spec.model.scene import BeamBody, Scene, SceneBody
+from derive.spec.model.scene import Scene
+from derive.spec.model.scene_functions import with_changed_functions
 from derive.spec.model.time_function import TimeFunction
 
 InputFunction = Callable[[float], float | Sequence[float]]
@@ -37,37 +36,11 @@ def with_functions(scene: Scene, given: Mapping[str, InputFunction]) -> Scene:
         raise SpecError(tuple(Problem(f"inputs.{name}", text) for name in missing))
     functions = {value.name: value.function for value in replaced if value.function is not None}
 
-    def resolved(value: Any) -> Any:
-        if isinstance(value, TimeFunction):
-            return functions.get(value.name, value) if value.kind == "input" else value
-        return tuple(map(resolved, value)) if isinstance(value, tuple) else value
+    def resolved(function: TimeFunction) -> TimeFunction:
+        return functions.get(function.name, function) if function.kind == "input" else function
 
-    def custom(force: CustomForce) -> CustomForce:
-        return replace(force, values={key: resolved(value) for key, value in force.values.items()})
-
-    def force(element: Force | CustomForce) -> Force | CustomForce:
-        return (
-            custom(element)
-            if isinstance(element, CustomForce)
-            else replace(element, components=resolved(element.components))
-        )
-
-    def torque(element: Torque | CustomForce) -> Torque | CustomForce:
-        return custom(element) if isinstance(element, CustomForce) else replace(element, value=resolved(element.value))
-
-    def body(element: SceneBody) -> SceneBody:
-        if not isinstance(element, BeamBody):
-            return element
-        return replace(element, loads=tuple(replace(load, time=resolved(load.time)) for load in element.loads))
-
-    return replace(
-        scene,
-        inputs=tuple(value for value in scene.inputs if value.name in given),
-        bodies=tuple(map(body, scene.bodies)),
-        drives=tuple(replace(drive, motion=resolved(drive.motion)) for drive in scene.drives),
-        forces=tuple(map(force, scene.forces)),
-        torques=tuple(map(torque, scene.torques)),
-    )
+    inputs = tuple(value for value in scene.inputs if value.name in given)
+    return replace(with_changed_functions(scene, resolved), inputs=inputs)
 
 
 class DrivenScene(NativeScene):

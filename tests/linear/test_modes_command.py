@@ -227,3 +227,19 @@ def test_defaults_of_physical_constants_are_named(tmp_path: Path, capsys: pytest
     spec.write_text('name = "some"\n[body]\nintegrals = "symbolic"\nmodes = 1\n')
     assert main(["modes", str(spec), "--out", str(tmp_path)]) == 0
     assert "warning: " in (text := capsys.readouterr().out) and "these are the modes with their defaults" in text
+
+
+def test_an_equilibrium_says_which_functions_of_time_it_is_at(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "damped_bar.toml"
+    loads = '[inputs.twist]\nvalue = "2*step(t, 0, 1)"\n[torques.twist]\nat = "bar.top"\nvalue = { input = "twist" }\n'
+    file.write_text(PENDULUM + loads)
+    assert main(["modes", str(file), "--out", str(tmp_path)]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "functions of time have their values at t = 0 there: inputs.twist.value; --at T linearises about" in text
+    record = json.loads((tmp_path / "damped_bar/damped_bar.modes.json").read_text())
+    assert record["functions_of_time"] == ["inputs.twist.value"]
+    file.write_text(PENDULUM)
+    assert main(["modes", str(file), "--out", str(tmp_path)]) == 0
+    assert "functions of time" not in capsys.readouterr().out

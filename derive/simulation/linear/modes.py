@@ -26,6 +26,8 @@ from derive.simulation.linear.run_time_inputs import input_values, scene_with_va
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.simulate import simulate
 from derive.spec.model.scene import EQUILIBRIUM, Scene, Specification
+from derive.spec.model.scene_functions import input_functions, time_functions
+from derive.spec.model.time_function import depends_on_time
 
 ADVICE = "The option --at 0, in Python at=0, takes the initial state instead."
 
@@ -75,6 +77,15 @@ class Modes:
     def zero_eigenvalues(self) -> int:
         """The number of eigenvalues that are zero: two for each rigid-body motion without force."""
         return 2 * self.linear.count - sum(1 + (mode.eigenvalue.imag != 0) for mode in self.modes if mode.eigenvalue)
+
+    @property
+    def functions_of_time(self) -> tuple[str, ...]:
+        """The keys of the functions of a scene that change with time, which have their values of the instant here."""
+        if not isinstance(self.spec, Scene):
+            return ()
+        functions = (*time_functions(self.spec), *input_functions(self.spec))
+        changing = (path for path, function in functions if function.kind != "input" and depends_on_time(function))
+        return tuple(dict.fromkeys(".".join(path) for path in changing))
 
     def first(self, count: int) -> tuple[Mode, ...]:
         """The modes of zero eigenvalues, and the first `count` of the others."""

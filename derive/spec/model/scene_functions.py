@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import fields, replace
+from typing import Any
 
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import BeamBody, Scene
@@ -26,6 +28,24 @@ def time_functions(scene: Scene) -> Iterator[tuple[FunctionPath, TimeFunction]]:
                 for part in value if isinstance(value, tuple) else (value,):
                     if isinstance(part, TimeFunction):
                         yield (section, element.name, key), part
+
+
+def with_changed_functions(scene: Scene, change: Callable[[TimeFunction], TimeFunction]) -> Scene:
+    """A scene with other functions of time in its equations: each is what `change` makes of it."""
+
+    def changed(value: Any) -> Any:
+        if isinstance(value, TimeFunction):
+            return change(value)
+        if isinstance(value, tuple):
+            return tuple(map(changed, value))
+        return {key: changed(item) for key, item in value.items()} if isinstance(value, Mapping) else value
+
+    def element(of: Any) -> Any:
+        return replace(of, **{field.name: changed(getattr(of, field.name)) for field in fields(of)})
+
+    bodies = (replace(b, loads=tuple(map(element, b.loads))) if isinstance(b, BeamBody) else b for b in scene.bodies)
+    sections: dict[str, Any] = {section: tuple(map(element, getattr(scene, section))) for section in SECTIONS}
+    return replace(scene, bodies=tuple(bodies), **sections)
 
 
 def input_functions(scene: Scene) -> Iterator[tuple[FunctionPath, TimeFunction]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations, pairwise
 
@@ -142,6 +142,13 @@ def parts(function: TimeFunction) -> Iterator[TimeFunction]:
 def depends_on_time(function: TimeFunction) -> bool:
     """Whether the time occurs in a function, or a run-time input."""
     return any(part.kind in ("t", "input") for part in parts(function))
+
+
+def function_at(function: TimeFunction, t: float) -> TimeFunction:
+    """The value of a function at t (s), as a function of its parameters that does not depend on time."""
+    if function.kind == "t":
+        return TimeFunction("number", value=Fraction(t))
+    return replace(function, args=tuple(function_at(arg, t) for arg in function.args))
 
 
 SAMPLES = 4096

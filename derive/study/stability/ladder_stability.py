@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from derive.lowering.redundancy import enumeration
 from derive.simulation.errors import SimulationError
 from derive.study.accuracy.models import LadderModel, refinements
 from derive.study.stability.model_path import ModelPath, model_path
@@ -27,7 +28,7 @@ class LadderStability:
     """The models of a ladder of `name` over a parameter.
 
     reference: the richest model. before: the next coarser one, whose difference is the error of the reference. known:
-    what a user states.
+    what a user states. motion: that about which the models are linearised, in words.
     """
 
     name: str
@@ -36,6 +37,7 @@ class LadderStability:
     reference: ModelPath
     before: ModelPath
     known: KnownLoss | None = None
+    motion: str = ""
 
     @property
     def unit(self) -> str:
@@ -101,6 +103,11 @@ def ladder_stability(
     progress: Callable[[str], None],
 ) -> LadderStability:
     """The stability of the models of a ladder, and of the two richest models. Raises CompilerError, SimulationError."""
+    if changing := parameter.functions.changing:
+        raise SimulationError(
+            f"no motion is steady, since these functions of time never come to rest: {enumeration(changing)}; give "
+            "them an end, for example by step(t, ...), or a constant value by --set"
+        )
     before, richest = refinements()[-2:]
     every = list(dict.fromkeys((*models, before, richest)))
     paths: dict[LadderModel, ModelPath] = {}
@@ -111,4 +118,4 @@ def ladder_stability(
         reasons = dict.fromkeys(path.failure for path in paths.values())
         raise SimulationError("\n".join(["no model has a steady motion:", *(f"  {reason}" for reason in reasons)]))
     shown = tuple(paths[model] for model in models)
-    return LadderStability(name, parameter.range, shown, paths[richest], paths[before], known)
+    return LadderStability(name, parameter.range, shown, paths[richest], paths[before], known, parameter.motion)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from derive.errors import Problem, SpecError, quoted
+from derive.simulation.linear.settled_functions import SettledFunctions, settled_functions
 from derive.spec.model.scene import JointInitialValues, Scene
 from derive.spec.model.simulation import NOT_GIVEN
 from derive.spec.set_values import with_values
@@ -31,16 +32,24 @@ class ParameterRange:
 class StudiedParameter:
     """A parameter of a scene whose values need no other compiled model.
 
-    symbol: the run-time parameter of the model that it is; None of an initial value, such as a spin.
+    symbol: the run-time parameter of the model that it is; None of an initial value, such as a spin. functions: what
+    becomes of the functions of time of the scene.
     """
 
     scene: Scene
     range: ParameterRange
     symbol: str | None
+    functions: SettledFunctions
 
     def scene_at(self, value: float) -> Scene:
-        """The scene with a value of the parameter. Raises SpecError."""
-        return _with(self.scene, self.range.name, value)[0]
+        """The scene with a value of the parameter, and the functions of time as they settle. Raises SpecError."""
+        return self.functions.scene(_with(self.scene, self.range.name, value)[0])
+
+    @property
+    def motion(self) -> str:
+        """The motion about which models are linearised, in words."""
+        text = "each model is linearised about its equilibrium or steady rotation at each value of the parameter"
+        return f"{text}, with {self.functions}" if self.functions.settled else text
 
 
 def studied(scene: Scene, limits: ParameterRange) -> StudiedParameter:
@@ -54,7 +63,7 @@ def studied(scene: Scene, limits: ParameterRange) -> StudiedParameter:
     if symbol is None and _without_initial_values(first) != _without_initial_values(last):
         text = f"{quoted(limits.name)} is neither a number that can be a run-time parameter nor an initial value"
         raise SpecError((Problem("", text),), "--parameter")
-    return StudiedParameter(first if symbol else scene, limits, symbol)
+    return StudiedParameter(first if symbol else scene, limits, symbol, settled_functions([first, last]))
 
 
 def _with(scene: Scene, name: str, value: float) -> tuple[Scene, str | None]:

@@ -23,7 +23,7 @@ def stability_text(of: LadderStability) -> str:
     truth = "exact" if of.known else "reference"
     rows = [["model", "loses stability at", f"from the {truth}", "further changes at", "wrong verdict"]]
     rows += [_row(of, path) for path in _listed(of) if not path.failure]
-    lines = [head(of), *wrapped(truth_sentences(of), "  "), "", *table(rows, left=1)]
+    lines = [head(of), *wrapped([*filter(None, [of.motion]), *truth_sentences(of)], "  "), "", *table(rows, left=1)]
     failures = [f"{path.model.label}: {path.failure}" for path in _listed(of) if path.failure]
     gaps = [gap_text(path) for path in _listed(of) if path.gaps and not path.failure]
     return "\n".join([*lines, *wrapped([*failures, *gaps], "  ")])
@@ -144,6 +144,7 @@ def stability_data(of: LadderStability) -> dict[str, Any]:
             "to": of.range.high,
             "values": of.range.count,
         },
+        "linearised_about": of.motion,
         "exact": None if of.known is None else {"loss": of.known.value},
         "reference": {
             "model": of.reference.model.label,
