@@ -110,3 +110,18 @@ def test_a_simulation_stays_within_its_tables(tmp_path: Path) -> None:
     )
     assert message in problem(tmp_path, text)
     scene(tmp_path, text.replace("4.5", "4"))
+
+
+@pytest.mark.parametrize(
+    ("rows", "text"),
+    [
+        ("0,1e308\n1,-1e308\n2,1e308", 'tables.load.file: line 2 of "load.csv": "1e308" is too large; numbers are at'),
+        ("-2e60,0\n1,1", 'tables.load.file: line 2 of "load.csv": "-2e60" is too large; numbers are at most 1e+60'),
+        ("0,1\n1e-300,2\n4,3\n5,4", "its closest arguments are 0 and 1e-300: take rows that are further apart"),
+        ("0,1e60\n1e-130,2\n4,3\n5,4", "its closest arguments are 0 and 1e-130: take rows that are further apart"),
+        ("0,0\n5e-324,1e60\n4,2", "its closest arguments are 0 and 4.94066e-324: take rows that are further apart"),
+    ],
+)
+def test_tables_whose_splines_are_no_doubles_are_refused(tmp_path: Path, rows: str, text: str) -> None:
+    """They would be code with NaN in it."""
+    assert text in problem(tmp_path, curve=f"t,F\n{rows}\n")

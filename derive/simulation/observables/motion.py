@@ -145,8 +145,8 @@ def function_values(function: TimeFunction, t: Array) -> Array:
 def deviation(x: Array, y: Array, reference: ReferenceCurve) -> tuple[Array, Array] | None:
     """The common x (m,), and y(x) minus the reference (m,), divided by the peak of the reference.
 
-    x, y: a curve (n,), interpolated by a cubic spline. None where x is not monotonic, or has no point in common with
-    the reference.
+    x, y: a curve (n,), interpolated by a cubic spline. None where x is not monotonic, has no point in common with
+    the reference, or has steps too small for a spline.
     """
     if len(x) < 2 or not (np.all(np.diff(x) > 0) or np.all(np.diff(x) < 0)):
         return None
@@ -157,7 +157,10 @@ def deviation(x: Array, y: Array, reference: ReferenceCurve) -> tuple[Array, Arr
     peak = np.abs(reference_y).max(initial=0.0)
     if not common.any() or peak == 0:
         return None
-    spline = cubic_spline("", x[order].tolist(), y[order].tolist())
+    try:
+        spline = cubic_spline("", x[order].tolist(), y[order].tolist())
+    except ArithmeticError:
+        return None
     interpolated = np.array([spline(at) for at in reference_x[common].tolist()])
     return reference_x[common], (interpolated - reference_y[common]) / peak
 

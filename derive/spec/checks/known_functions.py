@@ -101,5 +101,12 @@ def _spline(name: str, table: Mapping[str, object], folder: Path, faults: Faults
                 raise WrongValueError(
                     f"the arguments of the table increase from row to row, and {after:g} comes after {before:g}"
                 )
-        return cubic_spline(name, [x for x, _ in rows], [y for _, y in rows])
+        try:
+            return cubic_spline(name, [x for x, _ in rows], [y for _, y in rows])
+        except ArithmeticError:
+            least = min(pairwise(rows), key=lambda pair: pair[1][0] - pair[0][0])
+            raise WrongValueError(
+                f"the cubic spline through the rows has coefficients that are no doubles; its closest arguments are "
+                f"{least[0][0]:g} and {least[1][0]:g}: take rows that are further apart, or smaller values"
+            ) from None
     return None

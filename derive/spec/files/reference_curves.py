@@ -14,6 +14,8 @@ from derive.spec.parsing.faults import Faults, KeyPath, did_you_mean
 from derive.spec.parsing.values import WrongValueError
 
 MAX_BYTES = 5_000_000
+LARGEST = 1e60
+"""The largest size of a number, as of those in a specification: products of larger ones are no doubles."""
 _NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
 _NEARLY_A_NUMBER = re.compile(r"[-+.,_eE0-9]{1,24}|[-+]?(nan|inf|infinity)", re.IGNORECASE)
 """Cells that a message shows. A reference may be any file, and one that holds no curve must not appear in messages."""
@@ -100,4 +102,8 @@ def _number(row: list[str], column: int, line: int, file: str) -> float:
         shown = quoted(cell) if _NEARLY_A_NUMBER.fullmatch(cell) else f"the text in column {column + 1}"
         fault = f"{shown} is no finite number" if cell else f"there is no number in column {column + 1}"
         raise WrongValueError(f"line {line} of {file}: {fault}")
+    if abs(value) > LARGEST:
+        raise WrongValueError(
+            f"line {line} of {file}: {quoted(cell)} is too large; numbers are at most {LARGEST:g} in size"
+        )
     return value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -15,6 +16,8 @@ def cubic_spline(name: str, x: Sequence[float], y: Sequence[float]) -> Spline:
     cubic polynomial is that polynomial. Two points give a straight line, three a parabola. The slopes s_i at the knots
     solve a tridiagonal system (de Boor, A Practical Guide to Splines, chapter IV), in plain Python arithmetic, since
     the results of linear algebra libraries differ from machine to machine.
+
+    Raises ArithmeticError where the steps are so small, or the values so large, that coefficients are no doubles.
     """
     n = len(x)
     h = [b - a for a, b in pairwise(x)]
@@ -30,6 +33,8 @@ def cubic_spline(name: str, x: Sequence[float], y: Sequence[float]) -> Spline:
     for i in range(n - 1):
         c2 = (3 * d[i] - 2 * slopes[i] - slopes[i + 1]) / h[i]
         c3 = (slopes[i] + slopes[i + 1] - 2 * d[i]) / (h[i] * h[i])
+        if not all(map(math.isfinite, (slopes[i], slopes[i + 1], c2, c3))):
+            raise OverflowError(f"the coefficients between {x[i]} and {x[i + 1]} are not finite")
         coefficients.append((y[i], slopes[i], c2, c3))
     return Spline(name, tuple(x), tuple(coefficients))
 
