@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import re
 import tomllib
+from dataclasses import dataclass
 
 from derive.errors import TisserandError
 from derive.spec.parsing.faults import KeyPath
@@ -33,6 +34,23 @@ def lines(text: str) -> dict[KeyPath, int]:
     return scanner.lines
 
 
+@dataclass(frozen=True)
+class RepeatedKey:
+    """A key or a table that a text has twice, and both lines."""
+
+    path: KeyPath
+    first: int
+    second: int
+
+
+def repeated_key(text: str) -> RepeatedKey | None:
+    """The first key of a TOML text that it has already; None if there is none."""
+    scanner = _Scanner(text)
+    with contextlib.suppress(_UnexpectedError):
+        scanner.document()
+    return scanner.repeated
+
+
 class _UnexpectedError(TisserandError):
     """The text is not what the scanner can follow."""
 
@@ -43,6 +61,8 @@ class _Scanner:
         self.position = 0
         self.line = 1
         self.lines: dict[KeyPath, int] = {}
+        self.repeated: RepeatedKey | None = None
+        self._defined: dict[KeyPath, int] = {}  # keys with values, tables with headers or with dotted keys
 
     def document(self) -> None:
         table: KeyPath = ()
@@ -57,6 +77,7 @@ class _Scanner:
                     # Only the first table of an array is told apart: no specification has one.
                     self.lines.setdefault(table, self.line)
                 else:
+                    self._define(table)
                     self.lines[table] = self.line
                 self.expect("]]" if array else "]")
             else:
@@ -64,9 +85,18 @@ class _Scanner:
 
     def pair(self, table: KeyPath, depth: int = 0) -> None:
         path = table + self.key(table)
+        self._define(path)
+        for parts in range(len(table) + 1, len(path)):
+            self._defined.setdefault(path[:parts], self.line)
         self.lines[path] = self.line
         self.expect("=")
         self.value(path, depth)
+
+    def _define(self, path: KeyPath) -> None:
+        """Note that a key or a table is defined here."""
+        if path in self._defined and self.repeated is None:
+            self.repeated = RepeatedKey(path, self._defined[path], self.line)
+        self._defined.setdefault(path, self.line)
 
     def key(self, table: KeyPath = ()) -> KeyPath:
         """A dotted key; what encloses its last part has its line unless it has one already."""

@@ -15,7 +15,7 @@ from derive.spec.files.file_content import regular_file_start, why_unreadable
 from derive.spec.model.scene import Specification
 from derive.spec.parsing.faults import line_of, path_text
 from derive.spec.parsing.values import TomlFloat
-from derive.spec.toml.key_lines import lines
+from derive.spec.toml.key_lines import lines, repeated_key
 
 MAX_BYTES = 1_000_000
 # tomllib needs time and memory that grow with the square of the parts of a dotted key.
@@ -91,10 +91,16 @@ def _data(text: str, source: str | None) -> dict[str, Any]:
 
 
 def _syntax_problem(message: str, text: str) -> Problem:
-    """tomllib says where in words: "Invalid value (at line 3, column 7)", or "(at end of document)"."""
+    """tomllib says where in words: "Invalid value (at line 3, column 7)", or "(at end of document)".
+
+    It does not name a key that is there twice.
+    """
     match = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", message, re.DOTALL)
     if match is None:
         return Problem("", f"this is not TOML: {printable(message)}")
+    twice = repeated_key(text)
+    if twice is not None and (match[2] is None or twice.second <= int(match[2])):
+        return Problem(path_text(twice.path), f"it is in line {twice.first} already; keep one of them", twice.second)
     why = f"this is not TOML: {printable(match[1][:1].lower() + match[1][1:])}"
     if match[2] is None:
         return Problem("", f"{why}, at the end of the file", text.rstrip("\n").count("\n") + 1)
