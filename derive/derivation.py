@@ -7,6 +7,8 @@ over the modes; `lower` unrolls them or generates loops, as the specification re
 
 from __future__ import annotations
 
+from typing import assert_never
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,7 +28,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.multibody import assembly
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.spec.model.body import Gravity, Lowering, NodalBody, PlanarBeam, SymbolicBody
-from derive.spec.model.scene import Scene, Specification
+from derive.spec.model.scene import Scene, Specification, check_specification
 
 
 @paused()
@@ -36,6 +38,7 @@ def derive(spec: Specification) -> Equations | Mechanism:
     Both have a method `expanded()`, which expands the sums over the modes and, for a mechanism, the equations of every
     instance of a body. Raises SpecError if the specification has no valid equations, TypeError if it is none.
     """
+    check_specification(spec)
     match spec:
         case PlanarBeam():
             return beam.derive(spec)
@@ -45,8 +48,8 @@ def derive(spec: Specification) -> Equations | Mechanism:
             return indexed_equations.derive_body(parametric_body(spec), spec.lowering)
         case NodalBody():
             return derive_modal(modal(spec), spec.gravity, spec.lowering)
-        case _:  # what a type checker excludes, but not an interpreter
-            raise TypeError(f"a specification is needed, not {type(spec).__name__}; read a file with derive.read(...)")
+        case _ as never:
+            assert_never(never)
 
 
 def modal(spec: NodalBody) -> ModalBody:
@@ -79,8 +82,10 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False) -> Model:
     sensitivities: with `parameter_jacobian` and `solve_kkt` for derivatives with respect to parameters and inputs,
     which loops do not have.
     Raises SpecError if the specification requires straight-line code that would be too long, or has loops where
-    sensitivities are required.
+    sensitivities are required; TypeError for anything but equations.
     """
+    if not isinstance(derived, (Equations, Mechanism)):
+        raise TypeError(f"the equations that derive.derive(spec) returns are needed, not {type(derived).__name__}")
     if isinstance(derived, Mechanism) or derived.body is None or not derived.indexed or derived.body.dimension == 2:
         return lower_flat(derived.expanded(), sensitivities=sensitivities)
     estimate = cost_model.estimate_costs(derived.body)

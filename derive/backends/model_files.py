@@ -19,7 +19,7 @@ from derive.backends.python.module import PythonBackend
 from derive.ir.model import Model
 from derive.registry import Registry
 from derive.spec.model.body import DisplacementOrder, NodalBody, PlanarBeam, SymbolicBody
-from derive.spec.model.scene import BeamBody, Scene, Specification
+from derive.spec.model.scene import BeamBody, Scene, Specification, check_specification
 from derive.spec.model.time_function import Spline, TimeFunction
 from derive.version import VERSION
 
@@ -38,7 +38,8 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
 
 
 def fingerprint(spec: Specification) -> str:
-    """The SHA-256 of all of a specification that its model depends on."""
+    """The SHA-256 of all of a specification that its model depends on. Raises TypeError for anything else."""
+    check_specification(spec)
     return hashlib.sha256(json.dumps(specification(spec), sort_keys=True).encode()).hexdigest()
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import ctypes
 import json
+import os
 import platform
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from derive import cache
@@ -21,8 +22,13 @@ def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene | N
     """Compile the C of one model in a temporary folder and load it.
 
     files: those of `model_files`. flags: of the compiler. Returns a NativeScene for a scene, else a NativeBody. Raises
-    CompilerError, and ValueError if there is no C file.
+    CompilerError, ValueError if there is no C file, and TypeError for anything but files.
     """
+    if isinstance(files, (str, os.PathLike)) or not isinstance(files, Iterable):
+        raise TypeError(
+            f"the files that derive.model_files(model, spec) returns are needed, not {type(files).__name__}; those of "
+            "a specification are derive.model_files(derive.lower(derive.derive(spec)), spec)"
+        )
     with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
         write(files, Path(folder))
         sources = [Path(folder) / file.path for file in files if file.path.endswith(".c")]

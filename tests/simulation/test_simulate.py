@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -133,16 +134,44 @@ def test_a_step_is_refused_where_it_means_nothing() -> None:
         trajectory("dop853", step=1e-3)
 
 
-def test_a_path_is_not_a_specification() -> None:
-    for function in (derive.derive, derive.simulate):
+def test_what_is_not_meant_is_a_type_error() -> None:
+    """The path of a specification in place of it, and the reverse; a specification in place of its files."""
+    path, scene = "scenes/double_pendulum.toml", pendulum()
+    for function in (derive.derive, derive.simulate, derive.modes, derive.host_model):
         with pytest.raises(TypeError, match=r"not str; read .* with derive\.read"):
-            function("scenes/double_pendulum.toml")  # type: ignore[arg-type]  # the mistake under test
+            function(path)  # type: ignore[operator]  # the mistake under test
+    with pytest.raises(TypeError, match="the path of a TOML file is needed, not Scene; it is a specification already"):
+        derive.read(scene)  # type: ignore[arg-type]
+    for load in (derive.load, derive.load_scene):
+        for wrong in (scene, path):
+            with pytest.raises(TypeError, match=r"files that derive\.model_files\(.*\) returns are needed, not"):
+                load(wrong)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"the equations that derive\.derive\(spec\) returns are needed, not Scene"):
+        derive.lower(scene)  # type: ignore[arg-type]
+
+
+def test_a_step_beyond_the_stability_limit_of_rk4_is_named() -> None:
+    """A note where the run ends all the same, and in the error where it does not."""
+    stiff = {"mass": 1, "length": 1, "bending_stiffness": 2000, "markers": {"left": -1}, "start": {"spin": 1}}
+    hinge = {"kind": "revolute", "between": ["ground.hook", "rod.left"]}
+    scene = derive.scene("stiff_rod", ground={"hook": [0, 0]}, bodies={"rod": stiff}, joints={"hinge": hinge})
+    text = r"step: 0.01 s is above the stability limit of rk4, 0.00\d+ s in the initial state"
+    (note,) = derive.simulate(scene, duration=0.01, output=0.01, integrator="rk4", step=0.01).solution.notes
+    assert re.match(text, note)
+    with pytest.raises(derive.SimulationError, match=text):
+        derive.simulate(scene, duration=1, output=0.01, integrator="rk4", step=0.01)
 
 
 def test_a_step_that_does_not_divide_the_rows_is_shortened_with_a_note() -> None:
-    """Rows every 0.03 s and 0.02 s at the end: 0.008 s becomes 0.0075 s; 0.02/3 s is what it is shortened to there."""
-    notes = derive.simulate(pendulum(), duration=0.08, output=0.03, integrator="rk4", step=0.008).solution.notes
+    """Rows every 0.03 s and 0.02 s at the end: 0.008 s becomes 0.0075 s; 0.02/3 s is what it is shortened to there.
+
+    It is above the stability limit of the pendulum as well.
+    """
+    *notes, unstable = derive.simulate(
+        pendulum(), duration=0.08, output=0.03, integrator="rk4", step=0.008
+    ).solution.notes
     assert [note.split(":")[1].split(" s ->")[0] for note in notes] == [" 0.008", " 0.008"]
+    assert unstable.startswith("step: 0.0075 s is above the stability limit of rk4, 0.00662 s")
     assert "-> 0.0075 s between rows that are 0.03 s apart" in notes[0]
     assert "-> 0.00666667 s between rows that are 0.02 s apart" in notes[1]
     assert derive.simulate(pendulum(), duration=0.006, output=0.003, integrator="rk4", step=0.001).solution.notes == ()

@@ -323,6 +323,8 @@ def test_a_reference_of_its_own_knows_its_error(crank_slider: Scene, monkeypatch
         (["--frames", "given"], "choose from mean, chord, point, tangent"),
         (["--shapes", "13"], "at most 12 shapes"),
         (["--tolerances", "2"], "expected a small positive number"),
+        (["--error", "2"], "an error is a fraction such as 0.01, not '2'; 2 % is 0.02"),
+        (["--error", "0.1%"], "an error is a fraction such as 0.01, not '0.1%'; 0.1 % is 0.001"),
         (["--plot", "x"], 'there is no plot "x"'),
     ],
 )

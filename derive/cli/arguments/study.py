@@ -9,7 +9,7 @@ from typing import Any
 
 from derive.cli.arguments.ladder import add_ladder, among
 from derive.cli.arguments.stability import add_stability
-from derive.cli.arguments.types import SPEC, add_command, add_no_cache, count, pieces, tolerance
+from derive.cli.arguments.types import SPEC, add_command, add_no_cache, count, error_fraction, pieces, tolerance
 
 
 def add_study(commands: Any) -> None:
@@ -108,13 +108,16 @@ def _add_accuracy(studies: Any) -> None:
     accuracy.add_argument("--plot", metavar="NAME", help="the plot that is compared (default: the first one)")
     accuracy.add_argument(
         "--error",
-        type=tolerance,
+        type=error_fraction,
         default=0.01,
         metavar="X",
         help="error that is asked for, rms of the peak (default: 0.01)",
     )
     accuracy.add_argument(
-        "--reference-error", type=tolerance, metavar="X", help="error of the reference file itself, rms of the peak"
+        "--reference-error",
+        type=error_fraction,
+        metavar="X",
+        help="error of the reference file itself, rms of the peak",
     )
     accuracy.add_argument(
         "--own-reference", action="store_true", help="compare with ever finer models in place of the file of the plot"

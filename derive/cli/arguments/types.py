@@ -47,6 +47,16 @@ def tolerance(text: str) -> float:
     return value
 
 
+def error_fraction(text: str) -> float:
+    """An error between 0 and 1."""
+    value = number(text)
+    if not 0 < value < 1:
+        percent = number(text.strip().removesuffix("%"))
+        as_fraction = f"; {percent:g} % is {percent / 100:g}" if 0 < percent < 100 else ""
+        raise argparse.ArgumentTypeError(f"an error is a fraction such as 0.01, not {text!r}{as_fraction}")
+    return value
+
+
 def number(text: str) -> float:
     """A number; not a number if the text is none."""
     try:

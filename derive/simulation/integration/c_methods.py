@@ -14,12 +14,13 @@ from derive.runtime.integrators.ida import Ida
 from derive.runtime.integrators.observer import Observe
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.errors import SimulationError
 from derive.simulation.integration.c_rows import CRows
 from derive.simulation.integration.integrator import Integrator, Settings, scene_of
 from derive.simulation.integration.pieces import Piece, pieces
 from derive.simulation.integration.solution import Solution
-from derive.simulation.integration.step_limit import rk4_step_limit
+from derive.simulation.integration.step_limit import RK4_LIMIT, rk4_step_limit
 from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance, rounding_note
 
 STABLE = 0.5
@@ -42,7 +43,16 @@ def rk4(files: Sequence[File]) -> Integrator:
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
         if settings.step is None and isinstance(native, NativeBody):
             raise SimulationError("rk4 needs a step for a single body: add --step, or step=... in Python")
-        step = settings.step or STABLE * rk4_step_limit(native, k, float(times[0]), q, v)
+        scene = isinstance(native, NativeScene)
+        limit = rk4_step_limit(native, k, float(times[0]), q, v) if scene else math.inf
+        step = settings.step or STABLE * limit
+        longest = max((piece.interval / equal_steps(piece.interval, step) for piece in pieces(times)), default=0.0)
+        unstable = (
+            f"step: {longest:.6g} s is above the stability limit of rk4, {limit:.3g} s in the initial state, where the "
+            f"highest natural frequency is {RK4_LIMIT / limit:.6g} rad/s: errors grow from step to step; take a "
+            "shorter one, or leave --step out"
+        )
+        notes = (*_shortened(times, settings), *((unstable,) if longest > limit else ()))
 
         def run(q0: Vector, v0: Vector, piece: Piece, observe: Observe | None) -> Integration:
             every = equal_steps(piece.interval, step)
@@ -52,7 +62,10 @@ def rk4(files: Sequence[File]) -> Integrator:
                 q0, v0, step=length, steps=steps, every=every, k=k, t0=piece.start, tolerance=met, observe=observe
             )
 
-        return CRows(native, run, k, settings).solution(q, v, times, _shortened(times, settings))
+        try:
+            return CRows(native, run, k, settings).solution(q, v, times, notes)
+        except SimulationError as error:
+            raise error if longest <= limit else SimulationError(f"{unstable}. {error}") from error
 
     return Integrator(native, integrate)
 

@@ -202,3 +202,9 @@ class Scene:
 
 Specification = PlanarBeam | NodalBody | SymbolicBody | Scene
 """What `read` returns and `derive` takes: a body alone, or a scene of bodies."""
+
+
+def check_specification(spec: object) -> None:
+    """Raise TypeError if this is no specification, such as the path of one."""
+    if not isinstance(spec, Specification):
+        raise TypeError(f"a specification is needed, not {type(spec).__name__}; read a file with derive.read(...)")

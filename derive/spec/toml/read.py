@@ -23,7 +23,13 @@ MAX_DOTS = 200
 
 
 def read(path: str | os.PathLike[str]) -> Specification:
-    """The body or the scene that a TOML file specifies. Raises SpecError with all that is wrong with the file."""
+    """The body or the scene that a TOML file specifies.
+
+    Raises SpecError with all that is wrong with the file, TypeError for anything but a path.
+    """
+    if not isinstance(path, (str, os.PathLike)):
+        read_already = "; it is a specification already" if isinstance(path, Specification) else ""
+        raise TypeError(f"the path of a TOML file is needed, not {type(path).__name__}{read_already}")
     source = os.fsdecode(path)
     return parse(_text(source), source)
 
