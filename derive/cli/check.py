@@ -8,7 +8,7 @@ import sys
 from difflib import unified_diff
 from pathlib import Path
 
-from derive.artifacts import MARK, File
+from derive.artifacts import MARK, File, settle
 from derive.cli.specifications import build_all
 
 MAX_LINES = 60
@@ -29,6 +29,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"{options.scenes}: this folder holds no specification (*.toml); name another one", file=sys.stderr)
         return 2
     files = [file for built in build_all(specs) for file in built.files]
+    settle(options.out)
     reports = [report for file in files if (report := _difference(file, options.out))]
     if options.scenes.is_dir():
         reports += _obsolete(files, options.out)

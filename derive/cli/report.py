@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from derive.artifacts import MARK, File, ForeignFile, replace_file, write
+from derive.artifacts import MARK, File, ForeignFile, replace_file, settle, write
 from derive.cli.specifications import build_all, in_file_order
 from derive.errors import TisserandError
 from derive.report.document.page import Page
@@ -74,6 +74,8 @@ def _pictures(folder: Path, plotted: Sequence[str]) -> Iterator[tuple[Path, str]
 
     from derive.report.writers.picture import standalone
 
+    for root in (folder.parent, folder):
+        settle(root)
     ranks = {name: rank for rank, name in enumerate(plotted)}
     for path in sorted(folder.glob("*.svg"), key=lambda path: (ranks.get(path.name, len(ranks)), path.name)):
         svg = path.read_text(encoding="utf-8")

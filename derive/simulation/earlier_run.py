@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from derive.artifacts import sha256
+from derive.artifacts import settle, sha256
 from derive.backends.model_files import fingerprint
 from derive.ir.model import Model
 from derive.runtime.native_call import Matrix, Vector
@@ -72,6 +72,7 @@ def read_run(folder: Path, spec: Scene | NodalBody) -> EarlierRun:
     Raises NothingToResume if there is none, if its files have been changed, or if it is of another specification.
     """
     name = spec.name
+    settle(folder)
     record_file, table_file = folder / name / f"{name}.json", folder / name / f"{name}.csv"
     try:
         record: dict[str, Any] = json.loads(record_file.read_bytes())

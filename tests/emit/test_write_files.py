@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import os
 import subprocess
 import sys
@@ -13,7 +14,7 @@ import pytest
 
 import beams
 from conftest import ROOT
-from derive.artifacts import MARK, File, ForeignFile, write
+from derive.artifacts import JOURNAL, MARK, File, ForeignFile, settle, sha256, write
 
 FILES = (File("a/one.c", f"/* {MARK} */\nint one;\n"), File("a/two.c", f"/* {MARK} */\nint two;\n"))
 
@@ -193,10 +194,67 @@ def test_what_a_killed_process_leaves_is_removed_by_the_next(renamed: int, tmp_p
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     done = subprocess.run([sys.executable, "-c", KILLED, tmp_path, str(renamed)], check=False, env=environment)
     assert done.returncode == -9
-    assert len(contents(tmp_path)) == 2
+    assert len(contents(tmp_path)) == 3  # with the journal
     write(FILES, tmp_path)
     assert contents(tmp_path) == WRITTEN
     leftover = tmp_path / "a/.one.c.tisserand"
     leftover.write_text("half")
     write(FILES, tmp_path)  # although no file has changed
     assert contents(tmp_path) == WRITTEN
+
+
+@pytest.mark.parametrize("renamed", [0, 1])
+@pytest.mark.parametrize("old", [False, True])
+def test_a_process_that_is_killed_between_renames_leaves_no_mixed_set(renamed: int, old: bool, tmp_path: Path) -> None:
+    """A reader that settles the folder first sees the new set, which had been written completely."""
+    if old:
+        write([File(file.path, f"{MARK}, old") for file in FILES], tmp_path)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, "-c", KILLED, tmp_path, str(renamed)], check=False, env=environment)
+    settle(tmp_path)
+    assert contents(tmp_path) == {f"a/{name}.c": f"/* {MARK} */ {name}" for name in ("one", "two")}
+
+
+def test_an_interrupt_between_renames_leaves_the_set_to_be_finished(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    replace, calls = os.replace, itertools.count(1)
+
+    def interrupted(*paths: Path) -> None:
+        if next(calls) == 2:
+            raise KeyboardInterrupt
+        replace(*paths)
+
+    monkeypatch.setattr("derive.artifacts.os.replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write(FILES, tmp_path)
+    monkeypatch.undo()
+    settle(tmp_path)
+    assert contents(tmp_path) == WRITTEN
+
+
+@pytest.mark.parametrize("journal", ['{"a/one.c": "0', "[1]", '{"a/one.c": "0123"}'])
+def test_a_journal_that_is_half_written_or_of_other_files_changes_nothing(journal: str, tmp_path: Path) -> None:
+    """It is written before the first rename: the old set is whole."""
+    write(FILES, tmp_path)
+    (tmp_path / "a/.one.c.tisserand").write_text(f"{MARK}, half")
+    (tmp_path / JOURNAL).write_text(journal)
+    settle(tmp_path)
+    write(FILES, tmp_path)
+    assert contents(tmp_path) == WRITTEN
+
+
+def test_a_record_goes_with_its_table_after_a_kill(tmp_path: Path) -> None:
+    """Otherwise the table would not be that of the record, and be taken for a file of somebody else."""
+
+    def table(text: str) -> list[File]:
+        record = json.dumps({"generator": MARK, "files": {"t.csv": sha256(text.encode())}})
+        return [File("t.csv", text, record="t.json"), File("t.json", record)]
+
+    write(table("t\n0\n"), tmp_path)
+    new = table("t\n1\n")
+    (tmp_path / ".t.json.tisserand").write_text(new[1].text)
+    (tmp_path / "t.csv").write_text(new[0].text)
+    (tmp_path / JOURNAL).write_text(json.dumps({file.path: sha256(file.data) for file in new}))
+    write(table("t\n2\n"), tmp_path)
+    assert contents(tmp_path) == {file.path: file.text for file in table("t\n2\n")}
