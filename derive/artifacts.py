@@ -161,7 +161,7 @@ def _finish(folder: Path) -> None:
     except (ValueError, TypeError):  # the process was killed while it wrote the journal, before the first rename
         pending = {}
     for path, digest in pending.items():
-        if os.path.isabs(path) or ".." in Path(path).parts:
+        if Path(path).is_absolute() or ".." in Path(path).parts:
             continue  # no journal of ours
         target = folder / path
         temporary = _beside(target)
