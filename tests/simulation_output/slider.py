@@ -40,7 +40,7 @@ def scene(count: int = 3, name: str = "slider") -> Scene:
     )
     mass, inertia = fraction("0.03"), fraction("1e-6")
     slider = RigidBody("slider", mass, inertia, (nothing, nothing), (PointMarker("pin", nothing, nothing),))
-    quantity = Deflection(MarkerRef("rod", "middle"), MarkerRef("rod", "left"), MarkerRef("rod", "right"), 0.3)
+    quantity = Deflection(MarkerRef("rod", "middle"), (MarkerRef("rod", "left"), MarkerRef("rod", "right")), 0.3)
     reference = ReferenceCurve("given.csv", "x", "y", tuple((0.1 * i, deflection(0.1 * i) / 0.3) for i in range(100)))
     return Scene(
         name,

@@ -88,6 +88,9 @@ def test_what_does_not_change_is_told_once_and_much_is_thinned() -> None:
     found = player_data(slider.motion(1, 7), [])
     assert len(found["rigid"][0]["pose"][0]["values"]) == 1
     assert len(found["time"]["values"]) == 7
+    few = player_data(slider.motion(1, 3), [Column("a", "m", np.array([0.0, 1.0, 3.0]))])
+    assert [text for _, text in few["time"]["ticks"]] == ["0", "0.02", "0.04", "0.06", "0.08", "0.10"]
+    assert few["curves"][0]["ticks"] == [(0.0, "0"), (1.0, "1"), (2.0, "2"), (3.0, "3")]
     many = slider.motion(32, 401)
     text = page(many, [])
     assert len(text) < 300_000 and 100 < len(data_of(text)["time"]["values"]) <= MAX_FRAMES

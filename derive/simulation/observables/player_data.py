@@ -47,8 +47,8 @@ MAX_FRAMES, MAX_NUMBERS = 600, 40_000
 RESOLUTION = 2e-6
 """The step to which lengths are rounded, in sizes of the scene; angles in rad."""
 
-TIME_TICKS, CURVE_TICKS = 5, 6
-"""The least number of ticks of the time, and the largest number of those of a curve."""
+TIME_TICKS, CURVE_TICKS = (5, 16), (3, 6)
+"""The least and the largest number of ticks of the axes."""
 
 SECONDS = 10.0
 """The approximate duration (s) of the motion at the default speed of a page."""
@@ -75,7 +75,7 @@ def player_data(motion: SceneMotion, curves: Sequence[Column], clock: Array | No
     return {
         "name": scene.name,
         "view": [*map(rounded, (*low, *high))],
-        "time": {**channel(time, 1e-6 * duration or 1.0), "ticks": _ticks(time, TIME_TICKS, len(time))},
+        "time": {**channel(time, 1e-6 * duration or 1.0), "ticks": _ticks(time, *TIME_TICKS)},
         "rigid": [
             {"name": b.name, "outline": outline(b), "pose": _pose(shown, b.name, step)}
             for b in scene.bodies
@@ -103,7 +103,7 @@ def _curve(column: Column) -> Plain:
     """A curve with the ticks of its axis; one that does not change has one tick."""
     values = channel(column.values, 1e-4 * float(np.abs(column.values).max()))
     shown = column.values[:1] if len(values["values"]) == 1 else column.values
-    return {"name": column.name, "unit": column.unit, "values": values, "ticks": _ticks(shown, 3, CURVE_TICKS)}
+    return {"name": column.name, "unit": column.unit, "values": values, "ticks": _ticks(shown, *CURVE_TICKS)}
 
 
 def _ticks(values: Array, least: int, most: int) -> list[tuple[float, str]]:
