@@ -27,6 +27,7 @@ from derive.study.methods.methods_page import methods_html
 from derive.study.methods.methods_table import methods_csv, methods_data, methods_text
 from derive.study.methods.scene_methods import Method
 from derive.study.variants import variant
+from svg_text import text_boxes
 
 FAILURES = (
     "explicit step limit",
@@ -103,6 +104,11 @@ def test_the_tables_and_the_files() -> None:
     svg, page = methods_svg(s), methods_html(s)
     assert svg.startswith("<svg") and svg == methods_svg(s) and "mathdefault" not in svg
     assert "Dead centres: G loses rank" in svg and svg.count("not projected") == 2
+    assert "no energies" not in svg
+    damped = replace(s, conserved=False, drifts=tuple(replace(run, energy=run.energy[:0]) for run in s.drifts))
+    shown = " ".join(box.text for box in text_boxes(methods_svg(damped)))
+    assert "no energies: damping or loads change the energy of this scene as well" in shown
+    assert "no energies: damping" in methods_text(damped)
     assert page.count("<h2>") == 10 and "http" not in page.replace("http://www.w3.org", "")
     rows = list(csv.DictReader(methods_csv(s).splitlines()))
     assert tuple(row["failure"] for row in rows) == FAILURES

@@ -11,7 +11,7 @@ from derive.spec.model.scene import Scene
 from derive.study.methods.attitude import Tumble, tumble
 from derive.study.methods.conditioning import Conditioning, conditioning
 from derive.study.methods.dead_centre import DeadCentre, dead_centres
-from derive.study.methods.drift import DriftOrder, DriftRun, conserves, drift_order, drift_runs
+from derive.study.methods.drift import FEWEST, DriftOrder, DriftRun, conserves, drift_order, drift_runs
 from derive.study.methods.formulations import FormRun, form_runs
 from derive.study.methods.free_flight import MomentumDrift, momentum_drifts
 from derive.study.methods.ringing import Ringing, ringing
@@ -52,6 +52,15 @@ class MethodStudy:
     bases: tuple[BasisCondition, ...]
     rigid: RigidMotionLeft
     notes: tuple[str, ...]
+
+    @property
+    def missing_energies(self) -> str:
+        """Why runs have no energy, in a sentence; empty if all have."""
+        if self.drifts and not self.conserved:
+            return "no energies: damping or loads change the energy of this scene as well"
+        if any(len(run.t) and not len(run.energy) for run in self.drifts):
+            return f"no energies of runs of fewer than {FEWEST} steps"
+        return ""
 
 
 MEMORY = 2e9

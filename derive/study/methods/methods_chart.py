@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,8 @@ WIDTH, HEIGHT, COLUMNS = 11.2, 7.6, 3
 """The size of the picture, inches, and the panels of a row."""
 LEFT, RIGHT, GAP, HEAD, FOOT, ABOVE = 0.62, 0.12, 0.72, 0.3, 0.55, 0.62
 """Margins, the gap between columns, and what is above each row of panels for its title, inches."""
+EMPTY = 36
+"""Characters of a line of an empty panel."""
 FLOOR, FAILED = 1e-17, 1e-3
 """Zeros on logarithmic axes; errors of failed runs above which there is room for a label."""
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -105,6 +108,12 @@ def _position(axes: Axes, study: MethodStudy) -> None:
 
 def _energy(axes: Axes, study: MethodStudy) -> None:
     _over_time(axes, study, lambda run: run.energy, FLOOR)
+    if not axes.lines:
+        text = "\n".join(textwrap.wrap(study.missing_energies, EMPTY))
+        axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center")
+        axes.tick_params(which="both", left=False, labelleft=False, bottom=False, labelbottom=False)
+        axes.set_xlabel("")
+        axes.grid(visible=False)
 
 
 def _over_time(axes: Axes, study: MethodStudy, of: Callable[[Any], Any], floor: float) -> None:

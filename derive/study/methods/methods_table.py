@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from derive.study.methods.drift import FEWEST, exponent
+from derive.study.methods.drift import exponent
 from derive.study.methods.failures import MethodFailure, failures
 from derive.study.methods.formulations import FORM_NAMES
 from derive.study.methods.free_flight import AMPLITUDE
@@ -168,10 +168,7 @@ def _drift(study: MethodStudy) -> StudyTable:
         "|g| (m, rad) and |gdot| (m/s, rad/s): the largest; energy: |E - E0 - W| over the largest kinetic energy, with "
         "the work W of the drives"
     ]
-    if study.drifts and not study.conserved:
-        notes.append("no energies: damping or loads change the energy of this scene as well")
-    elif any(len(run.t) and not len(run.energy) for run in study.drifts):
-        notes.append(f"no energies of runs of fewer than {FEWEST} steps")
+    notes += filter(None, [study.missing_energies])
     if any(len(run.t) and not isfinite(exponent(run.t, run.position)) for run in study.drifts):
         notes.append("no powers of t where there is no drift, or where a run is too short")
     return StudyTable(title, head, tuple(rows), 1, tuple(notes))
