@@ -7,7 +7,7 @@ from typing import Any
 
 from corpus.draft import Bar, Draft, JointSketch, Table, written
 from corpus.draws import rounded
-from corpus.time_functions import function, run_time_input, value
+from corpus.time_functions import function, run_time_input, speed_function, value
 from derive import FORCES, JOINTS
 from derive.extensions import Key, KeyType
 
@@ -57,7 +57,10 @@ def _drive(draft: Draft, joint: JointSketch) -> None:
     if form == "number":
         table["motion"] = at
     elif form == "speed":
-        table["speed"] = draft.quantity(rounded(speed, 2), driven.speed_unit)
+        function_of_t = draws.chance(0.4)
+        table["speed"] = (
+            speed_function(draft, speed) if function_of_t else draft.quantity(rounded(speed, 2), driven.speed_unit)
+        )
         if at or draws.chance(0.2):
             table["offset"] = at
     elif form == "input":

@@ -17,7 +17,7 @@ def respell(tables: dict[str, Any], root: Schema, draws: Draws, probability: flo
     """With that probability, write some numbers of a specification as text, such as "7/20" for 0.35."""
     chosen = draws.chance(probability)
     for container, key in [*_numbers(tables, root, root)] if chosen else []:
-        if draws.chance(SHARE):
+        if draws.chance(SHARE) and not isinstance(container[key], str):  # two forms of a value may both be numbers
             container[key] = str(Fraction(repr(container[key])))
 
 

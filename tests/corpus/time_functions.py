@@ -37,6 +37,20 @@ def unknown_functions() -> list[str]:
     return [name for name in FUNCTIONS if name not in SMOOTH and name not in ROUGH]
 
 
+WITHOUT_INTEGRAL = ("sqrt", "atan2")
+"""Those of SMOOTH that cannot be the speed of a drive, whose integral has to have a closed form."""
+
+
+def speed_function(draft: Draft, size: float) -> str:
+    """A function of t with values of about `size` whose integral has a closed form; it may be a product of two."""
+    draws = draft.draws
+    templates = [*PLAIN, *(text for name, text in SMOOTH.items() if name not in WITHOUT_INTEGRAL)]
+    text = f"{_table(draft, True)}(t)" if draws.chance(0.2) else _filled(draft, draws.choice(templates))
+    if draws.chance(0.3):
+        text = f"({text})*step(t, 0, {rounded(draws.between(0.2, 2) / draft.rate, 2):g})"
+    return f"{_constant(draft, rounded(size, 2), '1')}*({text})"
+
+
 def function(draft: Draft, size: float, smooth: bool = False, vanishes: bool = False) -> str:
     """A function of t with values of about `size`.
 
