@@ -94,8 +94,7 @@ def choose(
     Raises NotConverged, SpecError, SimulationError, CompilerError.
     """
     scene = replace(scene, plots=tuple(plots))
-    known = trusted_reference(scene, plots, error, progress)
-    report(f"reference: {known.model.label}, which is right to {percent(known.error)}")
+    known = trusted_reference(scene, plots, error, progress, report)
     search = _Search(scene, known, error, progress, report)
     base, shares = None, tuple[BeamShare, ...]()
     if len(beam_bodies(scene)) == 1:

@@ -65,9 +65,14 @@ class NotConverged(TisserandError):
     """No reference agrees with coarser models closely enough for the error that is asked for."""
 
 
-def trusted_reference(scene: Scene, plots: Sequence[Plot], error: float, progress: Progress) -> TrustedReference:
-    """A reference whose own error is at most a third of `error`. Raises NotConverged."""
-    runs = _Runs(scene, plots, progress)
+def trusted_reference(
+    scene: Scene, plots: Sequence[Plot], error: float, progress: Progress, report: Progress
+) -> TrustedReference:
+    """A reference whose own error is at most a third of `error`. Raises NotConverged.
+
+    progress: takes what is being done; report: takes a line on each comparison.
+    """
+    runs = _Runs(scene, plots, progress, report)
     models = _refinements()
     known: TrustedReference | None = None
     further = ""
@@ -126,10 +131,10 @@ def _checks(model: LadderModel) -> tuple[_Check, ...]:
 class _Runs:
     """The runs of the models of a scene that references need, each of which is made once."""
 
-    def __init__(self, scene: Scene, plots: Sequence[Plot], progress: Progress) -> None:
+    def __init__(self, scene: Scene, plots: Sequence[Plot], progress: Progress, report: Progress) -> None:
         self._names = ", ".join(plot.name for plot in plots)
         self._bare = tuple(one for plot in plots for one in bare_plots(plot))
-        self._scene, self._progress = replace(scene, plots=self._bare), progress
+        self._scene, self._progress, self._report = replace(scene, plots=self._bare), progress, report
         self._compiled: dict[LadderModel, CompiledLadderModel] = {}
         self._curves: dict[tuple[LadderModel, float], Curves] = {}
         self._seconds: dict[LadderModel, float] = {}
@@ -141,6 +146,7 @@ class _Runs:
         for check in _checks(model):
             difference = self._difference(self._curve(check.finer), self._curve(check.coarser, check.tolerance))
             agreements.append(Agreement(f"{check.label}: {check.coarser.label}", difference))
+            self._report(f"reference: {model.label}: {percent(difference)} from {agreements[-1].label}")
             if difference > enough:
                 break
         made = tuple(with_curve(plot, model.label, of) for plot, of in zip(self._bare, finest, strict=True))
@@ -165,7 +171,7 @@ class _Runs:
 
     def _curve(self, model: LadderModel, tolerance: float = FINE) -> Curves:
         if model not in self._compiled:
-            self._progress(f"reference: {model.label}")
+            self._progress(f"reference: {model.label} ...")
             self._compiled[model] = compiled(self._scene, model, monitored=False)
         if (model, tolerance) not in self._curves:
             moved = motion(self._compiled[model], tolerance)
