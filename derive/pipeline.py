@@ -19,7 +19,7 @@ from derive.ir.model import Model
 from derive.lowering.conditioning import condition_warnings
 from derive.lowering.spin_limit import spin_notes
 from derive.mechanics.equations import Equations
-from derive.mechanics.multibody.outputs.prescribed_inertia import inertia_notes
+from derive.mechanics.multibody.scene_notes import scene_notes
 from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.toml.read import read, warnings, with_lines
@@ -89,7 +89,7 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None, sensitiv
     files = emitted_files(model, spec)
     emitting = Stage("emit", lap())
     notes = (model.choice, *_of_body(spec)) if model.choice else _of_scene(model)
-    notes += (*spin_notes(spec), *(inertia_notes(spec) if isinstance(spec, Scene) else ()))
+    notes += (*spin_notes(spec), *(scene_notes(spec) if isinstance(spec, Scene) else ()))
     notes += tuple(f"warning: {text}" for text in (*failure, *warnings(path), *condition_warnings(spec)))
     return Built(spec, equations, model, files, (reading, deriving, lowering, *starting, emitting), notes)
 

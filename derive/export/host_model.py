@@ -14,7 +14,7 @@ from derive.generated_models import generated
 from derive.ir.model import Model, StartState, Variable
 from derive.lowering.conditioning import condition_warnings
 from derive.lowering.spin_limit import spin_notes
-from derive.mechanics.multibody.outputs.prescribed_inertia import inertia_notes
+from derive.mechanics.multibody.scene_notes import scene_notes
 from derive.simulation.body_run import initial_vectors
 from derive.simulation.free_beam import beam_scene
 from derive.simulation.initial.start_state import start_state
@@ -161,6 +161,6 @@ def _notes(spec: Scene | NodalBody) -> Iterator[str]:
         for value in spec.inputs:
             if value.function is None:
                 yield f"inputs.{value.name}: there is no value; it is 0 in the initial state, and the host sets it"
-        yield from inertia_notes(spec)
+        yield from scene_notes(spec)
     yield from spin_notes(spec)
     yield from (f"warning: {text}" for text in condition_warnings(spec))

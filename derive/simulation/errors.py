@@ -119,11 +119,17 @@ class SingularConfiguration(SimulationError):
 
 
 class DriveCannotBeFollowed(SingularConfiguration):
-    """A drive has moved the mechanism to a dead centre that it cannot pass. `drives`: the names of its multipliers."""
+    """A drive has moved the mechanism to a dead centre that it cannot pass.
 
-    def __init__(self, t: float, smallest: float, multipliers: Sequence[str], drives: Sequence[str]) -> None:
-        self.drives = tuple(drives)
-        advice = f"What drives prescribe in {enumeration(drives)} cannot be followed. {AT_DEAD_CENTRE}"
+    drives: the names of its multipliers. locked: whether no configuration was found that closes the joints later.
+    """
+
+    def __init__(
+        self, t: float, smallest: float, multipliers: Sequence[str], drives: Sequence[str], locked: bool = False
+    ) -> None:
+        self.drives, self.locked = tuple(drives), locked
+        why = "The mechanism cannot turn through: behind this state its joints do not close. " if locked else ""
+        advice = f"{why}What drives prescribe in {enumeration(drives)} cannot be followed. {AT_DEAD_CENTRE}"
         super().__init__(t, smallest, multipliers, advice)
 
 

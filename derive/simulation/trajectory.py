@@ -10,7 +10,7 @@ from typing import Any
 
 from derive.errors import TisserandError
 from derive.ir.model import Model
-from derive.mechanics.multibody.outputs.prescribed_inertia import inertia_notes
+from derive.mechanics.multibody.scene_notes import scene_notes
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -179,7 +179,7 @@ class Trajectory(ColumnTable):
     @property
     def notes(self) -> tuple[str, ...]:
         """Those on bodies whose motion is prescribed, those on the initial state, and those of the run."""
-        return *inertia_notes(self.scene), *self.initial.notes, *self.solution.notes
+        return *scene_notes(self.scene), *self.initial.notes, *self.solution.notes
 
     @cached_property
     def table(self) -> tuple[Column, ...]:

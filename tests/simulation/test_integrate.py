@@ -90,6 +90,7 @@ def test_a_slider_that_is_pushed_through_a_dead_centre_cannot_follow(speed: floa
     assert error.value.t == pytest.approx(0.15, abs=1e-6)
     assert error.value.smallest < 1e-3
     assert error.value.drives == ("push",)
+    assert error.value.locked and "cannot turn through: behind this state its joints do not close" in str(error.value)
 
 
 def test_rows_do_not_depend_on_how_many_there_are() -> None:

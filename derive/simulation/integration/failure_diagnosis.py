@@ -8,7 +8,7 @@ from derive.roles import Role
 from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with
 from derive.simulation.constraints.mass_definiteness import nearly_indefinite
-from derive.simulation.constraints.neighbouring_states import driven_multipliers
+from derive.simulation.constraints.neighbouring_states import driven_multipliers, neighbouring_states
 from derive.simulation.constraints.redundancy import involved
 from derive.simulation.constraints.scaling import spectrum
 from derive.simulation.errors import (
@@ -62,5 +62,6 @@ def _dead_centre(native: ConstrainedSystem, k: Vector, t: float, y: Vector) -> S
     names = involved(singular, native.multipliers, NEARLY_SINGULAR)
     driven = [name for name in names if name in driven_multipliers(native, k, t, y[: native.nq])]
     if driven:
-        return DriveCannotBeFollowed(t, singular.smallest, names, driven)
+        locked = not any(time > t for time, _ in neighbouring_states(native, k, t, y[: native.nq]))
+        return DriveCannotBeFollowed(t, singular.smallest, names, driven, locked)
     return SingularConfiguration(t, singular.smallest, names)
