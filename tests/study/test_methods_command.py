@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,8 @@ from derive.cli.main import main
 from derive.errors import TisserandError
 from derive.runtime.integrators.compilation import LibraryMissing
 from derive.simulation.errors import SimulationError
-from derive.spec.model.scene import Scene
+from derive.spec.model.body import BeamDamping
+from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.toml.read import read
 from derive.study.methods import scene_methods
 from derive.study.methods.failures import failures
@@ -126,6 +128,27 @@ def test_without_klu_the_rest_remains(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [line.method for line in s.limits] == [Method.RK4] and s.ringing == ()
     assert "generalised-alpha, trapezoidal: left out; SuiteSparse with KLU was not found" in methods_text(s)
     assert methods_svg(s) and "trapezoidal rule: multipliers" not in methods_text(s)
+
+
+def test_what_does_not_apply_to_a_scene_is_left_out_with_a_line() -> None:
+    """Damping, and runs too short for a power: neither energies nor exponents; the limit is that without damping."""
+    given = scene()
+    damped = [
+        replace(b, beam=replace(b.beam, damping=BeamDamping(ratio=Fraction(1, 5)))) if isinstance(b, BeamBody) else b
+        for b in given.bodies
+    ]
+    s = method_study(replace(given, bodies=tuple(damped)), [Method.RK4], 2, 3, lambda _: None)
+    text = methods_text(s)
+    assert "no energies: damping or loads" in text and "no powers of t where" in text
+    limit = replace(s.limits[0], measured=1.2 * s.limits[0].predicted)
+    (line, *_) = failures(replace(s, limits=(limit,)))
+    assert line.agrees is None and "the energy of this scene is not conserved" in line.measured
+    assert "does not apply: rk4" in methods_text(replace(s, limits=(limit,)))
+    (line, *_) = failures(replace(s, limits=(limit,), conserved=True))
+    assert line.agrees is False
+    (line, *_) = failures(replace(s, limits=(limit,), conserved=True, period=1e-3))
+    assert line.agrees is None and "do not resolve the motion of 0.001 s" in line.measured
+    assert methods_svg(s) and methods_html(s) and json.dumps(methods_data(s), allow_nan=False)
 
 
 def test_runs_that_do_not_fit_into_memory_are_refused() -> None:

@@ -12,12 +12,13 @@ from scipy.linalg import eigh
 from conftest import QUICK, ROOT
 from derive.generated_models import generated
 from derive.runtime.loading import load_scene
+from derive.simulation.errors import SimulationError
 from derive.simulation.integration.step_limit import natural_frequencies
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse, read
 from derive.study.methods import drift
 from derive.study.methods.conditioning import conditioning
-from derive.study.methods.drift import conserves, drift_order, drift_run, exponent
+from derive.study.methods.drift import DriftRun, conserves, drift_order, drift_run, drift_runs, exponent
 from derive.study.methods.formulations import FormRun, form_run
 from derive.study.methods.implicit_steps import Rule, initial_values, march
 from derive.study.methods.scene_methods import Method, MethodScene, method_scene
@@ -125,7 +126,7 @@ def test_a_run_that_diverges_keeps_what_it_has_reached(monkeypatch: pytest.Monke
     assert cut.t[-1] == pytest.approx(0.02) and cut.energy[-1] < 1e-4
 
 
-def test_a_scene_that_dissipates_has_no_energy_to_keep(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scene_that_dissipates_has_no_energy_to_keep() -> None:
     text = (ROOT / "scenes/spinning_beam.toml").read_text()
     text = text[: text.index("[plots.")].replace('frame = "mean"', 'frame = "mean"\ndamping = { stiffness = 1e-3 }')
     scene = parse(text, str(ROOT / "scenes/damped.toml"))
@@ -133,9 +134,35 @@ def test_a_scene_that_dissipates_has_no_energy_to_keep(monkeypatch: pytest.Monke
     of = method_scene(scene)
     moving = [(t, q, v + 1.0) for t, q, v in of.states(3)]
     assert not conserves(of, moving)
-    monkeypatch.setattr(drift, "conserves", lambda *_: False)
-    (run, _) = drift.drift_runs(of, 1e-3, 20, [Method.RK4], lambda _: None)
+    (run, _) = drift_runs(of, 1e-3, 20, [Method.RK4], False, lambda _: None)
     assert len(run.energy) == 0
+
+
+def test_no_power_is_fitted_to_nothing() -> None:
+    t, none = np.geomspace(1, 10, 20), np.zeros(0)
+    assert exponent(t, t**3) == pytest.approx(3)
+    for times, size in ((t, none), (none, none), (t[-2:], t[-2:]), (t, 0 * t), (t, np.where(t > 9, 0, t))):
+        assert np.isnan(exponent(times, size))
+
+
+def test_drift_that_is_nothing_or_far_has_no_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    of, t = crank_slider(), np.array([1.0, 2.0])
+
+    def drifting(size: float) -> None:
+        def drifted(of: MethodScene, method: Method, projected: bool, h: float, steps: int, energy: bool) -> DriftRun:
+            position = size * steps**-4.0 * t
+            return DriftRun(method, projected, h, steps, t, position, position, np.zeros(0))
+
+        monkeypatch.setattr(drift, "drift_run", drifted)
+
+    drifting(1e4)
+    assert drift_order(of, STEP, 100).step == pytest.approx(4)
+    drifting(0.0)
+    with pytest.raises(SimulationError, match=r"rk4 drifts by 0 m in 100 steps, and by 0 m .* may be rounding errors"):
+        drift_order(of, STEP, 100)
+    drifting(1e8)
+    with pytest.raises(SimulationError, match=r"rk4 drifts by 2.0e\+00 m in 100 steps, which is too far to follow"):
+        drift_order(of, STEP, 100)
 
 
 def test_the_forms_hold_what_they_say_and_index_3_alone_rings() -> None:

@@ -33,6 +33,8 @@ ORDER_STEPS = 10_000
 """The steps of the run that shows the order of the drift: fewer would drift by rounding errors."""
 ROUNDED = 1e-13
 """Drift below this, relative to the size of the scene, may be rounding errors of that many steps."""
+FAR = 0.01
+"""Drift above this, relative to the size of the scene, is not a small error any more."""
 FEWEST = 6
 """The steps that the spline of the power needs."""
 LATE, FITTED = 0.3, 3
@@ -162,17 +164,18 @@ class DriftOrder:
 def drift_order(of: MethodScene, h: float, steps: int = ORDER_STEPS) -> DriftOrder:
     """The order of the drift, from runs over the same time with steps of h and h/2 (s).
 
-    Raises TisserandError where a run fails, and where there is no more drift than rounding errors.
+    Raises TisserandError where a run fails, where there is no more drift than rounding errors, and where there is so
+    much that it follows no power.
     """
     whole, half = (drift_run(of, Method.RK4, False, h / n, n * steps, energy=False) for n in (1, 2))
     if failure := whole.failure or half.failure:
         raise SimulationError(failure)
-    most, least = float(whole.position[-1]), float(half.position[-1])
-    if least < ROUNDED * max(of.size, max_norm(of.q)):
-        raise SimulationError(
-            f"without projection rk4 drifts by {magnitude(most)} m in {steps} steps, and by {magnitude(least)} m with "
-            "steps half as long, which may be rounding errors"
-        )
+    most, least, size = float(whole.position[-1]), float(half.position[-1]), max(of.size, max_norm(of.q))
+    drifts = f"without projection rk4 drifts by {magnitude(most)} m in {steps} steps"
+    if least < ROUNDED * size:
+        raise SimulationError(f"{drifts}, and by {magnitude(least)} m in shorter ones, which may be rounding errors")
+    if most > FAR * size:
+        raise SimulationError(f"{drifts}, which is too far to follow a power of the step")
     return DriftOrder(steps, most, exponent(whole.t, whole.position), float(np.log2(most / least)))
 
 

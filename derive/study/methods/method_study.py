@@ -27,7 +27,8 @@ HALF = 0.5
 
 @dataclass(frozen=True, eq=False)
 class MethodStudy:
-    """What a study of methods has found; `along` says what the states are taken from, `h` (s) is the step of long runs.
+    """What a study of methods has found; `along` says what the states are taken from, which lasts `period` (s); `h` (s)
+    is the step of long runs.
 
     conserved: whether the work of drives is all that changes the energy. order: None of a scene without constraints,
     and where it cannot be measured. notes: what could not be done, and why.
@@ -35,6 +36,7 @@ class MethodStudy:
 
     name: str
     along: str
+    period: float
     h: float
     steps: int
     frequency: HighestFrequency
@@ -112,6 +114,7 @@ def method_study(
     return MethodStudy(
         scene.name,
         of.along,
+        of.period,
         h,
         steps,
         frequency,

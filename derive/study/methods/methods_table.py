@@ -56,7 +56,7 @@ def methods_text(study: MethodStudy) -> str:
     lines += ["", "where methods fail: criterion, and what was measured here"]
     for line in failures(study):
         lines += wrapped([f"{line.failure}: {line.criterion}"], "  ")
-        lines += wrapped([f"{'agrees' if line.agrees else 'DIFFERS'}: {line.measured}"], "      ")
+        lines += wrapped([f"{line.verdict}: {line.measured}"], "      ")
     return "\n".join([*lines, *wrapped(study.notes)])
 
 
