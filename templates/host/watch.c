@@ -13,19 +13,20 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Write z = q, v, outputs at the begin of w->work. Returns the code of the model. */
+/* Write z = q, v, outputs, t - begin at the begin of w->work. Returns the code of the model. */
 static int evaluate(const tisserand_watch *w, double t, const double *y)
 {
     const tisserand_model *model = w->model;
     const tisserand_ports *ports = model->ports;
     const int n = model->nq + model->nv;
     const int nout = ports != NULL ? ports->nout : 0;
-    double *z = w->work, *vdot = z + n + nout;
+    double *z = w->work, *vdot = z + n + nout + 1;
     int code = 0;
 
     for (int i = 0; i < n; i++) {
         z[i] = y[i];
     }
+    z[n + nout] = w->states > 0 ? t - w->begin : 0.0;
     if (nout > 0) {
         code = model->scene->solve(t, y, y + model->nq, w->k, vdot, vdot + model->nv);
         if (code == 0) {
@@ -35,7 +36,7 @@ static int evaluate(const tisserand_watch *w, double t, const double *y)
     return code;
 }
 
-/* The largest |f| of the forms of a quantity */
+/* Of the forms of a quantity that with the largest absolute value */
 static double value_of(const tisserand_watch *w, int quantity)
 {
     double largest = 0.0;
@@ -45,8 +46,7 @@ static double value_of(const tisserand_watch *w, int quantity)
         for (int term = w->terms[form]; term < w->terms[form + 1]; term++) {
             f += w->factors[term] * w->work[w->columns[term]];
         }
-        f = fabs(f);
-        largest = f > largest ? f : largest;
+        largest = fabs(f) > fabs(largest) ? f : largest;
     }
     return largest;
 }
@@ -60,21 +60,29 @@ int tisserand_watch_state(void *watch, double t, const double *y)
     if (evaluate(w, t, y) != 0) {
         return 0;
     }
+    if (w->states == 0) {
+        w->begin = t;
+    }
     for (int i = 0; i < w->count; i++) {
-        const double value = value_of(w, i), square = value * value;
+        const int multiplier = w->multipliers[i];
+        /* that of this state: earlier quantities are in w->last already */
+        const double value = value_of(w, i) * (multiplier < 0 ? 1.0 : w->last[multiplier]);
+
         if (w->states == 0) {
             w->integrals[i] = 0.0;
+            w->squares[i] = 0.0;
         } else {
-            w->integrals[i] += half * (w->last[i] + square);
+            w->integrals[i] += half * (w->last[i] + value);
+            w->squares[i] += half * (w->last[i] * w->last[i] + value * value);
         }
-        if (w->states == 0 || value > w->largest[i]) {
-            w->largest[i] = value;
+        if (w->states == 0 || fabs(value) > w->largest[i]) {
+            w->largest[i] = fabs(value);
             w->times[i] = t;
             for (int j = 0; j < nq; j++) {
                 w->at[i * nq + j] = y[j];
             }
         }
-        w->last[i] = square;
+        w->last[i] = value;
     }
     w->last[w->count] = t;
     w->states++;

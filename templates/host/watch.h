@@ -1,9 +1,9 @@
 /*
  * SPDX-License-Identifier: 0BSD
  *
- * The largest and the mean square values of quantities along a motion. A quantity is the largest |f| of some forms
- * f = sum factor_i z_i of the state and the outputs of a model, z = q, v, outputs: what limits the validity of a model,
- * for example. C99 or C++, and the header of a model; no allocation.
+ * The largest, the mean and the mean square values of quantities along a motion. A quantity is that of some forms
+ * f = sum factor_i z_i with the largest |f|, of z = q, v, outputs, t - begin, and may be multiplied by another quantity:
+ * what limits the validity of a model, for example. C99 or C++, and the header of a model; no allocation.
  *
  *     cc -std=c99 -DTISSERAND_HEADER='"my_scene.h"' watch.c my_scene.c my_program.c -lm
  *
@@ -30,12 +30,15 @@ typedef struct {
     const int *terms;      /* one more than there are forms: the number of the first term of each form, likewise */
     const int *columns;    /* of each term: the number of z_i */
     const double *factors; /* of each term */
-    double *largest;       /* count: the largest value of each quantity */
+    const int *multipliers; /* count: the number of an earlier quantity that multiplies this one, or -1 */
+    double *largest;       /* count: the largest absolute value of each quantity */
     double *times;         /* count: its time */
     double *at;            /* count x nq: its q */
-    double *integrals;     /* count: of the square of each quantity over the time, by the trapezoidal rule */
-    double *last;          /* count + 1: the square of each quantity in the last state, and its time */
-    double *work;          /* nq + 2 nv + nlambda + nout */
+    double *integrals;     /* count: of each quantity over the time, by the trapezoidal rule */
+    double *squares;       /* count: of the square of each quantity, likewise */
+    double *last;          /* count + 1: each quantity in the last state, and its time */
+    double *work;          /* nq + 2 nv + nlambda + nout + 1 */
+    double begin;          /* the time of the first state */
     long states;           /* seen so far */
 } tisserand_watch;
 

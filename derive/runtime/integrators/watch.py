@@ -17,33 +17,55 @@ from derive.runtime.native_scene import NativeScene
 class Watched:
     """What was seen of each quantity in a motion.
 
-    largest (n,): its largest value; times (n,): when, s; states (n, nq): in which q. mean_squares (n,): of its values
-    over the time.
+    largest (n,): its largest absolute value; times (n,): when, s; states (n, nq): in which q. means, mean_squares (n,):
+    of its values over the time.
     """
 
     largest: Vector
     times: Vector
     states: Matrix
+    means: Vector
     mean_squares: Vector
 
 
 @dataclass(frozen=True, eq=False)
-class Watch:
-    """Quantities of a scene that are watched: each is the largest |f| of its forms f = F z of z = [q; v; outputs].
+class WatchedQuantity:
+    """A quantity of a motion: of its forms f = F z of z = [q; v; outputs; t] that with the largest absolute value.
 
-    forms: the matrices F (forms, nq + nv + nout) of the quantities.
+    forms: the matrix F (forms, nq + nv + nout + 1), where t is the time since the begin, s. factor: the number of an
+    earlier quantity whose value multiplies it.
     """
 
-    forms: tuple[Matrix, ...] = ()
+    forms: Matrix
+    factor: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Watch:
+    """Quantities of a scene that are watched."""
+
+    quantities: tuple[WatchedQuantity, ...] = ()
 
     def of_rows(self, t: Vector, z: Matrix, nq: int) -> Watched:
         """What is seen in the rows z (rows, nq + nv + nout) at the times t (rows,), s."""
-        values = np.array([np.abs(z @ form.T).max(axis=1) for form in self.forms]).reshape(len(self.forms), len(t))
-        rows, squares = values.argmax(axis=1), values**2
-        means = squares[:, 0]
-        if len(t) > 1:
-            means = (squares[:, 1:] + squares[:, :-1]) @ np.diff(t) / 2 / (t[-1] - t[0])
-        return Watched(values.max(axis=1), t[rows], z[rows, :nq], means)
+        z = np.hstack([z, (t - t[0])[:, None]])
+        values = np.zeros((len(self.quantities), len(t)))
+        for value, quantity in zip(values, self.quantities, strict=True):
+            forms = z @ quantity.forms.T
+            value[:] = np.take_along_axis(forms, np.abs(forms).argmax(axis=1)[:, None], axis=1)[:, 0]
+            if quantity.factor is not None:
+                value *= values[quantity.factor]
+        rows = np.abs(values).argmax(axis=1)
+        largest = np.abs(values).max(axis=1)
+        return Watched(largest, t[rows], z[rows, :nq], *(_mean(t, x) for x in (values, values**2)))
+
+
+def _mean(t: Vector, values: Matrix) -> Vector:
+    """The mean values over the time (n,) of quantities (n, rows), by the trapezoidal rule."""
+    if len(t) == 1:
+        return values[:, 0]
+    result: Vector = (values[:, 1:] + values[:, :-1]) @ np.diff(t) / 2 / (t[-1] - t[0])
+    return result
 
 
 class _Structure(ctypes.Structure):
@@ -51,8 +73,9 @@ class _Structure(ctypes.Structure):
         ("model", ctypes.c_void_p),
         ("k", ctypes.c_void_p),
         ("count", ctypes.c_int),
-        *((name, ctypes.c_void_p) for name in ("forms", "terms", "columns", "factors")),
-        *((name, ctypes.c_void_p) for name in ("largest", "times", "at", "integrals", "last", "work")),
+        *((name, ctypes.c_void_p) for name in ("forms", "terms", "columns", "factors", "multipliers")),
+        *((name, ctypes.c_void_p) for name in ("largest", "times", "at", "integrals", "squares", "last", "work")),
+        ("begin", ctypes.c_double),
         ("states", ctypes.c_long),
     ]
 
@@ -76,33 +99,36 @@ class WatchInC:
     times: Vector = field(init=False)
     states: Matrix = field(init=False)
     integrals: Vector = field(init=False)
+    squares: Vector = field(init=False)
     last: Vector = field(init=False)
 
     def __post_init__(self) -> None:
-        native, forms = self.native, self.watch.forms
-        n = len(forms)
-        self.largest, self.times, self.integrals = np.zeros(n), np.zeros(n), np.zeros(n)
+        native, quantities = self.native, self.watch.quantities
+        n = len(quantities)
+        self.largest, self.times, self.integrals, self.squares = (np.zeros(n) for _ in range(4))
         self.states, self.last = np.zeros((n, native.nq)), np.zeros(n + 1)
-        work = np.zeros(native.nq + 2 * native.nv + native.nlambda + len(native.outputs))
-        rows = [row for form in forms for row in form]
+        work = np.zeros(native.nq + 2 * native.nv + native.nlambda + len(native.outputs) + 1)
+        rows = [row for quantity in quantities for row in quantity.forms]
         terms = [np.flatnonzero(row) for row in rows]
         self._arrays = (
-            _numbers(len(form) for form in forms),
+            _numbers(len(quantity.forms) for quantity in quantities),
             _numbers(len(columns) for columns in terms),
             np.concatenate([*terms, []]).astype(np.int32),
             np.concatenate([*(row[columns] for row, columns in zip(rows, terms, strict=True)), []]),
-            *(self.largest, self.times, self.states, self.integrals, self.last, work),
+            np.array([-1 if q.factor is None else q.factor for q in quantities], dtype=np.int32),
+            *(self.largest, self.times, self.states, self.integrals, self.squares, self.last, work),
         )
         addresses = [array.ctypes.data for array in self._arrays]
-        self._structure = _Structure(native.address, self.k.ctypes.data, n, *addresses, 0)
+        self._structure = _Structure(native.address, self.k.ctypes.data, n, *addresses, 0.0, 0)
         call = ctypes.cast(self.library.tisserand_watch_state, ctypes.c_void_p).value
         self._observer = _Observer(call, ctypes.addressof(self._structure))
         self.address = ctypes.addressof(self._observer)
 
     def seen(self, duration: float) -> Watched:
         """What it has seen in a motion over `duration`, s."""
-        means = self.integrals / duration if duration > 0 else self.last[:-1]
-        return Watched(self.largest, self.times, self.states, means)
+        last = self.last[:-1]
+        means = (self.integrals / duration, self.squares / duration) if duration > 0 else (last, last**2)
+        return Watched(self.largest, self.times, self.states, *means)
 
 
 def _numbers(counts: Iterable[int]) -> NDArray[np.int32]:

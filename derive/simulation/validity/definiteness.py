@@ -12,6 +12,9 @@ from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matri
 from derive.simulation.observables.beams import piece_names
 from derive.simulation.validity.watched_beam import SceneWatch, WatchedBeam
 
+SHARE = 1.0
+"""Of the lost part in the error: the velocity that loses most is not the motion."""
+
 
 def lost_inertia(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> tuple[float, float]:
     """The largest part of the kinetic energy of a velocity that the deflections of a beam take away, and its time, s.
@@ -23,7 +26,7 @@ def lost_inertia(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> tupl
     native, k, shapes = scene.native, scene.k, watched.shapes
     own = [i for p in piece_names(shapes.beam) for i in shapes.amplitudes_in(native, p)]
     deformations = coordinates_with(native, Role.AMPLITUDE)
-    quantities = [*watched.deflections, *(part for parts in watched.energies for part in parts)]
+    quantities = [*watched.piece_deflections, *(part for parts in watched.energies for part in parts)]
     states = {float(seen.times[i]): seen.states[i] for i in quantities}
     time, lost = next(iter(states)), 0.0
     for t, q in states.items():
@@ -34,6 +37,11 @@ def lost_inertia(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> tupl
         if value > lost:
             time, lost = t, value
     return time, lost
+
+
+def implied_by(lost: float) -> float:
+    """The error of deflections that a loss of inertia implies."""
+    return SHARE * lost
 
 
 def _lost(native: ConstrainedSystem, k: Vector, t: float, straight: Vector, bent: Vector) -> float:

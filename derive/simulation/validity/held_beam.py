@@ -12,9 +12,10 @@ import numpy as np
 from scipy.linalg import eigh, null_space
 
 from derive.roles import Role
-from derive.runtime.native_call import Vector
+from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
+from derive.simulation.observables.beams import piece_names
 from derive.simulation.validity.piece_shapes import PieceShapes
 
 RIGID = 1e-9
@@ -23,24 +24,26 @@ RIGID = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LowestMode:
-    """The lowest frequency of a beam, rad/s, and the amplitudes (shapes,) of its shape."""
+    """The lowest frequency of a beam, rad/s, and the amplitudes (pieces, shapes) of its shape."""
 
     frequency: float
-    amplitudes: Vector
+    amplitudes: Matrix
 
 
 def lowest_mode(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q: Vector) -> LowestMode | None:
-    """The lowest mode of a beam of one piece; None where the joints admit no deformation of it alone.
+    """The lowest mode of a beam; None where the joints admit no deformation of it alone.
 
     native, k: its compiled scene and the constants (nk,). q: the state (nq,) at t (s) in which it vibrates.
     """
-    own = shapes.amplitudes_in(native, shapes.beam.name)
+    pieces = [shapes.amplitudes_in(native, piece) for piece in piece_names(shapes.beam)]
+    own = [column for columns in pieces for column in columns]
     deformations = coordinates_with(native, Role.AMPLITUDE)
     straight = np.where(deformations, 0.0, q)
     free = ~deformations
     free[own] = True
     K = np.zeros((native.nq, native.nq))
-    K[np.ix_(own, own)] = shapes.stiffness
+    for columns in pieces:
+        K[np.ix_(columns, columns)] = shapes.stiffness
     M = mass_matrix(native, straight, k)
     size = np.sqrt(np.diag(M)[free])
     scale = np.where(size > 0, size, 1.0)
@@ -61,4 +64,4 @@ def lowest_mode(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q
     i = int(np.argmax(elastic))
     motion_of_all = np.zeros(native.nq)
     motion_of_all[free] = admitted @ modes[:, i] / scale
-    return LowestMode(float(np.sqrt(squares[i])), motion_of_all[own])
+    return LowestMode(float(np.sqrt(squares[i])), motion_of_all[pieces])

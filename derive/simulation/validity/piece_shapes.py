@@ -53,7 +53,7 @@ class PieceShapes:
     @cached_property
     def stiffness(self) -> Matrix:
         """K (shapes, shapes) of the strain energy 1/2 a^T K a, N/m."""
-        xi, weights = _gauss_points()
+        xi, weights = gauss_points()
         curvatures = self._derivatives(2, xi) * (2 / self.length) ** 2
         stiffness: Matrix = self.bending_stiffness * self.length / 2 * (curvatures * weights) @ curvatures.T
         return stiffness
@@ -64,8 +64,8 @@ class PieceShapes:
         This is what the kinematics of second order add, and those of first order leave out: slopes are relative to the
         floating frame.
         """
-        xi, weights = _gauss_points()
-        slopes = self._derivatives(1, xi) * 2 / self.length
+        xi, weights = gauss_points()
+        slopes = self.slopes(xi)
         result: Matrix = self.length / 2 * (slopes * weights * xi**power) @ slopes.T
         return result
 
@@ -73,6 +73,14 @@ class PieceShapes:
         """(shapes, len(xi)): the bending moments EI v'' of unit amplitudes at places xi of a piece, N."""
         result: Matrix = self.bending_stiffness * (2 / self.length) ** 2 * self._derivatives(2, xi)
         return result
+
+    def values(self, xi: Vector) -> Matrix:
+        """(shapes, len(xi)): the deflections at places xi of a piece per unit of the amplitudes."""
+        return self._derivatives(0, xi)
+
+    def slopes(self, xi: Vector) -> Matrix:
+        """(shapes, len(xi)): the slopes at places xi of a piece, 1/m."""
+        return self._derivatives(1, xi) * 2 / self.length
 
     def _derivatives(self, order: int, xi: Vector) -> Matrix:
         """(shapes, len(xi)): derivatives of the shapes by xi."""
@@ -93,6 +101,6 @@ def _index(native: ConstrainedSystem, name: str) -> int:
 
 
 @cache
-def _gauss_points() -> tuple[Vector, Vector]:
+def gauss_points() -> tuple[Vector, Vector]:
     """Points and weights on [-1, 1]; they take a millisecond."""
     return leggauss(POINTS)

@@ -1,8 +1,9 @@
-"""What is watched of the beams of a scene in motion, as linear forms of its state and its outputs.
+"""What is watched of the beams of a scene in motion, as linear forms of its state and its outputs, and their products.
 
-First order leaves out of the stiffness what second order adds: the integral of N v'^2 along the beam, with its axial
-force N(xi). Compared with the strain energy of the lowest mode of the beam as its joints hold it, this is the part of
-its stiffness that is missing. Of more pieces each is taken as pinned at its ends.
+What a model leaves out is compared with the stiffness of the beam in the shape of its lowest mode, as the joints hold
+it. First order leaves out what an axial force N(xi) adds: the integral of N v'^2 along the beam. All models leave out
+what a large deflection adds: in an inextensible beam the curvature is v''/sqrt(1 - v'^2), and the strain energy has a
+further part, the integral of 1/2 EI v''^2 v'^2.
 """
 
 from __future__ import annotations
@@ -13,41 +14,58 @@ from itertools import pairwise
 
 import numpy as np
 
-from derive.runtime.integrators.watch import Watch, Watched
+from derive.runtime.integrators.watch import Watch, Watched, WatchedQuantity
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.observables.beams import beam_bodies, function_values, piece_names, shape_functions
-from derive.simulation.validity.end_moments import SECTIONS
+from derive.simulation.observables.beams import beam_bodies, piece_names
+from derive.simulation.validity.beam_line import deflections_along, places
+from derive.simulation.validity.end_moments import SECTIONS, held_ends
 from derive.simulation.validity.held_beam import LowestMode, lowest_mode
+from derive.simulation.validity.missed_moment import missed_moment
 from derive.simulation.validity.monitoring_outputs import MonitoredPiece, monitored_ends, monitored_pieces
-from derive.simulation.validity.piece_shapes import PieceShapes
+from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.spec.model.scene import BeamBody, Scene
-
-POINTS = 21
-"""Points of a piece at which its deflection is looked at."""
 
 
 @dataclass(frozen=True, eq=False)
 class WatchedBeam:
     """The numbers of the quantities of a beam in the watch of its scene.
 
-    deflections, spins: one for each piece. axial_forces: by the names of pieces. energies: square roots of the parts of
-    the strain energy, one for each shape of each piece. moment: the bending moment; ends: its jumps between pieces, and
-    at the ends of the beam what it misses of the exact one.
+    deflection, rate: of the beam, m and m/s; late: the rate times the time; cubed: the third power of the deflection.
+    mode, mode_rate: the amplitude of the lowest mode and its rate, m and m/s. axial: the stiffness that the axial force
+    adds, relative to that of the lowest mode; axial_product: times the deflection. moment: the bending moment, N m;
+    gaps: what the shapes miss of it, at the ends of the beam and between pieces. missed: the deflection that they miss,
+    m. energies: square roots of the parts of the strain energy, one for each shape of each piece. piece_deflections: of
+    each piece, over its length. frequency: that of the lowest mode, rad/s; hardening: the stiffness that a large deflection adds, relative to that of
+    the lowest mode, over the square of the deflection, 1/m^2.
     """
 
     shapes: PieceShapes
-    deflections: tuple[int, ...]
-    spins: tuple[int, ...]
-    axial_forces: dict[str, int]
-    energies: tuple[tuple[int, ...], ...]
+    deflection: int
+    rate: int
+    late: int
+    cubed: int
+    mode: int
+    mode_rate: int
+    axial: int
+    axial_product: int
     moment: int
-    ends: tuple[int, ...]
+    gaps: tuple[int, ...]
+    missed: int
+    energies: tuple[tuple[int, ...], ...]
+    piece_deflections: tuple[int, ...]
+    frequency: float
+    hardening: float
 
     @property
     def beam(self) -> BeamBody:
         """The beam."""
         return self.shapes.beam
+
+    @property
+    def length(self) -> float:
+        """Of the whole beam, m."""
+        return self.shapes.length * self.beam.pieces
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,77 +90,132 @@ class SceneWatch:
 def scene_watch(scene: Scene, native: NativeScene, k: Vector, t: float, q: Vector) -> SceneWatch:
     """What is watched of a scene that was compiled with the outputs of `with_monitors`; q (nq,): a state at t (s)."""
     forms = _Forms(native)
-    pieces = monitored_pieces(scene)
     beams = []
     for beam in beam_bodies(scene):
         shapes = PieceShapes(beam)
-        mode = lowest_mode(shapes, native, k, t, q) if beam.pieces == 1 else None
-        own = [p for p in pieces if p.beam == beam.name]
-        beams.append(_watched_beam(scene, forms, shapes, mode, own))
-    return SceneWatch(native, k, tuple(beams), Watch(tuple(forms.matrices)))
+        mode = lowest_mode(shapes, native, k, t, q)
+        if mode is None:  # nothing deforms it alone: its first shape stands for that of the loads
+            mode = LowestMode(np.inf, np.tile(np.eye(len(shapes.stiffness))[0], (beam.pieces, 1)))
+        beams.append(_BeamForms(scene, forms, shapes, mode).watched())
+    return SceneWatch(native, k, tuple(beams), Watch(tuple(forms.quantities)))
 
 
 class _Forms:
-    """The quantities of a watch, in the order in which they are added."""
+    """The quantities of a watch, in the order in which they are added, as forms of z = [q; v; outputs; t]."""
 
     def __init__(self, native: NativeScene) -> None:
-        self.native, self.matrices = native, list[Matrix]()
+        self.native, self.quantities = native, list[WatchedQuantity]()
+        self.size = native.nq + native.nv + len(native.outputs) + 1
 
-    def add(self, columns: Sequence[int], factors: Matrix) -> int:
+    def add(self, columns: Sequence[int], factors: Matrix, factor: int | None = None) -> int:
         """The number of a new quantity whose forms have these factors (forms, columns) of some elements of z."""
-        native = self.native
-        matrix = np.zeros((len(factors), native.nq + native.nv + len(native.outputs)))
+        matrix = np.zeros((len(factors), self.size))
         matrix[:, columns] = factors
-        self.matrices.append(matrix)
-        return len(self.matrices) - 1
+        self.quantities.append(WatchedQuantity(matrix, factor))
+        return len(self.quantities) - 1
 
     def output(self, name: str) -> int:
         """The number of an output in z."""
         return int(self.native.nq + self.native.nv + self.native.outputs.index(name))
 
 
-def _watched_beam(
-    scene: Scene, forms: _Forms, shapes: PieceShapes, mode: LowestMode | None, monitored: Sequence[MonitoredPiece]
-) -> WatchedBeam:
-    native, names = forms.native, piece_names(shapes.beam)
-    amplitudes = {p: shapes.amplitudes_in(native, p) for p in names}
-    xi = np.linspace(-1, 1, POINTS)
-    shape_values = np.array([function_values(f, xi) for f in shape_functions(shapes.beam)]).T / shapes.length
-    frequency = mode.frequency if mode else shapes.pinned_frequency
-    parts = np.linalg.cholesky(shapes.stiffness).T / np.sqrt(2)
-    turns = [native.nq + shapes.rotation_in(native, p) for p in names]
-    return WatchedBeam(
-        shapes,
-        tuple(forms.add(amplitudes[p], shape_values) for p in names),
-        tuple(forms.add([turn], np.array([[1 / frequency]])) for turn in turns),
-        {p.piece: _axial_force(forms, shapes, mode, p) for p in monitored},
-        tuple(tuple(forms.add(amplitudes[p], part[None]) for part in parts) for p in names),
-        *_moments(scene, forms, shapes, list(amplitudes.values())),
-    )
+class _BeamForms:
+    """The forms of a beam with its lowest mode."""
 
+    def __init__(self, scene: Scene, forms: _Forms, shapes: PieceShapes, mode: LowestMode) -> None:
+        self.scene, self.forms, self.shapes, self.mode = scene, forms, shapes, mode
+        beam, native = shapes.beam, forms.native
+        self.pieces = piece_names(beam)
+        self.amplitudes = [shapes.amplitudes_in(native, piece) for piece in self.pieces]
+        self.columns = [column for columns in self.amplitudes for column in columns]
+        ends = [int(marker.at) for marker in held_ends(scene, beam)]
+        self.held = ends[0] if len(ends) == 1 else None
 
-def _axial_force(forms: _Forms, shapes: PieceShapes, mode: LowestMode | None, piece: MonitoredPiece) -> int:
-    """The part of the stiffness of the lowest mode of a piece that its axial force makes up."""
-    columns = [forms.output(output.name) for output in piece.outputs]
-    if mode is None:
-        return forms.add(columns[:1], np.array([[1 / shapes.euler_load]]))
-    a = mode.amplitudes
-    factors = [a @ shapes.geometric_stiffness(power) @ a for power in range(len(columns))]
-    return forms.add(columns, np.array([factors]) / (a @ shapes.stiffness @ a))
+    def watched(self) -> WatchedBeam:
+        """The numbers of the quantities."""
+        forms, shapes, columns = self.forms, self.shapes, self.columns
+        rates = [forms.native.nq + column for column in columns]
+        bent = self.along(shapes.values(places()), shapes.slopes(np.array([-1.0, 1.0])))
+        deflection, rate = forms.add(columns, bent), forms.add(rates, bent)
+        squared = forms.add(columns, bent, deflection)
+        weights = (self.mode.amplitudes @ shapes.stiffness).ravel() / self.strain
+        moment, gaps = self.moments()
+        missed = missed_moment(shapes)
+        parts = np.linalg.cholesky(shapes.stiffness).T / np.sqrt(2)
+        xi = np.linspace(-1, 1, 2 * SECTIONS)
+        axial_columns, axial_factors = self.axial()
+        axial = forms.add(axial_columns, axial_factors)
+        return WatchedBeam(
+            shapes,
+            deflection,
+            rate,
+            forms.add([forms.size - 1], np.eye(1), rate),
+            forms.add(columns, bent, squared),
+            forms.add(columns, weights[None]),
+            forms.add(rates, weights[None]),
+            axial,
+            forms.add(axial_columns, axial_factors, deflection),
+            moment,
+            self.monitored_gaps(gaps),
+            forms.add(range(forms.size), self.along(missed.values, missed.slopes) @ gaps.reshape(-1, forms.size)),
+            tuple(tuple(forms.add(own, part[None]) for part in parts) for own in self.amplitudes),
+            tuple(forms.add(own, shapes.values(xi).T / shapes.length) for own in self.amplitudes),
+            self.mode.frequency,
+            self.hardening(bent),
+        )
 
+    def along(self, values: Matrix, slopes: Matrix) -> Matrix:
+        """The deflection of the beam per unit of fields of its pieces."""
+        return deflections_along(values, slopes, self.shapes.length, len(self.pieces), self.held)
 
-def _moments(
-    scene: Scene, forms: _Forms, shapes: PieceShapes, amplitudes: list[list[int]]
-) -> tuple[int, tuple[int, ...]]:
-    """The bending moment in sections of all pieces; and its jumps between them, and what it misses at the ends."""
-    of_shapes = shapes.moments(np.linspace(-1, 1, SECTIONS)).T  # sections, shapes
-    every = [column for columns in amplitudes for column in columns]
-    first, last = of_shapes[0], of_shapes[-1]
-    every_section = np.kron(np.eye(len(amplitudes)), of_shapes).astype(np.float64)
-    moment = forms.add(every, every_section)
-    ends = [forms.add([*left, *right], np.concatenate([last, -first])[None]) for left, right in pairwise(amplitudes)]
-    held = monitored_ends(scene)
-    for end, columns, at_end in ((-1, amplitudes[0], first), (1, amplitudes[-1], last)):
-        gap = held.get((shapes.beam.name, end))
-        ends.append(forms.add([forms.output(gap.name)], np.eye(1)) if gap else forms.add(columns, at_end[None]))
-    return moment, tuple(ends)
+    @property
+    def strain(self) -> float:
+        """Twice the strain energy of the mode."""
+        a = self.mode.amplitudes
+        return float(np.sum(a * (a @ self.shapes.stiffness)))
+
+    def hardening(self, bent: Matrix) -> float:
+        """The stiffness that a large deflection adds, relative to that of the mode, over its square, 1/m^2."""
+        xi, weights = gauss_points()
+        a, shapes = self.mode.amplitudes, self.shapes
+        squares = (a @ shapes.moments(xi)) ** 2 * weights
+        added = 2 * float(np.sum(squares * (a @ shapes.slopes(xi)) ** 2) / np.sum(squares))
+        return added / float(np.abs(bent @ a.ravel()).max()) ** 2
+
+    def axial(self) -> tuple[list[int], Matrix]:
+        """The stiffness that the axial force adds to that of the mode; pieces between monitored ones are as the nearest."""
+        monitored = [piece for piece in monitored_pieces(self.scene) if piece.beam == self.shapes.beam.name]
+        where = np.array([self.pieces.index(piece.piece) for piece in monitored])
+        nearest = [int(np.abs(where - i).argmin()) for i in range(len(self.pieces))]
+        columns, factors = list[int](), list[float]()
+        for number, piece in enumerate(monitored):
+            a = self.mode.amplitudes[[i for i, near in enumerate(nearest) if near == number]]
+            for power, output in enumerate(piece.outputs):
+                columns.append(self.forms.output(output.name))
+                factors.append(float(np.sum(a * (a @ self.shapes.geometric_stiffness(power)))) / self.strain)
+        return columns, np.array([factors])
+
+    def moments(self) -> tuple[int, Matrix]:
+        """The bending moment in sections of all pieces; and what is missed at both ends of each (pieces, 2, z)."""
+        forms, shapes = self.forms, self.shapes
+        of_shapes = shapes.moments(np.linspace(-1, 1, SECTIONS)).T  # sections, shapes
+        every_section = np.kron(np.eye(len(self.pieces)), of_shapes).astype(np.float64)
+        at_ends = np.zeros((len(self.pieces), 2, forms.size))
+        for i, own in enumerate(self.amplitudes):
+            at_ends[i][:, own] = of_shapes[[0, -1]]
+        gaps = -at_ends
+        for left, right in pairwise(range(len(self.pieces))):  # the moment between them is the mean of theirs
+            jump = (at_ends[right, 0] - at_ends[left, 1]) / 2
+            gaps[left, 1], gaps[right, 0] = jump, -jump
+        for (beam, end), output in monitored_ends(self.scene).items():
+            if beam == shapes.beam.name:
+                gap = gaps[0, 0] if end == -1 else gaps[-1, 1]
+                gap[:] = 0
+                gap[forms.output(output.name)] = 1
+        return forms.add(self.columns, every_section), gaps
+
+    def monitored_gaps(self, gaps: Matrix) -> tuple[int, ...]:
+        """What is missed at both ends of the beam, and the jumps between pieces."""
+        forms = self.forms
+        rows = [gaps[0, 0], *(2 * gap[1] for gap in gaps[:-1]), gaps[-1, 1]]
+        return tuple(forms.add(range(forms.size), row[None]) for row in rows)
