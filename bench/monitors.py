@@ -21,7 +21,7 @@ import numpy as np
 from monitor_scenes import scenes
 
 from derive.errors import TisserandError
-from derive.simulation.observables.beams import axis_points, beam_bodies, piece_at, piece_names
+from derive.simulation.observables.beams import axis_points, beam_bodies, piece_names
 from derive.simulation.trajectory import Trajectory
 from derive.simulation.validity.end_moments import held_ends
 from derive.spec.model.scene import BeamBody, Scene

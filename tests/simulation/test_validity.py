@@ -15,7 +15,7 @@ from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
 from derive.simulation.trajectory import Trajectory
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitoring_outputs import MOST_PIECES, monitored_pieces, with_monitors
-from derive.simulation.validity.monitors import LIMITS, Cause, Monitor
+from derive.simulation.validity.monitors import ERROR_LIMIT, Cause, Monitor
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
@@ -79,8 +79,8 @@ def run(scene: Scene, duration: float, output: float) -> Trajectory:
     return derive.simulate(scene, duration=duration, output=output)
 
 
-def monitor(trajectory: Trajectory, cause: Cause) -> Monitor:
-    return next(m for m in trajectory.validity if m.cause is cause)
+def monitor(trajectory: Trajectory, cause: Cause, beam: str = "") -> Monitor:
+    return next(m for m in trajectory.validity if m.cause is cause and m.beam.startswith(beam))
 
 
 def spinning(spin: float) -> Trajectory:
@@ -111,6 +111,15 @@ def cantilever(order: int) -> Trajectory:
     )
 
 
+def struck(rate: float, duration: float = 0.6) -> Trajectory:
+    """A free beam of second order with the deflection rates of P2; 0.6 s are two periods."""
+    start = {"deflection_rate": f"{rate}*(3/2*xi^2 - 1/2)"}
+    shapes = ["1", "xi", "xi^2", "xi^4", "xi^6"]
+    beam = {"ansatz": shapes, "frame": "mean", "order": 2, "mass": 1, "length": 1, "bending_stiffness": 1}
+    scene = derive.scene("struck", bodies={"rod": {**beam, "start": start, "markers": {"left": -1}}})
+    return run(scene, duration, duration / 20)
+
+
 def column(load: float) -> Trajectory:
     return derive.simulate(parse(COLUMN.replace("LOAD", str(load))))
 
@@ -121,48 +130,42 @@ def column(load: float) -> Trajectory:
 def test_a_spin_beyond_the_stability_of_first_order_warns_while_the_deflection_is_small() -> None:
     trajectory = spinning(28)
     assert monitor(trajectory, Cause.DEFLECTION).value < 1e-3
-    spin, axial = monitor(trajectory, Cause.SPIN), monitor(trajectory, Cause.AXIAL_FORCE)
-    assert spin.value == pytest.approx(28 / np.sqrt(720), rel=1e-6)
+    axial = monitor(trajectory, Cause.AXIAL_FORCE)
     # what second order adds: (m/5)(alpha1'' + 2 w^2 alpha1) in place of (m/5)(alpha1'' - w^2 alpha1), of K = 144
     assert axial.value == pytest.approx(3 * 28**2 / 720, rel=1e-4)
-    ends = monitor(
-        trajectory, Cause.END_MOMENT
-    )  # P2 alone has a constant moment, and frequencies that are 20 % too high
-    assert ends.value == pytest.approx(1, rel=1e-3) and ends.error == pytest.approx(26.8328 / 22.3733 - 1, abs=1e-3)
-    assert trajectory.warnings == (spin.warning, axial.warning, ends.warning)
-    assert "104 % of its lowest frequency" in spin.warning and "limit of 20 %" in spin.warning
-    assert "an error of 100 % or more; choose order = 2" in spin.warning
+    assert axial.warning in trajectory.warnings and axial.error > 1
+    assert "changes its bending stiffness by 327 %" in axial.warning and "the limit" in axial.warning
+    assert "an error of 100 % or more" in axial.warning and "choose order = 2" in axial.warning
 
 
 def test_a_column_at_three_euler_loads_warns() -> None:
     trajectory = column(-3 * np.pi**2)
     (warning,) = trajectory.warnings
-    assert monitor(trajectory, Cause.AXIAL_FORCE).value == pytest.approx(
-        3 * np.pi**2 / 12, rel=1e-6
-    )  # P2 buckles at 12
-    assert "its axial force is 247 % of the load under which it buckles" in warning
+    axial = monitor(trajectory, Cause.AXIAL_FORCE)
+    assert axial.value == axial.error == pytest.approx(3 * np.pi**2 / 12, rel=1e-6)  # P2 buckles at 12
+    assert "its axial force changes its bending stiffness by 247 %" in warning
 
 
 def test_the_published_rod_in_one_beam_warns_of_its_axial_force() -> None:
     trajectory = rod(1, highest=4)
     (warning,) = trajectory.warnings
-    assert "rod in 1 beam: its axial force is 23 %" in warning and "divide the beam into more pieces" in warning
+    assert "rod in 1 beam: its axial force changes its bending stiffness by 23 %" in warning
+    assert "divide the beam into more pieces" in warning
 
 
 def test_second_order_does_not_rescue_two_shapes_between_pins_and_warns() -> None:
-    trajectory = rod(1, second_order=True)
+    trajectory = run(rod(1, second_order=True).scene, 0.1, 2e-4)
     (warning,) = trajectory.warnings
     mismatch = monitor(trajectory, Cause.END_MOMENT)
-    assert mismatch.value > 0.95 and mismatch.error == pytest.approx(0.2, abs=0.01)  # measured: 21.8 % rms
+    assert mismatch.value > 0.95 and mismatch.error == pytest.approx(0.218, rel=0.5)  # measured: 21.8 % rms
     assert warning == mismatch.warning and "add a shape" in warning
 
 
 def test_a_cantilever_warns_before_its_stiffness_is_lost() -> None:
     trajectory = cantilever(1)
-    spin = monitor(trajectory, Cause.SPIN)
-    speed = np.abs(trajectory["beam_phidot"]).max()
-    assert speed / spin.value == pytest.approx(3.516 * np.sqrt(1.4e4 / (12 * 10**3)), rel=5e-3)
-    assert {Cause.SPIN, Cause.AXIAL_FORCE} <= {m.cause for m in trajectory.validity if m.passed}
+    axial = monitor(trajectory, Cause.AXIAL_FORCE)
+    assert axial.error == pytest.approx(0.25, rel=0.5)
+    assert axial.warning in trajectory.warnings
 
 
 def test_a_truncated_beam_warns_before_its_mass_matrix_is_indefinite() -> None:
@@ -177,7 +180,8 @@ def test_a_truncated_beam_warns_before_its_mass_matrix_is_indefinite() -> None:
 def test_two_shapes_between_pins_warn_at_first_order() -> None:
     """Measured: 39 % rms in the deflection of the coupler with P2, P3, and 5.4 % with P4."""
     trajectory = run(changed("four_bar"), 1.1, 0.01)
-    assert [m.error for m in trajectory.validity if m.passed] == pytest.approx([0.18, 0.2], abs=0.01)
+    of_coupler = monitor(trajectory, Cause.END_MOMENT, "coupler")
+    assert of_coupler.error == pytest.approx(0.39, rel=0.5)
     assert all("miss the bending moment at an end" in warning for warning in trajectory.warnings)
 
 
@@ -190,6 +194,20 @@ def test_sine_waves_warn_at_a_clamped_end() -> None:
     assert monitor(trajectory, Cause.END_MOMENT).value > 1
     (warning,) = trajectory.warnings
     assert "choose shapes that fit its ends" in warning
+
+
+@pytest.mark.parametrize(("rate", "error"), [(1.4, 0.059), (1.95, 0.11)])
+def test_a_struck_beam_that_bends_far_warns(rate: float, error: float) -> None:
+    """The errors are those of P2 to P7 against a geometrically exact rod; of them P2, P4 and P6 move."""
+    (warning,) = struck(rate).warnings
+    bent = monitor(struck(rate), Cause.DEFLECTION)
+    assert bent.warning == warning and "it bends by" in warning and "into more pieces" in warning
+    assert error / 2 < bent.error < 2 * error
+
+
+def test_the_error_of_a_vibration_grows_with_the_time() -> None:
+    twice, once = (monitor(struck(1.0, duration), Cause.DEFLECTION).error for duration in (0.6, 0.3))
+    assert twice == pytest.approx(2 * once, rel=0.1)
 
 
 # ---- no false alarm ----
@@ -210,6 +228,27 @@ def test_the_published_rod_is_silent_in_three_beams_and_at_second_order() -> Non
 
 def test_the_cantilever_of_second_order_is_silent() -> None:
     assert not cantilever(2).warnings
+
+
+def test_small_deflections_of_a_struck_beam_are_silent() -> None:
+    assert not struck(0.3).warnings
+
+
+@pytest.mark.parametrize(
+    ("frame", "model", "error"),
+    [
+        ('{ kind = "tangent", at = -1 }', 'order = 2\nterms = "truncated"', 0.006),
+        ('"mean"', "pieces = 2", 0.038),
+        ('"mean"', "pieces = 3", 0.017),
+    ],
+)
+def test_a_spin_up_is_silent_with_two_shapes_where_its_error_is_small(frame: str, model: str, error: float) -> None:
+    """The errors against the file of the scene are in `docs/theory.md`."""
+    shapes = (r"ansatz = \[.*\]", 'ansatz = ["1", "xi", "xi^2", "xi^3"]')
+    scene = changed("spun_up_cantilever", shapes, ("frame = {.*}", f"frame = {frame}"), ("mass = 12", f"{model}\nmass = 12"))
+    trajectory = run(scene, 9.0, 0.1)
+    assert not trajectory.warnings
+    assert error / 2 < max(m.error for m in trajectory.validity) < 2 * error
 
 
 def test_a_four_bar_linkage_with_enough_shapes_is_silent() -> None:
@@ -246,16 +285,22 @@ def test_no_specification_asks_for_a_monitor() -> None:
     assert not set(MONITORS) & set(OUTPUTS)
 
 
-def test_every_cause_has_a_limit_but_the_share_of_the_highest_shape() -> None:
-    assert {cause for cause, _ in LIMITS} == set(Cause) - {Cause.HIGHEST_SHAPE}
-    for cause in Cause:
-        for order in DisplacementOrder:
-            text = Monitor("rod", 2, cause, order, 0.5, 0.3, 0.1, "rod_1").warning
-            assert text.startswith("rod in 2 beams: ") and "30 %" in text and "; " in text
+@pytest.mark.parametrize("cause", Cause)
+def test_every_cause_warns_where_its_error_passes_the_limit(cause: Cause) -> None:
+    for order in DisplacementOrder:
+        at_limit = Monitor("rod", 2, cause, order, 0.5, ERROR_LIMIT, 0.1)
+        assert not at_limit.passed and replace(at_limit, error=1.001 * ERROR_LIMIT).passed
+        text = replace(at_limit, error=0.3).warning
+        assert text.startswith("rod in 2 beams: ") and "an error of 30 % in its deflection" in text and "5 % is" in text
+
+
+def test_a_warning_says_100_percent_without_an_exponent() -> None:
+    text = Monitor("rod", 1, Cause.END_MOMENT, DisplacementOrder.FULL, 0.997, 0.17, 0.1).warning
+    assert "by 100 % of the largest one" in text and "e+" not in text
 
 
 def test_what_is_not_a_number_is_beyond_a_limit() -> None:
-    assert Monitor("rod", 1, Cause.DEFLECTION, DisplacementOrder.FIRST_ORDER, np.nan, np.nan, 0.0, "rod").passed
+    assert Monitor("rod", 1, Cause.DEFLECTION, DisplacementOrder.FIRST_ORDER, np.nan, np.nan, 0.0).passed
 
 
 # ---- where they look ----
@@ -265,9 +310,9 @@ def test_what_happens_between_two_rows_is_seen() -> None:
     """Set A in one beam: its deflection is largest between the two rows of the run."""
     often, ends = rod(1), run(rod(1).scene, 0.02, 0.02)
     assert len(ends["t"]) == 2
-    for cause in (Cause.DEFLECTION, Cause.SPIN, Cause.AXIAL_FORCE, Cause.HIGHEST_SHAPE, Cause.END_MOMENT):
+    for cause in (Cause.DEFLECTION, Cause.AXIAL_FORCE, Cause.END_MOMENT):
         seen, same = monitor(ends, cause), monitor(often, cause)
-        assert (seen.value, seen.t, seen.piece) == (same.value, same.t, same.piece)
+        assert (seen.value, seen.t, seen.error) == (same.value, same.t, same.error)
     bent = monitor(often, Cause.DEFLECTION)
     of_rows = next(m for m in validity(ends.motion) if m.cause is Cause.DEFLECTION)
     assert bent.value > 0.009 and 0 < bent.t < 0.02 and of_rows.value < 0.8 * bent.value
@@ -280,7 +325,7 @@ def test_steps_in_c_and_rows_in_python_see_the_same() -> None:
     rows = {m.cause: m for m in validity(in_c.motion)}
     for seen in in_c.validity:
         assert rows[seen.cause].value == pytest.approx(seen.value, rel=2e-3)
-        assert rows[seen.cause].piece == seen.piece
+        assert rows[seen.cause].error == pytest.approx(seen.error, rel=2e-2)
 
 
 def test_without_beams_nothing_is_watched() -> None:

@@ -75,7 +75,7 @@ def line(label: int, *runs: tuple[float, float], warning: Monitor | None = None,
     return Line(LadderModel(Shapes.POLYNOMIALS, label, TRUNCATED), 3 + label, points, warning, failure)
 
 
-WARNING = Monitor("rod", 1, Cause.AXIAL_FORCE, FIRST, 0.2, 0.1, 0.3, "rod")
+WARNING = Monitor("rod", 1, Cause.AXIAL_FORCE, FIRST, 0.2, 0.1, 0.3)
 LINES = (
     line(1, (0.3, 1e-5), (0.29, 3e-5)),
     line(2, (0.02, 4e-5), (0.01, 1e-4)),

@@ -50,11 +50,11 @@ class Watch:
         """What is seen in the rows z (rows, nq + nv + nout) at the times t (rows,), s."""
         z = np.hstack([z, (t - t[0])[:, None]])
         values = np.zeros((len(self.quantities), len(t)))
-        for value, quantity in zip(values, self.quantities, strict=True):
+        for i, quantity in enumerate(self.quantities):
             forms = z @ quantity.forms.T
-            value[:] = np.take_along_axis(forms, np.abs(forms).argmax(axis=1)[:, None], axis=1)[:, 0]
+            values[i] = np.take_along_axis(forms, np.abs(forms).argmax(axis=1)[:, None], axis=1)[:, 0]
             if quantity.factor is not None:
-                value *= values[quantity.factor]
+                values[i] *= values[quantity.factor]
         rows = np.abs(values).argmax(axis=1)
         largest = np.abs(values).max(axis=1)
         return Watched(largest, t[rows], z[rows, :nq], *(_mean(t, x) for x in (values, values**2)))

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from derive.mechanics.bodies.beam_functions import BeamFunction
 from derive.mechanics.bodies.deflection_projection import projection
-from derive.simulation.observables.beams import beam_bodies, shape_functions
 from derive.percentages import percent
+from derive.simulation.observables.beams import beam_bodies, shape_functions
 from derive.spec.model.scene import BeamBody, Scene
 
 

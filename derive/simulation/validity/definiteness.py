@@ -12,8 +12,8 @@ from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matri
 from derive.simulation.observables.beams import piece_names
 from derive.simulation.validity.watched_beam import SceneWatch, WatchedBeam
 
-SHARE = 1.0
-"""Of the lost part in the error: the velocity that loses most is not the motion."""
+SHARE = 0.1
+"""Of the lost part in the error, measured: the velocity that loses most is not the motion."""
 
 
 def lost_inertia(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> tuple[float, float]:

@@ -21,6 +21,16 @@ TORQUE = "N m"
 """The unit of multipliers that hold a section against rotation."""
 
 
+def free_ends(scene: Scene, beam: BeamBody) -> tuple[bool, bool]:
+    """Whether nothing acts on the left and on the right end of a beam: no joint, force, spring and attached mass."""
+    elements = (*scene.forces, *scene.torques, *scene.springs)
+    acting = {marker for element in elements for marker in element.markers}
+    acting |= {marker for joint in scene.joints for marker in (joint.first, joint.second)}
+    taken = {marker.at for marker in beam.markers if MarkerRef(beam.name, marker.name) in acting}
+    taken |= {mass.at for mass in beam.beam.masses}
+    return -1 not in taken, 1 not in taken
+
+
 def held_ends(scene: Scene, beam: BeamBody) -> Iterator[Marker]:
     """The markers at ends of a beam at which a torque can act on it, one for each end."""
     driven = {drive.joint for drive in scene.drives}

@@ -17,16 +17,19 @@ from derive.runtime.integrators.watch import Watched
 from derive.simulation.validity.watched_beam import WatchedBeam
 from derive.spec.model.body import DisplacementOrder
 
+FIRST, TRUNCATED, FULL = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED, DisplacementOrder.FULL
 STRAIGHT = 1e-6
 """Of the length: a beam with smaller deflections is straight."""
+NEARLY_BUCKLED = 0.1
+"""The least stiffness that an axial force is taken to leave, relative to that in bending."""
 VIBRATION = 1.5
 """A stiffness that grows with the square of the deflection counts by 3/4 of its peak in a vibration, whose mean square
 is half of that of its peak."""
-DIVIDED = 1 / 6
-"""Of the hardening: what pieces of second order are wrong by.
+ROTATING = {FIRST: 1 / 2, TRUNCATED: 1 / 6, FULL: 1 / 6}
+"""Of the hardening: what beams are wrong by if joints act on the rotations of their ends, or of pieces.
 
-The rotation of an end of a piece is the slope v'. As an angle it gives the right curvature, and the displacements have
-the error v'^3/6; so that much of the hardening of a lone beam is not missing. Measured: 0.11 to 0.2.
+Such joints take the slope v' as an angle. As an angle it gives the right curvature, and what is wrong is the position,
+at second order by v'^3/6, which changes its sign along the beam. Measured on such beams, see `bench/monitors.py`.
 """
 
 
@@ -50,9 +53,9 @@ class ImpliedErrors:
     @property
     def of_deflection(self) -> float:
         """That of the strain energy that a large deflection adds."""
-        beam, hardening = self.watched.beam, self.watched.hardening
-        if beam.pieces > 1 and beam.beam.order is not DisplacementOrder.FIRST_ORDER:
-            hardening *= DIVIDED
+        hardening = self.watched.hardening
+        if self.watched.rotations_act:
+            hardening *= ROTATING[self.watched.beam.beam.order]
         return self._error(
             hardening * self._rms(self.watched.cubed), VIBRATION * hardening * self._rms(self.watched.deflection) ** 2
         )
@@ -60,7 +63,7 @@ class ImpliedErrors:
     @property
     def of_axial_force(self) -> float:
         """That of the stiffness that axial forces add, which second order knows; of a straight beam that stiffness."""
-        if self.watched.beam.beam.order is not DisplacementOrder.FIRST_ORDER:
+        if self.watched.beam.beam.order is not FIRST:
             return 0.0
         if self.straight:
             return float(self.seen.largest[self.watched.axial])
@@ -68,9 +71,17 @@ class ImpliedErrors:
 
     @property
     def of_shapes(self) -> float:
-        """That of the deflection that the shapes miss, which makes the beam stiffer than it is."""
-        missed = self._rms(self.watched.missed)
-        return self._error(missed, missed / self._rms(self.watched.deflection))
+        """That of the deflection that the shapes miss, which makes the beam stiffer than it is.
+
+        The stiffness that axial forces add at second order is not affected.
+        """
+        watched, seen = self.watched, self.seen
+        missed, rms = self._rms(watched.missed), self._rms(watched.deflection)
+        flexibility = 1.0
+        if watched.beam.beam.order is not FIRST:
+            flexibility = 1 / max(1 + float(seen.means[watched.axial]), NEARLY_BUCKLED)
+        share = flexibility * missed / (rms + missed)
+        return self._error(share * rms, share)
 
     def _error(self, difference: float, stiffness: float) -> float:
         """Of a difference (rms, m) of deflections at any time, and a mean relative change of the stiffness."""
@@ -81,9 +92,9 @@ class ImpliedErrors:
     @property
     def _vibrating(self) -> float:
         """How much of the motion is free vibration, 0 to 1: by its rate, if the lowest frequency is its frequency."""
-        mean, squares = self.seen.means[self.watched.mode], self.seen.mean_squares
-        size = np.sqrt(max(squares[self.watched.mode] - mean**2, 0.0))
-        rate = np.sqrt(squares[self.watched.mode_rate])
+        mean, squares = self.seen.means[self.watched.middle], self.seen.mean_squares
+        size = np.sqrt(max(squares[self.watched.middle] - mean**2, 0.0))
+        rate = np.sqrt(squares[self.watched.middle_rate])
         return float(rate / max(rate, self.watched.frequency * size)) if rate > 0 else 1.0
 
     def _rms(self, quantity: int) -> float:

@@ -1,14 +1,12 @@
-"""What the shapes of a piece miss of its bending moment, from what they miss of it at both ends.
+"""What the shapes of a piece miss of its bending moment along it, from what they miss of it at the ends.
 
-The shapes are a projection: what they miss of the exact moment along the piece is orthogonal to their curvatures, in
-statics exactly so. Of the polynomials with this property and with the missed moments at both ends that of the lowest
-degree is taken. Between two pins P2 has a constant moment; it misses 1 at both ends, so that it misses P2(xi) along the
-beam, and its deflection under a uniform load is 4/5 of the exact one.
+The shapes are a projection: what they miss of the exact moment is orthogonal to their curvatures, in statics exactly.
+Of the polynomials with this property and with the missed moments at both ends, and at a free end the missed shear
+force, that of the lowest degree is taken. Between two pins P2 has a constant moment; it misses 1 at both ends, so that
+it misses P2(xi) along the beam, and its deflection under a uniform load is 4/5 of the exact one.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -17,31 +15,25 @@ from derive.runtime.native_call import Matrix
 from derive.simulation.validity.beam_line import places
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 
+ENDS = np.array([-1.0, 1.0])
 
-@dataclass(frozen=True, eq=False)
-class MissedMoment:
-    """Per unit of the moment that is missed at the left and at the right end of a piece.
 
-    values (2, PLACES), slopes (2, 2): the missed deflection, m, and its derivative at both ends.
+def missed_deflections(shapes: PieceShapes, free: tuple[bool, bool]) -> tuple[Matrix, Matrix]:
+    """Of a piece, per unit of what is missed: the deflections (4, PLACES) and their slopes at both ends (4, 2).
+
+    What is missed: the moment at the left and at the right end, N m, and the shear force there, N, which counts at an
+    end that is `free`.
     """
-
-    values: Matrix
-    slopes: Matrix
-
-
-def missed_moment(shapes: PieceShapes) -> MissedMoment:
-    """Of a piece with these shapes."""
     xi, weights = gauss_points()
-    kept = shapes.moments(xi)
-    degree = len(kept) + 1
-    basis = legendre.legvander(xi, degree).T
-    conditions = np.vstack([(kept * weights) @ basis.T, legendre.legvander([-1.0, 1.0], degree)])
+    kept, half = shapes.moments(xi), shapes.length / 2
+    known = [0, 1, *(2 + end for end in (0, 1) if free[end])]
+    degree = len(kept) + len(known) - 1
+    each = np.eye(degree + 1)
+    at_ends = np.vstack([legendre.legvander(ENDS, degree), legendre.legval(ENDS, legendre.legder(each.T)).T / half])
+    conditions = np.vstack([(kept * weights) @ legendre.legvander(xi, degree), at_ends[known]])
     scale = np.linalg.norm(conditions, axis=1, keepdims=True)
-    wanted = np.vstack([np.zeros((len(kept), 2)), np.eye(2)]) / scale
-    moments = np.linalg.lstsq(conditions / scale, wanted, rcond=None)[0].T  # by degrees of Legendre polynomials
-    half, stiffness = shapes.length / 2, shapes.bending_stiffness
-    slope = [legendre.legint(m) * half / stiffness for m in moments]
-    return MissedMoment(
-        np.array([legendre.legval(places(), legendre.legint(s) * half) for s in slope]),
-        np.array([legendre.legval([-1.0, 1.0], s) for s in slope]),
-    )
+    unit = np.vstack([np.zeros((len(kept), 4)), np.eye(4)[known]])
+    moments = np.linalg.lstsq(conditions / scale, unit / scale, rcond=None)[0]  # of each degree, for each unit
+    slopes = legendre.legint(moments) * half / shapes.bending_stiffness
+    values = legendre.legval(places(), legendre.legint(slopes) * half)
+    return values.astype(np.float64), legendre.legval(ENDS, slopes).astype(np.float64)

@@ -74,6 +74,11 @@ class PieceShapes:
         result: Matrix = self.bending_stiffness * (2 / self.length) ** 2 * self._derivatives(2, xi)
         return result
 
+    def shear_forces(self, xi: Vector) -> Matrix:
+        """(shapes, len(xi)): the derivatives of the bending moments along the axis, N/m."""
+        result: Matrix = self.bending_stiffness * (2 / self.length) ** 3 * self._derivatives(3, xi)
+        return result
+
     def values(self, xi: Vector) -> Matrix:
         """(shapes, len(xi)): the deflections at places xi of a piece per unit of the amplitudes."""
         return self._derivatives(0, xi)

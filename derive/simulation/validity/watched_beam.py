@@ -18,13 +18,16 @@ from derive.runtime.integrators.watch import Watch, Watched, WatchedQuantity
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.observables.beams import beam_bodies, piece_names
-from derive.simulation.validity.beam_line import deflections_along, places
-from derive.simulation.validity.end_moments import SECTIONS, held_ends
+from derive.simulation.validity.beam_line import PLACES, deflections_along, places
+from derive.simulation.validity.end_moments import SECTIONS, free_ends, held_ends
 from derive.simulation.validity.held_beam import LowestMode, lowest_mode
-from derive.simulation.validity.missed_moment import missed_moment
-from derive.simulation.validity.monitoring_outputs import MonitoredPiece, monitored_ends, monitored_pieces
+from derive.simulation.validity.missed_moment import ENDS, missed_deflections
+from derive.simulation.validity.monitoring_outputs import monitored_ends, monitored_pieces
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.spec.model.scene import BeamBody, Scene
+
+SLOPE = 1e-9
+"""Shapes with smaller slopes at an end, per amplitude over the length, do not rotate it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,12 +35,13 @@ class WatchedBeam:
     """The numbers of the quantities of a beam in the watch of its scene.
 
     deflection, rate: of the beam, m and m/s; late: the rate times the time; cubed: the third power of the deflection.
-    mode, mode_rate: the amplitude of the lowest mode and its rate, m and m/s. axial: the stiffness that the axial force
-    adds, relative to that of the lowest mode; axial_product: times the deflection. moment: the bending moment, N m;
-    gaps: what the shapes miss of it, at the ends of the beam and between pieces. missed: the deflection that they miss,
-    m. energies: square roots of the parts of the strain energy, one for each shape of each piece. piece_deflections: of
-    each piece, over its length. frequency: that of the lowest mode, rad/s; hardening: the stiffness that a large deflection adds, relative to that of
-    the lowest mode, over the square of the deflection, 1/m^2.
+    middle, middle_rate: the deflection, m, and its rate where that of the lowest mode is largest. axial: the stiffness
+    that the axial force adds, relative to that of the lowest mode; axial_product: times the deflection. moment: the
+    bending moment, N m; gaps: what the shapes miss of it, at the ends of the beam and between pieces. missed: the
+    deflection that they miss, m. energies: square roots of the parts of the strain energy, one for each shape of each
+    piece. piece_deflections: of each piece, over its length. frequency: that of the lowest mode, rad/s; hardening: the
+    stiffness that a large deflection adds, relative to that of the lowest mode, over the square of the deflection,
+    1/m^2. rotations_act: whether a joint acts on the rotation of an end of a piece that can rotate.
     """
 
     shapes: PieceShapes
@@ -45,8 +49,8 @@ class WatchedBeam:
     rate: int
     late: int
     cubed: int
-    mode: int
-    mode_rate: int
+    middle: int
+    middle_rate: int
     axial: int
     axial_product: int
     moment: int
@@ -56,6 +60,7 @@ class WatchedBeam:
     piece_deflections: tuple[int, ...]
     frequency: float
     hardening: float
+    rotations_act: bool
 
     @property
     def beam(self) -> BeamBody:
@@ -130,17 +135,19 @@ class _BeamForms:
         self.columns = [column for columns in self.amplitudes for column in columns]
         ends = [int(marker.at) for marker in held_ends(scene, beam)]
         self.held = ends[0] if len(ends) == 1 else None
+        self.rotations_act = len(self.pieces) > 1 or any(
+            np.abs(shapes.slopes(np.array([float(end)])) * shapes.length).max() > SLOPE for end in ends
+        )
 
     def watched(self) -> WatchedBeam:
         """The numbers of the quantities."""
         forms, shapes, columns = self.forms, self.shapes, self.columns
         rates = [forms.native.nq + column for column in columns]
-        bent = self.along(shapes.values(places()), shapes.slopes(np.array([-1.0, 1.0])))
+        bent = self.along(shapes.values(places()), shapes.slopes(ENDS))
         deflection, rate = forms.add(columns, bent), forms.add(rates, bent)
         squared = forms.add(columns, bent, deflection)
-        weights = (self.mode.amplitudes @ shapes.stiffness).ravel() / self.strain
+        place = int(np.abs(bent @ self.mode.amplitudes.ravel()).argmax())
         moment, gaps = self.moments()
-        missed = missed_moment(shapes)
         parts = np.linalg.cholesky(shapes.stiffness).T / np.sqrt(2)
         xi = np.linspace(-1, 1, 2 * SECTIONS)
         axial_columns, axial_factors = self.axial()
@@ -151,22 +158,38 @@ class _BeamForms:
             rate,
             forms.add([forms.size - 1], np.eye(1), rate),
             forms.add(columns, bent, squared),
-            forms.add(columns, weights[None]),
-            forms.add(rates, weights[None]),
+            forms.add(columns, bent[place, None]),
+            forms.add(rates, bent[place, None]),
             axial,
             forms.add(axial_columns, axial_factors, deflection),
             moment,
             self.monitored_gaps(gaps),
-            forms.add(range(forms.size), self.along(missed.values, missed.slopes) @ gaps.reshape(-1, forms.size)),
+            forms.add(range(forms.size), self.missed(gaps)),
             tuple(tuple(forms.add(own, part[None]) for part in parts) for own in self.amplitudes),
             tuple(forms.add(own, shapes.values(xi).T / shapes.length) for own in self.amplitudes),
             self.mode.frequency,
             self.hardening(bent),
+            self.rotations_act,
         )
 
     def along(self, values: Matrix, slopes: Matrix) -> Matrix:
         """The deflection of the beam per unit of fields of its pieces."""
         return deflections_along(values, slopes, self.shapes.length, len(self.pieces), self.held)
+
+    def missed(self, gaps: Matrix) -> Matrix:
+        """The deflection of the beam that its shapes miss (places, z), of the moments that they miss (pieces, 2, z)."""
+        shapes, last = self.shapes, len(self.pieces) - 1
+        free = free_ends(self.scene, shapes.beam)
+        of_ends = np.zeros((last + 1, 4, self.forms.size))
+        of_ends[:, :2] = gaps
+        first, second = shapes.shear_forces(ENDS).T
+        of_ends[0, 2, self.amplitudes[0]], of_ends[last, 3, self.amplitudes[last]] = -first, -second
+        result = np.zeros((PLACES, self.forms.size))
+        for i, missing in enumerate(of_ends):
+            values, slopes = missed_deflections(shapes, (i == 0 and free[0], i == last and free[1]))
+            own = self.along(values, slopes).reshape(PLACES, -1, 4)[:, i]
+            result += own @ missing
+        return result
 
     @property
     def strain(self) -> float:
@@ -183,7 +206,7 @@ class _BeamForms:
         return added / float(np.abs(bent @ a.ravel()).max()) ** 2
 
     def axial(self) -> tuple[list[int], Matrix]:
-        """The stiffness that the axial force adds to that of the mode; pieces between monitored ones are as the nearest."""
+        """The relative stiffness that the axial force adds; pieces that are not monitored have that of the nearest."""
         monitored = [piece for piece in monitored_pieces(self.scene) if piece.beam == self.shapes.beam.name]
         where = np.array([self.pieces.index(piece.piece) for piece in monitored])
         nearest = [int(np.abs(where - i).argmin()) for i in range(len(self.pieces))]
