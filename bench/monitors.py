@@ -1,29 +1,33 @@
 """What the monitors of runs imply, against converged models.
 
-python bench/monitors.py [NAME...]        (about an hour)
+python bench/monitors.py FILE [NAME...]        (about an hour; NAME: some scenes of `bench/monitor_scenes.py`)
 
-Every scene of `bench/monitor_scenes.py` is run with many models of its beams. The truth is a model of full second order
-in several beams; another such model says how well it has converged, and errors that are not five times larger are left
-out. The error of a beam is the root mean square over the run of the difference of its deflections, where it is largest
-along the beam, over the largest deflection of the truth: from the chord, or from the tangent at the end that is held
-against rotation, if there is one.
+Every scene is run with many models of its beams; a line of FILE in JSON has the error and the monitors of a beam in a
+run. What FILE has already is not run again. The truth is a model of full second order in four beams; that in three says
+how well it has converged, and errors that are not three times larger, or below .2 %, are left out of the table. The
+error of a beam is the root mean square over the run of the difference of its deflections, where it is largest along the
+beam, over the largest deflection of the truth: from the chord, or from the tangent at the end that is held against
+rotation, if there is one. Errors and estimates above 100 % count as 100 %.
 """
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from monitor_scenes import scenes
 
-from derive.errors import TisserandError
+from derive.errors import TisserandError, first_line
+from derive.percentages import percent
 from derive.simulation.observables.beams import axis_points, beam_bodies, piece_names
 from derive.simulation.trajectory import Trajectory
 from derive.simulation.validity.end_moments import held_ends
+from derive.simulation.validity.monitors import ERROR_LIMIT
 from derive.spec.model.scene import BeamBody, Scene
 from derive.study.accuracy.measurement import compiled, motion
 from derive.study.accuracy.models import ORDERS, LadderModel, Shapes
@@ -46,6 +50,8 @@ MODELS = (
 PLACES = np.linspace(-1, 1, 9)
 """Along the whole beam, from -1 to 1."""
 TOLERANCE = 1e-8
+LEAST = 0.002
+"""Errors below it do not count."""
 
 
 def deflections(moved: Trajectory, beam: BeamBody, held: float | None) -> np.ndarray:
@@ -89,7 +95,10 @@ def error(of: np.ndarray, truth: np.ndarray) -> tuple[float, float]:
     return float(np.sqrt((difference**2).mean(axis=0)).max()) / peak, float(np.abs(difference).max()) / peak
 
 
-def rows(scene: Scene) -> Iterator[dict[str, object]]:
+Row = dict[str, Any]
+
+
+def rows(scene: Scene) -> Iterator[Row]:
     """The errors of all models of a scene, and what their monitors imply."""
     truth, other = (run(scene, model, False).deflections for model in REFERENCES)
     own = {name: error(other[name], truth[name])[0] for name in truth}
@@ -97,35 +106,67 @@ def rows(scene: Scene) -> Iterator[dict[str, object]]:
         try:
             result = run(scene, model, True)
         except TisserandError as stopped:
-            yield {"scene": scene.name, "model": model.label, "stopped": str(stopped).splitlines()[0]}
+            yield {"scene": scene.name, "model": model.label, "stopped": first_line(stopped)}
             continue
         for beam, bent in result.deflections.items():
             rms, most = error(bent, truth[beam])
             monitors = [m for m in result.monitors if m["beam"] == beam]
-            yield {
-                "scene": scene.name,
-                "model": model.label,
-                "beam": beam,
-                "rms": rms,
-                "largest": most,
-                "reference": own[beam],
-                "monitors": monitors,
-            }
+            row = {"scene": scene.name, "model": model.label, "beam": beam, "rms": rms, "largest": most}
+            yield {**row, "reference": own[beam], "monitors": monitors}
+
+
+def implied(row: Row) -> tuple[float, str]:
+    """The largest implied error, and what it is of."""
+    return max((float(m["error"]), str(m["quantity"])) for m in row["monitors"])
+
+
+def table(known: Sequence[Row]) -> str:
+    """Ratios of estimates to errors: by the quantity with the largest error, by kinds of scenes, and of all."""
+    ratios: dict[str, list[float]] = {"all": []}
+    verdicts = {(wrong, warned): 0 for wrong in (True, False) for warned in (True, False)}
+    for row in known:
+        if "rms" not in row:
+            continue
+        estimate, quantity = implied(row)
+        reliable = row["rms"] > LEAST and row["reference"] < row["rms"] / 3
+        if reliable:
+            ratio = min(estimate, 1.0) / min(row["rms"], 1.0)
+            for key in ("all", quantity, f"scenes {row['scene'].split('_')[0]}"):
+                ratios.setdefault(key, []).append(ratio)
+        if reliable or row["rms"] < ERROR_LIMIT:
+            verdicts[row["rms"] > ERROR_LIMIT, estimate > ERROR_LIMIT] += 1
+    lines = [
+        "| estimates by | runs | 5 % | median | 95 % | within 2 | within 4 |",
+        "|---|---:|---:|---:|---:|---:|---:|",
+    ]
+    for key, values in sorted(ratios.items()):
+        low, middle, high = np.quantile(values, [0.05, 0.5, 0.95])
+        off = np.exp(np.abs(np.log(np.maximum(values, 1e-12))))
+        within = (percent(float(np.mean(off <= limit))) for limit in (2, 4))
+        lines.append(f"| {key} | {len(values)} | {low:.2f} | {middle:.2f} | {high:.2f} | {' | '.join(within)} |")
+    lines.append(
+        f"\nerror above {percent(ERROR_LIMIT)}: {verdicts[True, True]} runs warn, {verdicts[True, False]} do not; "
+        f"below: {verdicts[False, True]} warn, {verdicts[False, False]} do not"
+    )
+    return "\n".join(lines)
 
 
 def main() -> None:
-    names = sys.argv[2:]
-    with Path(sys.argv[1]).open("w") as file:
-        for scene in scenes():
-            if names and scene.name not in names:
-                continue
-            try:
-                for row in rows(scene):
-                    file.write(json.dumps(row) + "\n")
-            except TisserandError as stopped:
-                file.write(json.dumps({"scene": scene.name, "stopped": str(stopped)}) + "\n")
-            file.flush()
-            print(scene.name, flush=True)
+    path, names = Path(sys.argv[1]), sys.argv[2:]
+    known = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+    finished = {row["scene"] for row in known}
+    for scene in scenes():
+        if scene.name in finished or (names and scene.name not in names):
+            continue
+        try:
+            new = list(rows(scene))
+        except TisserandError as stopped:
+            new = [{"scene": scene.name, "stopped": first_line(stopped)}]
+        known += new
+        with path.open("a") as file:
+            file.writelines(json.dumps(row) + "\n" for row in new)
+        print(scene.name, file=sys.stderr, flush=True)
+    print(table(known))
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from derive.percentages import percent
 from derive.spec.model.body import DisplacementOrder
 from derive.study.timing import machine_description
 from derive.visual import chart_style as style
@@ -74,11 +75,6 @@ def table(rows: Sequence[Row]) -> str:
         )
         lines.append(f"| {' | '.join(map(str, cells))} |")
     return "\n".join(lines)
-
-
-def percent(error: float) -> str:
-    """With two digits."""
-    return f"{100 * error:.2g} %" if error < 1 else f"{100 * error:.0f} %"
 
 
 def limit(row: Row) -> str:

@@ -189,7 +189,7 @@ def test_what_one_should_know_is_told(
     spec.write_text(SCENE.read_text().replace('name = "crank_slider_3"', f'name = "{DEFORMING}"'))
     assert main(["simulate", str(spec), "--out", str(tmp_path), "--duration", "0.02"]) == 0
     told = [line for line in capsys.readouterr().out.splitlines() if "warning" in line]
-    assert "rod in 1 beam: it bends by 24 % of the length of a beam" in told[0]
+    assert "rod in 1 beam: it bends by 24 % of its length" in told[0]
     assert any("some bodies are deformed at t = 0" in line for line in told)
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from derive.runtime.native_call import Matrix, Vector
 
-PLACES = 9
-"""Places along a piece, both ends among them, and about as many along the whole beam."""
+PLACES = 5
+"""Places along a piece, both ends among them, and as many along the whole beam."""
 
 
 def places() -> Vector:

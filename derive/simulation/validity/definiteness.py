@@ -12,9 +12,6 @@ from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matri
 from derive.simulation.observables.beams import piece_names
 from derive.simulation.validity.watched_beam import SceneWatch, WatchedBeam
 
-SHARE = 0.1
-"""Of the lost part in the error, measured: the velocity that loses most is not the motion."""
-
 
 def lost_inertia(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> tuple[float, float]:
     """The largest part of the kinetic energy of a velocity that the deflections of a beam take away, and its time, s.
@@ -37,11 +34,6 @@ def lost_inertia(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> tupl
         if value > lost:
             time, lost = t, value
     return time, lost
-
-
-def implied_by(lost: float) -> float:
-    """The error of deflections that a loss of inertia implies."""
-    return SHARE * lost
 
 
 def _lost(native: ConstrainedSystem, k: Vector, t: float, straight: Vector, bent: Vector) -> float:

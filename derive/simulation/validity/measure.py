@@ -8,7 +8,7 @@ import numpy as np
 
 from derive.runtime.integrators.watch import Watched
 from derive.simulation.observables.motion import SceneMotion
-from derive.simulation.validity.definiteness import implied_by, lost_inertia
+from derive.simulation.validity.definiteness import lost_inertia
 from derive.simulation.validity.implied_errors import ImpliedErrors
 from derive.simulation.validity.monitors import Cause, Monitor
 from derive.simulation.validity.watched_beam import SceneWatch, WatchedBeam, scene_watch
@@ -43,4 +43,4 @@ def _of_beam(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> Iterator
         yield monitor(Cause.END_MOMENT, missed, errors.of_shapes, seen.times[watched.moment])
     if beam.beam.order is DisplacementOrder.TRUNCATED:
         t, lost = lost_inertia(scene, watched, seen)
-        yield monitor(Cause.MASS_MATRIX, lost, implied_by(lost), t)
+        yield monitor(Cause.MASS_MATRIX, lost, errors.of_lost_inertia(lost), t)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from derive.study.accuracy.chart_labels import percent
+from derive.percentages import percent
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.table import cheapest
 from derive.study.choice.screening import Screening

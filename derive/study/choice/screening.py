@@ -15,6 +15,7 @@ import numpy as np
 from derive.errors import TisserandError
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.prescribed_motion import drive_speed
+from derive.percentages import percent
 from derive.simulation.observables.motion import si_value
 from derive.simulation.validity.held_beam import lowest_mode
 from derive.simulation.validity.monitors import Cause
@@ -59,11 +60,11 @@ class Screening:
         parts = [f"lowest natural frequency {self.frequency:.4g} rad/s as its joints hold it"]
         for what, value in (("driven at", self.driving), ("rotates at up to", self.spin)):
             if value:
-                parts.append(f"{what} {value:.4g} rad/s ({100 * value / self.frequency:.2g} % of it)")
+                parts.append(f"{what} {value:.4g} rad/s ({percent(value / self.frequency)} of it)")
         if self.axial is not None:
-            parts.append(f"axial force up to {100 * self.axial:.2g} % of its buckling load")
+            parts.append(f"axial force up to {percent(self.axial)} of its buckling load")
         if self.deflection is not None:
-            parts.append(f"expected deflection about {100 * self.deflection:.2g} % of the length")
+            parts.append(f"expected deflection about {percent(self.deflection)} of the length")
         return f"{self.beam}: {'; '.join(parts)}"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import isfinite, pi
 
+from derive.percentages import percent
 from derive.study.methods.cases import Driven
 from derive.study.methods.implicit_steps import Rule
 from derive.study.methods.method_study import MethodStudy
@@ -126,7 +127,7 @@ def _trapezoidal(study: MethodStudy) -> tuple[MethodFailure, ...]:
     first = trapezoidal[0]
     momentum = MethodFailure(
         "trapezoidal rule: momentum",
-        f"drift of the angular momentum (omega_1 h)^2/4 c8 a^2/C3: {100 * first.small:.2g} % at 1",
+        f"drift of the angular momentum (omega_1 h)^2/4 c8 a^2/C3: {percent(first.small)} at 1",
         measured,
         abs(first.drift / first.small - 1) < 2 * NEAR and worst < 0.005,
     )
