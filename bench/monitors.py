@@ -120,6 +120,11 @@ def implied(row: Row) -> tuple[float, str]:
     return max((float(m["error"]), str(m["quantity"])) for m in row["monitors"])
 
 
+def reliable(row: Row) -> bool:
+    """Whether the error of a run is large enough, and that of the truth small against it."""
+    return bool(row["rms"] > LEAST and row["reference"] < row["rms"] / 3)
+
+
 def table(known: Sequence[Row]) -> str:
     """Ratios of estimates to errors: by the quantity with the largest error, by kinds of scenes, and of all."""
     ratios: dict[str, list[float]] = {"all": []}
@@ -128,12 +133,11 @@ def table(known: Sequence[Row]) -> str:
         if "rms" not in row:
             continue
         estimate, quantity = implied(row)
-        reliable = row["rms"] > LEAST and row["reference"] < row["rms"] / 3
-        if reliable:
+        if reliable(row):
             ratio = min(estimate, 1.0) / min(row["rms"], 1.0)
             for key in ("all", quantity, f"scenes {row['scene'].split('_')[0]}"):
                 ratios.setdefault(key, []).append(ratio)
-        if reliable or row["rms"] < ERROR_LIMIT:
+        if reliable(row) or row["rms"] < ERROR_LIMIT:
             verdicts[row["rms"] > ERROR_LIMIT, estimate > ERROR_LIMIT] += 1
     lines = [
         "| estimates by | runs | 5 % | median | 95 % | within 2 | within 4 |",

@@ -14,6 +14,7 @@ from browser import CHROMIUM, browsed
 from conftest import ROOT
 from derive.cli.main import main
 from derive.errors import SpecError
+from derive.percentages import percent
 from derive.simulation.validity.monitors import Cause, Monitor
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
@@ -22,7 +23,7 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import RigidBody, Scene
 from derive.spec.toml.read import read
 from derive.study.accuracy.chart import LadderChart, accuracy_svg
-from derive.study.accuracy.chart_labels import duration, label_groups, milliseconds, percent, spread
+from derive.study.accuracy.chart_labels import duration, label_groups, milliseconds, spread
 from derive.study.accuracy.doubts import doubt, doubt_lines
 from derive.study.accuracy.headline import headline, headline_texts
 from derive.study.accuracy.measurement import Line, Point, compiled, motion, plot_errors
@@ -119,7 +120,7 @@ def test_the_chart_says_what_it_shows() -> None:
     assert "grey: its own error, 0.5 %" in svg and "at most 1 %" in svg and "a machine" in svg
     assert "it does not start: 1 beam, P2 to P6, truncated" in "\n".join(doubt_lines(LINES, ("rod",)))
     assert [[one.model.count for one in group] for group in label_groups(LINES[:3])] == [[3], [2], [1]]
-    assert percent(0.123) == "12 %" and percent(0.00123) == "0.12 %"
+    assert [percent(x) for x in (0.123, 0.00123, 0.0996, 0.997, 12.3)] == ["12 %", "0.12 %", "10 %", "100 %", "1230 %"]
     assert [milliseconds(x) for x in (5.93e-5, 4.51e-2, 12.3456)] == ["0.0593", "45.1", "12 346"]
     assert [duration(x) for x in (5.93e-5, 0.9994, 12.3456)] == ["0.0593 ms", "999 ms", "12.3 s"]
     assert "errors below that of the reference" in accuracy_text(chart)

@@ -7,16 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from derive.study.accuracy.chart_labels import (
-    COLOURS,
-    ORDER_NAMES,
-    colour,
-    duration,
-    group_label,
-    label_groups,
-    percent,
-    spread,
-)
+from derive.percentages import percent
+from derive.study.accuracy.chart_labels import COLOURS, ORDER_NAMES, colour, duration, group_label, label_groups, spread
 from derive.study.accuracy.doubts import doubt, doubt_lines
 from derive.study.accuracy.headline import Headline, headline, headline_texts
 from derive.study.accuracy.measurement import Line, Point

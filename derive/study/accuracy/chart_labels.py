@@ -75,12 +75,6 @@ def spread(wanted: Sequence[float], distance: float) -> list[float]:
     return [shift + number * distance for number, shift in enumerate(shifts)]
 
 
-def percent(ratio: float) -> str:
-    """A ratio in percent, with two significant digits."""
-    value = 100 * ratio
-    return f"{value:.0f} %" if value >= 10 else f"{value:.2g} %"
-
-
 def duration(seconds: float) -> str:
     """A time with three significant digits and its unit."""
     return f"{1e3 * seconds:.3g} ms" if seconds < 0.9995 else f"{grouped(seconds)} s"

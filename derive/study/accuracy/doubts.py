@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from derive.percentages import percent
 from derive.simulation.validity.monitors import Cause
-from derive.study.accuracy.chart_labels import percent
 from derive.study.accuracy.measurement import Line
 
 CAUSES = {
     Cause.DEFLECTION: "the deflection",
-    Cause.SPIN: "the spin",
     Cause.AXIAL_FORCE: "the axial force",
-    Cause.HIGHEST_SHAPE: "the highest shape",
     Cause.END_MOMENT: "the moment at the ends",
     Cause.MASS_MATRIX: "the mass matrix",
 }

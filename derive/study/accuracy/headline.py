@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from derive.study.accuracy.chart_labels import duration, percent
+from derive.percentages import percent
+from derive.study.accuracy.chart_labels import duration
 from derive.study.accuracy.doubts import doubt
 from derive.study.accuracy.measurement import Line
 from derive.study.accuracy.pareto import Candidate, candidates, recommended

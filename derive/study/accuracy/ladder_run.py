@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable, Sequence
 
 from derive.errors import TisserandError, first_line
+from derive.percentages import percent
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.chart_labels import percent
 from derive.study.accuracy.measurement import CompiledLadderModel, Line, Progress, compiled, measured
 from derive.study.accuracy.models import LadderModel, start_remainders
 from derive.study.accuracy.predicted_cost import PredictedCost

@@ -5,9 +5,10 @@ Nothing is loaded from elsewhere.
 
 from __future__ import annotations
 
+from derive.percentages import percent
 from derive.rendering import render
 from derive.study.accuracy.chart import LadderChart, accuracy_svg
-from derive.study.accuracy.chart_labels import grouped, milliseconds, percent
+from derive.study.accuracy.chart_labels import grouped, milliseconds
 from derive.study.accuracy.doubts import doubt_reason
 from derive.study.accuracy.headline import headline_texts
 from derive.study.accuracy.table import cheapest

@@ -7,8 +7,8 @@ import io
 import textwrap
 from typing import Any
 
+from derive.percentages import percent
 from derive.study.accuracy.chart import LadderChart, peer_text
-from derive.study.accuracy.chart_labels import percent
 from derive.study.accuracy.doubts import doubt_lines
 from derive.study.accuracy.headline import headline_texts
 from derive.study.accuracy.measurement import Line, Point

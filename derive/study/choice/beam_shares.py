@@ -13,11 +13,11 @@ from itertools import product
 import numpy as np
 
 from derive.errors import TisserandError, first_line
+from derive.percentages import percent
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.chart_labels import percent
 from derive.study.accuracy.measurement import compiled, motion
 from derive.study.accuracy.models import FAMILIES, LadderModel, Shapes, mixed
 from derive.study.accuracy.predicted_cost import PredictedCost

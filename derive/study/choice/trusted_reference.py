@@ -11,10 +11,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from derive.errors import TisserandError, first_line
+from derive.percentages import percent
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.chart_labels import percent
 from derive.study.accuracy.measurement import CompiledLadderModel, compiled, motion
 from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.accuracy.predicted_cost import PredictedCost

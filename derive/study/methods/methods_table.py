@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from derive.percentages import percent
 from derive.study.methods.drift import exponent
 from derive.study.methods.failures import MethodFailure, failures
 from derive.study.methods.formulations import FORM_NAMES
@@ -236,7 +237,7 @@ def _dead_centres(study: MethodStudy) -> StudyTable:
 
 def _momentum(study: MethodStudy) -> StudyTable:
     rules = list(dict.fromkeys(m.rule for m in study.momentum))
-    rows = [(rule.value, *(f"{100 * m.drift:.2g} %" for m in study.momentum if m.rule is rule)) for rule in rules]
+    rows = [(rule.value, *(percent(m.drift) for m in study.momentum if m.rule is rule)) for rule in rules]
     products = [f"omega_1 h = {m.product:g}" for m in study.momentum if m.rule is rules[0]]
     return StudyTable(
         f"angular momentum of a free beam that vibrates by {AMPLITUDE:.2f} l", ("rule", *products), tuple(rows)
