@@ -38,6 +38,9 @@ SWITCHES = (Select, SmoothStep, Absolute, Minimum, Maximum)
 MAX_CHOICES = 32
 """The most choices of two expressions in an integral, which products of many switches exceed."""
 
+SMALLEST = 1e-18
+"""Terms of a series below this are left out."""
+
 Linear = tuple[sp.Expr, sp.Expr]
 """The coefficients c and d of an argument c t + d."""
 
@@ -80,19 +83,26 @@ class _Integrator:
             n, others = _power_of_t(rest)
             polynomial = groups.setdefault(others, {})
             polynomial[n] = polynomial.get(n, 0) + constant
-        return sp.Add(*(self._product(polynomial, others, base, whole) for others, polynomial in groups.items()))
+        results = []
+        for others, polynomial in groups.items():
+            try:
+                results.append(self._product(polynomial, others, base, whole))
+            except NoClosedForm:
+                if not whole:
+                    raise
+                raise NoClosedForm(self._text(_sum(polynomial) * others)) from None  # as it is written, not a choice
+        return sp.Add(*results)
 
     def _product(self, polynomial: dict[int, sp.Expr], others: sp.Expr, base: sp.Expr, whole: bool) -> sp.Expr:
         """The integral of a polynomial, as coefficients of powers of t, times other factors."""
         rules = [self._iterated(n, others, whole) or _smooth(n, others) for n in polynomial]
         if None not in rules:
             return sp.Add(*(c * rule(base) for c, rule in zip(polynomial.values(), rules, strict=True) if rule))
-        factor = sp.Add(*(c * t**n for n, c in polynomial.items()))
         selection = _selection(others)
         self.choices += 1
         if selection is None or self.choices > MAX_CHOICES:
-            raise NoClosedForm(self._text(factor * others))
-        return self._selected(selection, factor, base)
+            raise NoClosedForm(None)
+        return self._selected(selection, _sum(polynomial), base)
 
     def _text(self, term: sp.Expr) -> TimeFunction | None:
         try:
@@ -137,6 +147,11 @@ class _Integrator:
         self.splines.update((table.name, table) for table in tables)
         values = (Lookup(Str(table.name), sp.S.Zero, x) for table in reversed(tables))
         return sp.Add(*(value * (x - inside) ** i / factorial(i) for i, value in enumerate(values)))
+
+
+def _sum(polynomial: dict[int, sp.Expr]) -> sp.Expr:
+    """A polynomial in t from its coefficients."""
+    return sp.Add(*(c * t**n for n, c in polynomial.items()))
 
 
 def at(expr: sp.Expr, time: sp.Expr) -> sp.Expr:
@@ -270,7 +285,28 @@ def _from_zero(n: int, k: sp.Expr, w: sp.Expr, of: type[sp.Expr], angle: sp.Expr
     cosine, sine = sp.cos(w * t + angle), sp.sin(w * t + angle)
     whole = first * cosine - second * sine if of is sp.cos else first * sine + second * cosine
     whole = (Exp(k * t) if k != 0 else 1) * whole
-    return whole - at(whole, sp.S.Zero)
+    end = max(2, n // 2)
+    return Select(size * t**2, sp.Integer(end**2), _series(n, k, w, of, angle, end), whole - at(whole, sp.S.Zero))
+
+
+def _series(n: int, k: sp.Expr, w: sp.Expr, of: type[sp.Expr], angle: sp.Expr, end: int) -> sp.Expr:
+    """The same where |k + i w| t is less than `end`, by the series of the exponential function, whose terms are small.
+
+    The closed form is a difference of terms that are larger by n!/(|k + i w| t)^(n + 1).
+    """
+    real, imaginary = sp.S.One, sp.S.Zero  # the powers of k + i w
+    coefficients = []
+    bound, j = 1.0, 0
+    while bound > SMALLEST:
+        first, second = (sp.cos(angle), sp.sin(angle)) if of is sp.cos else (sp.sin(angle), -sp.cos(angle))
+        coefficients.append((real * first - imaginary * second) / (factorial(j) * (n + j + 1)))
+        real, imaginary = sp.expand(real * k - imaginary * w), sp.expand(real * w + imaginary * k)
+        j += 1
+        bound *= end / j
+    result = sp.S.Zero
+    for coefficient in reversed(coefficients):
+        result = coefficient + t * result
+    return t ** (n + 1) * result
 
 
 def _of_linear(n: int, factor: sp.Expr, exponent: sp.Expr) -> Callable[[sp.Expr], sp.Expr] | None:

@@ -44,9 +44,10 @@ WITHOUT_INTEGRAL = ("sqrt", "atan2")
 def speed_function(draft: Draft, size: float) -> str:
     """A function of t with values of about `size` whose integral has a closed form; it may be a product of two."""
     draws = draft.draws
-    templates = [*PLAIN, *(text for name, text in SMOOTH.items() if name not in WITHOUT_INTEGRAL)]
-    text = f"{_table(draft, True)}(t)" if draws.chance(0.2) else _filled(draft, draws.choice(templates))
-    if draws.chance(0.3):
+    templates = {text: name for name, text in SMOOTH.items() if name not in WITHOUT_INTEGRAL}
+    template = draws.choice([*PLAIN, *templates])
+    text = f"{_table(draft, True)}(t)" if draws.chance(0.2) else _filled(draft, template)
+    if templates.get(template) != "tanh" and draws.chance(0.3):  # whose products have none
         text = f"({text})*step(t, 0, {rounded(draws.between(0.2, 2) / draft.rate, 2):g})"
     return f"{_constant(draft, rounded(size, 2), '1')}*({text})"
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import mpmath
 import pytest
 from scipy.integrate import quad
 
@@ -85,6 +88,29 @@ def test_no_digits_are_lost(text: str, t: float, expected: float) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "exact"),
+    [
+        ("t^5*sin(1/1000*t)", lambda t: t**5 * mpmath.sin(t / 1000)),
+        ("step(t, 0, 5)*cos(1/100000*t + 1)", lambda t: rising(t / 5) * mpmath.cos(t / mpmath.mpf(10) ** 5 + 1)),
+        ("step(t, 0, 5)*sin(4*t)^2", lambda t: rising(t / 5) * mpmath.sin(4 * t) ** 2),
+        ("t^2*exp(-1/10^6*t)", lambda t: t**2 * mpmath.exp(-t / mpmath.mpf(10) ** 6)),
+        ("exp(1/1000*t)*cos(1/1000*t)", lambda t: mpmath.exp(t / 1000) * mpmath.cos(t / 1000)),
+        ("t*exp(2*t)*sin(t)", lambda t: t * mpmath.exp(2 * t) * mpmath.sin(t)),
+    ],
+)
+def test_slow_waves_lose_no_digits_either(text: str, exact: Callable[[mpmath.mpf], mpmath.mpf]) -> None:
+    integral = time_integral(time_function(text))
+    for end in (0.01, 0.1, 0.9, 2.1, 5.0):
+        with mpmath.workdps(40):
+            expected = mpmath.quad(exact, mpmath.linspace(0, mpmath.mpf(end), 9))
+        assert value_at(integral, end) == pytest.approx(float(expected), rel=3e-13)
+
+
+def rising(s: mpmath.mpf) -> mpmath.mpf:
+    return s**3 * (10 + s * (6 * s - 15))
+
+
+@pytest.mark.parametrize(
     ("text", "part"),
     [
         ("3*t + exp(-t^2)", "exp(-t^2)"),
@@ -93,6 +119,7 @@ def test_no_digits_are_lost(text: str, t: float, expected: float) -> None:
         ("abs(sin(t))", "abs(sin(t))"),
         ("1/sin(t + 1)", "1/sin(1 + t)"),
         ("atan2(t, 1)", "atan2(t, 1)"),
+        ("t + c*step(t, 0, 1)*tanh(t)", "c*step(t, 0, 1)*tanh(t)"),
     ],
 )
 def test_what_has_no_closed_form_is_named(text: str, part: str) -> None:

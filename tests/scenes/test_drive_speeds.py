@@ -177,3 +177,11 @@ def test_a_jump_of_the_speed_is_refused(folder: Path) -> None:
     ):
         check_drives(scene(folder, 'speed = "Omega*piecewise(t < 0.2, 0, 1)"'))
     check_drives(scene(folder, 'speed = "Omega*piecewise(t < 0.2, 0, t - 0.2)"'))
+
+
+@pytest.mark.parametrize("drive", ['speed = "Omega*ramp(t)*step(t, 0, 1)"', 'motion = "Omega*(ramp(t) - 1)"'])
+def test_a_table_builds_where_constraints_follow_it(tmp_path: Path, drive: str) -> None:
+    spec = scene(tmp_path, drive, "keep_coordinates = true")
+    model = derive.lower(derive.derive(spec))
+    files = derive.model_files(model, spec)
+    assert any(file.path.endswith("manifest.json") for file in files)

@@ -110,4 +110,5 @@ def _evaluated(model: Model, name: str, *arguments: Any) -> Sequence[list[Any]]:
     kernel = model.kernel(name)
     given = {a.name: value for a, value in zip(kernel.arguments, arguments, strict=True)}
     functions = {"sin": mpmath.sin, "cos": mpmath.cos, "sqrt": mpmath.sqrt}
-    return list(interpret(kernel, given, number=number, functions=functions).values())
+    tables = {spline.name: spline for spline in model.splines}
+    return list(interpret(kernel, given, number=number, functions=functions, tables=tables).values())
