@@ -53,14 +53,15 @@ def test_a_model_cannot_matter_that_is_dearer_than_what_is_as_good_as_the_refere
 
 
 def test_a_model_cannot_matter_whose_kind_no_longer_improves_where_a_cheaper_one_is_better(scene: Scene) -> None:
-    stays = polynomials(2, FIRST, 0.121, 10**6), polynomials(3, FIRST, 0.12, 2 * 10**6)
+    """Two shapes more have to change nothing: one alone may be odd where an even one is missing."""
+    stays = tuple(polynomials(n, FIRST, 0.12, n * 10**6) for n in (2, 3, 4))
     better = polynomials(2, TRUNCATED, 0.01, 10**6)
     more = LadderModel(Shapes.POLYNOMIALS, 6, FIRST)
     assert "more shapes of its kind stay at 12 %" in ladder_run_of(scene, *stays, better).dispensable(more)
     assert ladder_run_of(scene, *stays).dispensable(more) == ""
-    assert ladder_run_of(scene, stays[0], better).dispensable(more) == ""
-    improves = polynomials(3, FIRST, 0.05, 2 * 10**6)
-    assert ladder_run_of(scene, stays[0], improves, better).dispensable(more) == ""
+    assert ladder_run_of(scene, *stays[:2], better).dispensable(more) == ""
+    improves = polynomials(4, FIRST, 0.05, 4 * 10**6)
+    assert ladder_run_of(scene, *stays[:2], improves, better).dispensable(more) == ""
     assert ladder_run_of(scene, *stays, better).dispensable(LadderModel(Shapes.POLYNOMIALS, 6, TRUNCATED)) == ""
 
 

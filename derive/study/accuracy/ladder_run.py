@@ -17,7 +17,7 @@ from derive.terminal import duration_text
 DEARER = 2.0
 """Predicted operations over those of a model that is as accurate, from which a model is left out."""
 STAGNANT = 0.05
-"""The relative difference of the errors of two models of a kind, below which more shapes do not help."""
+"""The relative difference of the errors of models of a kind, the finer with two sizes more, that are all the same."""
 BETTER = 0.5
 """The error of a cheaper model over theirs, at most, if they cannot matter."""
 PER_COORDINATE, PER_OPERATION = 0.2, 3e-10
@@ -92,8 +92,8 @@ class LadderRun:
                 return f"dearer than {line.label}, whose error of {percent(line.best)} is within that of the reference"
         fewer = [line for line in self.lines if line.points and _kind(line.model) == _kind(model)]
         fewer = sorted((line for line in fewer if line.model.count < model.count), key=lambda line: line.model.count)
-        if len(fewer) < 2 or abs(fewer[-1].best - fewer[-2].best) > STAGNANT * fewer[-1].best:
-            return ""
+        if len(fewer) < 3 or abs(fewer[-1].best - fewer[-3].best) > STAGNANT * fewer[-1].best:
+            return ""  # one shape more may be odd where an even one is missing: two have to change nothing
         cheapest = min(p.operations for p in fewer[-1].points)
         for line in self.lines:
             if line.valid and line.best < BETTER * fewer[-1].best and line.points[-1].operations < cheapest:

@@ -30,7 +30,7 @@ SMALL = 3.0
 ENOUGH = 2
 """Models with small shares that are tried for each beam."""
 STAGNANT = 0.7
-"""The share over that with fewer shapes of the same kind, from which on more of them are not tried."""
+"""The share over that with two shapes less of the same kind, from which on more of them are not tried."""
 COMBINATIONS = 10_000
 """Combinations that are looked at, at most."""
 
@@ -76,12 +76,12 @@ def beam_shares(
     fine = curves(base)
     result: list[BeamShare] = []
     for beam in beams:
-        small, families = 0, dict[tuple[Shapes, int], float]()
+        small, families = 0, dict[tuple[Shapes, int], list[float]]()
         for option in beam_options():
             if small >= ENOUGH:
                 break
-            family, ends = (option.shapes, option.pieces), option.size >= base.of(beam.name).size
-            if ends or families.get(family, 0.0) == np.inf:
+            family = families.setdefault((option.shapes, option.pieces), [])
+            if option.size >= base.of(beam.name).size or _stagnant(family):
                 continue
             progress(f"share of {beam.name}: {option.label} ...")
             try:
@@ -92,11 +92,15 @@ def beam_shares(
                 continue
             assert share is not None, "the reference does not vanish"
             report(f"share of {beam.name}: {option.label}: {percent(share)}")
-            before = families.get(family, np.inf)
-            families[family] = np.inf if share > STAGNANT * before else share
+            family.append(share)
             small += share <= error / SMALL / len(beams)
             result.append(BeamShare(beam.name, option, share))
     return tuple(result)
+
+
+def _stagnant(shares: Sequence[float]) -> bool:
+    """Whether the last two shapes have not helped: one of them may be odd where an even one is missing."""
+    return len(shares) > 2 and shares[-1] > STAGNANT * shares[-3]
 
 
 def replaced(scene: Scene, base: LadderModel, models: dict[str, LadderModel]) -> LadderModel:

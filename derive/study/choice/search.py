@@ -26,7 +26,7 @@ from derive.study.choice.trusted_reference import SHARE, TrustedReference, trust
 
 BEYOND = 2
 """Models that are accurate enough and tried beyond the first one: what more accuracy would cost."""
-TRIED = LadderRange(("first", "truncated"), ("mean",), (1, 2, 3, 4), (2, 3), (1, 2), ("clamped-free",))
+TRIED = LadderRange(("first", "truncated"), ("mean",), (1, 2, 3, 4), (2, 3), (1, 2, 3), ("clamped-free",))
 """The models of a lone beam."""
 COMBINED = 8
 """Combinations of models of several beams that are run without success, at most."""
@@ -119,8 +119,8 @@ def _more_of_one_beam() -> tuple[LadderModel, ...]:
     """The models of a lone beam beyond those that are tried first: more shapes, of other kinds, in more pieces."""
     order = DisplacementOrder.TRUNCATED
     chord = FAMILIES[Shapes.SINES][1].kind
-    models = [LadderModel(Shapes.SINES, count, order, chord) for count in (3, 4, 5)]
-    models += [LadderModel(Shapes.CLAMPED_FREE, count, order, "tangent") for count in (3, 4)]
+    models = [LadderModel(Shapes.SINES, count, order, chord) for count in (4, 5)]
+    models += [LadderModel(Shapes.CLAMPED_FREE, 4, order, "tangent")]
     models += [LadderModel(Shapes.POLYNOMIALS, 3, order, "mean", 2), LadderModel(Shapes.POLYNOMIALS, 5, order)]
     return tuple(sorted(models, key=lambda m: m.size))
 
