@@ -13,6 +13,7 @@ import derive
 from derive.roles import Role
 from derive.simulation.errors import SimulationError
 from derive.simulation.initial.kinematics import Kinematics
+from derive.simulation.initial.start_state import start_state
 from derive.simulation.time_derivatives import derivatives_at
 from derive.spec.model.scene import Scene
 from derive.spec.model.time_function import value_at
@@ -153,3 +154,14 @@ def test_a_given_spin_of_zero_is_kept_beside_a_fast_drive() -> None:
     scene = parse(CRANK.replace("MOTION", "150*t"), "crank.toml")
     assert isinstance(scene, Scene)
     assert derive.simulate(scene)["rod_phidot"][0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_table_moves_a_joint_that_is_a_constraint(tmp_path: Path) -> None:
+    """The initial state of the generated code is computed in decimal arithmetic, which reads the table as well."""
+    (tmp_path / "lift.csv").write_text("t,s\n0,0.25\n1,1\n2,3\n")
+    text = CRANK.replace('"MOTION"', '"lift(t)"').replace("inertia = 0.01", "inertia = 0.01\nkeep_coordinates = true")
+    table = 'tables = { lift = { file = "lift.csv", x = "t", y = "s" } }\n'
+    scene = parse(table + text.replace("start = { position = [0.7, 0], spin = 0 }", ""), str(tmp_path / "crank.toml"))
+    assert isinstance(scene, Scene)
+    start = start_state(scene, derive.lower(derive.derive(scene)))
+    assert start.q[2] == 0.25
