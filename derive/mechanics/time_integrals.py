@@ -35,7 +35,7 @@ from derive.spec.model.time_function import TimeFunction, parts
 
 SWITCHES = (Select, SmoothStep, Absolute, Minimum, Maximum)
 """The functions that are another expression on the other side of a time."""
-MAX_CHOICES = 32
+MAX_CHOICES = 64
 """The most choices of two expressions in an integral, which products of many switches exceed."""
 
 SMALLEST = 1e-18
@@ -116,14 +116,15 @@ class _Integrator:
         x, y = (factor * value for value in values)
         if a != t:
             return Select(a, end, self.integral(x, base), self.integral(y, base))
-        if not (base.is_Rational and end.is_Rational):
-            both = Select(t, end, self.integral(x, end), self.integral(y, end))
-            return both - at(both, base)
-        if base <= end:
+        known = base.is_Rational and end.is_Rational
+        if not known or base <= end:
             before, after = self.integral(x, base), self.integral(y, end)
-            return Select(t, end, before, at(before, end) + after)
+            later = Select(t, end, before, at(before, end) + after)
+            if known:
+                return later
         before, after = self.integral(x, end), self.integral(y, base)
-        return Select(t, end, at(after, end) + before, after)
+        sooner = Select(t, end, at(after, end) + before, after)
+        return sooner if known else Select(base, end, later, sooner)
 
     def _iterated(self, n: int, others: sp.Expr, whole: bool) -> Callable[[sp.Expr], sp.Expr] | None:
         """By parts, for t^n times a smooth step or a table of a linear argument, whose antiderivatives are known.

@@ -106,6 +106,12 @@ def test_slow_waves_lose_no_digits_either(text: str, exact: Callable[[mpmath.mpf
         assert value_at(integral, end) == pytest.approx(float(expected), rel=3e-13)
 
 
+def test_a_switch_at_a_parameter_loses_no_digits() -> None:
+    integral = time_integral(time_function("step(c*t, 0, 2)*step(t, 0, 12/125)", KNOWN))
+    expected = mpmath.quad(lambda t: rising(1.3 * t / 2) * rising(t * 125 / 12), [0, 0.05])
+    assert value_at(integral, 0.05) == pytest.approx(float(expected), rel=1e-12)
+
+
 def rising(s: mpmath.mpf) -> mpmath.mpf:
     return s**3 * (10 + s * (6 * s - 15))
 
