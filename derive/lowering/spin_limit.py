@@ -44,10 +44,13 @@ class SpinLimits:
 
 
 def spin_limits(beam: PlanarBeam) -> SpinLimits:
-    """The limits of a free beam of first order, whatever its order, from its shape integrals."""
+    """The limits of a free beam of first order, whatever its order, from its shape integrals.
+
+    They are those of its bending, without attached masses.
+    """
     one = Fraction(1)
-    unit = replace(beam, mass=one, length=one, bending_stiffness=one, markers=(), gravity=None, damping=None)
-    body = beam_body(replace(unit, order=DisplacementOrder.FIRST_ORDER))
+    unit = replace(beam, mass=one, length=one, bending_stiffness=one, order=DisplacementOrder.FIRST_ORDER)
+    body = beam_body(replace(unit, markers=(), gravity=None, damping=None, masses=(), axial=None))
     K, c8, c2, c6 = (_values(body, family) for family in (Family.STIFFNESS, Family.C8, Family.C2, Family.C6))
     rotary = _values(body, Family.C3).item()
     softened = c8 - np.outer(c2, c2)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,9 @@ from steady_spin import beam_of
 from conftest import ROOT
 from derive.lowering.spin_limit import spin_limits, spin_notes
 from derive.pipeline import build
+from derive.spec.model.body import AttachedMass, AxialDeformation
+from derive.spec.model.quantity import Parameter
+from derive.spec.parsing.values import shape
 
 MIDPOINT = {"kind": "point", "at": 0}
 BEAM = """
@@ -39,6 +44,13 @@ def test_it_states_the_spin_that_is_lost_with_these_shapes_and_with_two(tmp_path
 def test_it_says_nothing_where_the_frame_lowers_no_limit(shapes: int, frame: Any, order: int) -> None:
     """The midpoint frame with three shapes is still as good as the mean frame: what is lost begins with xi^5."""
     assert spin_notes(beam_of(shapes, frame, order)) == ()
+
+
+def test_attached_masses_damping_and_stretching_leave_the_limit_of_the_beam() -> None:
+    plain = beam_of(4, MIDPOINT, 1)
+    mass = AttachedMass("tip", Fraction(1), Parameter("mt", "kg", 0.3), Fraction(0))
+    axial = AxialDeformation((shape("xi"),), Parameter("EA", "N", 1e3), Fraction(0))
+    assert spin_limits(replace(plain, masses=(mass,), axial=axial)) == spin_limits(plain)
 
 
 def test_a_scene_has_a_line_for_each_such_beam() -> None:
