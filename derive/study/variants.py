@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
+from derive.errors import Problem, SpecError
 from derive.ir.analysis import operations
 from derive.lowering.elimination_orders import EliminationRule, work
 from derive.lowering.flat.casadi_symbols import Symbols
@@ -13,6 +14,8 @@ from derive.lowering.flat.constraints import jacobian_entries, kkt_factors, kkt_
 from derive.lowering.flat.context import Context, stores
 from derive.lowering.flat.lower import lower
 from derive.lowering.flat.schedule import Step
+from derive.mechanics.bodies.displacement_fields import displacement_fields
+from derive.mechanics.bodies.reference_conditions import ConditionError
 from derive.mechanics.equations import Equations
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.parsing import choices
@@ -35,11 +38,20 @@ def variant(scene: Scene, pieces: int, frame: str) -> SceneVariant:
 
 
 def _in_frame(beam: BeamBody, pieces: int, name: str) -> BeamBody:
-    """The beam that a specification with this frame gives; a beam in this frame keeps its shape functions."""
+    """The beam that a specification with this frame gives; a beam in this frame keeps its shape functions.
+
+    Raises SpecError if its ansatz does not fit the frame.
+    """
     frame = frame_from(choices.frame_kind(name), None)
     if frame == beam.beam.frame:
         return replace(beam, pieces=pieces)
-    return replace(beam, pieces=pieces, beam=replace(beam.beam, frame=frame, orthogonal=frame.kind == "mean"))
+    changed = replace(beam.beam, frame=frame, orthogonal=frame.kind == "mean")
+    try:
+        displacement_fields(changed)
+    except ConditionError as error:
+        path = f"bodies.{beam.name}.ansatz"
+        raise SpecError(tuple(Problem(path, f"in the frame {name}: {text}") for text in error.problems)) from None
+    return replace(beam, pieces=pieces, beam=changed)
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import pytest
 from made_up import row
 
 from derive.artifacts import MARK
+from derive.cli.main import main
 from derive.lowering.elimination_orders import EliminationRule
 from derive.study.frame_cost_chart import frame_cost_svg
 from derive.study.frame_cost_table import frame_cost_data, frame_cost_text
@@ -27,6 +28,26 @@ sys.stdout.write(drawn())
 
 def drawn() -> str:
     return frame_cost_svg("slider & more", FRAMES, [row(1), row(3, 0.7e-6), row(30)])
+
+
+SINES = """
+name = "sines"
+[bodies.rod]
+ansatz = { kind = "pinned", count = 2 }
+markers = { left = -1 }
+[simulation]
+duration = 1
+output = 0.1
+"""
+
+
+@pytest.mark.parametrize("study", ["frames", "pivots"])
+def test_shapes_that_do_not_fit_a_frame_are_named_with_their_place(study: str, tmp_path: Path, capsys) -> None:
+    path = tmp_path / "sines.toml"
+    path.write_text(SINES)
+    assert main(["study", study, str(path), "--pieces", "1"]) == 2
+    message = capsys.readouterr().err
+    assert message.startswith(f"{path}:4: bodies.rod.ansatz: in the frame mean: pinned shapes do not fulfil")
 
 
 def test_frames_take_turns() -> None:
