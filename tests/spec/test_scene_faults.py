@@ -3,6 +3,7 @@
 import pytest
 from example_scenes import EVERYTHING, SMALL, errors, small
 
+import derive
 from derive.cli.main import main
 from derive.errors import SpecError
 from derive.spec.tables.scene_bodies import MAX_NAMED
@@ -573,3 +574,11 @@ def test_a_beam_with_conditions_at_its_ends_is_not_cut_by_a_plot():
     rod = ("length = 1", "length = 1\nansatz = ['1', 'xi', 'xi^2', 'xi^3', 'xi^4']\nends = 'pinned'")
     assert parse(small(rod, more=f"{PLOT}cut = 'rod'\npieces = [1]")).plots[0].pieces == (1,)
     assert errors(small(rod, more=f"{PLOT}cut = 'rod'\npieces = [1, 2]")) == [f"20: plots.p.cut: {WHOLE_BEAM}"]
+
+
+def test_a_body_that_keeps_its_coordinates_needs_mass_even_if_a_drive_prescribes_its_motion():
+    driven = small(
+        ("mass = 1\ninertia = 1\n", "keep_coordinates = true\n"), more='[drives.d]\njoint = "pin"\nspeed = 1\n'
+    )
+    with pytest.raises(SpecError, match="needs mass and inertia; give them, or leave keep_coordinates out if a drive"):
+        derive.derive(parse(driven))

@@ -149,7 +149,9 @@ class _Assembly:
     def _complete(self, body: SceneBody) -> None:
         """Raise SpecError if a body that moves has no mass or inertia."""
         if missing := body_type(body).missing(body):
-            text = f"{body.name} moves freely and needs {' and '.join(missing)}"
+            text = f"{body.name} has coordinates of its own and needs {' and '.join(missing)}"
+            if getattr(body, "keep_coordinates", False):
+                text += "; give them, or leave keep_coordinates out if a drive prescribes its motion"
             raise SpecError((Problem(f"bodies.{body.name}", text),))
 
     def _components(self, body: SceneBody) -> list[str]:
