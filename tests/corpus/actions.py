@@ -17,8 +17,9 @@ SECTIONS = ("forces", "torques", "springs")
 def act(draft: Draft) -> None:
     """Draw all that acts on the bodies, and the initial values."""
     _gravity(draft)
+    looped = any(joint.loop for joint in draft.joints.values())
     for joint in draft.joints.values():
-        if joint.driven or (not joint.loop and JOINTS[joint.kind].driven and draft.draws.chance(0.12)):
+        if joint.driven or (not looped and JOINTS[joint.kind].driven and draft.draws.chance(0.12)):
             _drive(draft, joint)
     for section in SECTIONS:
         for _ in range(draft.draws.choice([0, 0, 0, 1, 2])):

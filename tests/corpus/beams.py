@@ -48,7 +48,7 @@ def _rigid(draft: Draft, bar: Bar) -> Table:
     for name, xi in bar.markers.items():
         x = rounded(xi * bar.length / 2 - bar.origin, 12)
         table["markers"][name] = [draft.quantity(x, "m", 0.05) if x else 0, 0]
-    if draws.chance(0.15):
+    if "mass" in table and draws.chance(0.15):
         table["keep_coordinates"] = draws.chance(0.8)
     return table
 

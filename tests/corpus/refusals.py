@@ -1,0 +1,31 @@
+"""What a command may refuse about a valid scene: parts of its message, each with the reason why it does not apply.
+
+Anything else that ends with exit code 2 is a finding.
+"""
+
+from __future__ import annotations
+
+import re
+
+REFUSALS: dict[str, str] = {
+    r"(SUNDIALS|SuiteSparse) with KLU was not found": "the machine lacks a library; the message says how to install it",
+    r"a scene is needed, and this is a single (body|beam)": "studies compare models of scenes",
+    r"a sweep runs scenes and single beams": "bodies in space are swept from Python",
+    r"a ladder compares a plot; add one": "a ladder of models is compared by a plot",
+    r"this ends each run at its own; leave `until` out": "models are compared over the same time",
+    r"integrates scenes; for the body \w+ choose": "integrators of scenes do not take bodies in space",
+    r"a body whose integrals are symbolic has no numbers": "a symbolic body has nothing to simulate",
+    r"in the frame \w+: .* shapes do not fulfil": "a study of frames needs shapes that fit both",
+    r"families of shape functions are for beams in one piece": "they bend as a whole",
+    r"hold beams along their axes more often than once": "beams that do not stretch have no unique axial forces",
+    r"binaries for other platforms need Zig": "the machine lacks a compiler; the message says how to install it",
+    r"no static equilibrium is found at t": "modes are those about an equilibrium; the message names --at",
+    r"there is no beam here": "there is no flexible body whose models could differ",
+    r"a simulation needs its value; write one, such as": "an input without a function can be exported, not simulated",
+    r"the floating-frame body of Exudyn is one in space": "the interface is for bodies given by their nodes",
+}
+
+
+def refusal(message: str) -> str | None:
+    """The pattern of the list that a message meets; None if it is no legitimate refusal."""
+    return next((pattern for pattern in REFUSALS if re.search(pattern, message)), None)

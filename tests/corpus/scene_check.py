@@ -1,0 +1,76 @@
+"""All checks of one scene of the corpus: every command, and the physics of its motion."""
+
+from __future__ import annotations
+
+import tempfile
+import traceback
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from corpus import commands
+from corpus.commands import Finding
+from corpus.generator import CorpusScene, corpus_scene
+from corpus.physics import physics
+from corpus.refusals import refusal
+from derive import TisserandError
+
+COMPILER = '#!/bin/sh\nexec cc "$@" -O0\n'
+"""Compiles in a fifth of the time of -O2, and gives the same bits."""
+
+
+@dataclass(frozen=True)
+class SceneResult:
+    """What was found on a scene: findings, the legitimate refusals by command, and CPU seconds by command."""
+
+    seed: int
+    linkage: str
+    findings: tuple[Finding, ...]
+    refusals: dict[str, str]
+    seconds: dict[str, float]
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The result as plain data."""
+        return asdict(self)
+
+
+def quick_compiler(folder: Path) -> str:
+    """A compiler for the environment variable CC that does not optimise, as a script in the folder."""
+    script = folder / "cc"
+    script.write_text(COMPILER)
+    script.chmod(0o755)
+    return str(script)
+
+
+def check_scene(seed: int) -> SceneResult:
+    """Run all commands and checks on the scene of a seed."""
+    scene = corpus_scene(seed)
+    with tempfile.TemporaryDirectory(prefix="corpus-") as name:
+        folder = Path(name)
+        path = scene.write(folder / "scene")
+        out = folder / "out"
+        out.mkdir()
+        found, refusals, seconds = [], {}, {}
+        for arguments in commands.arguments_of(scene, path, out):
+            outcome = commands.run(arguments, out)
+            short = " ".join([word for word in arguments if str(folder) not in word][:3])
+            seconds[short] = round(outcome.seconds, 3)
+            found += commands.findings(scene, outcome, out)
+            if outcome.code == 2 and (pattern := commands.refusal(outcome.error)):
+                refusals[short] = pattern
+        before = commands.cpu()
+        found += _physics(scene, path)
+        seconds["physics"] = round(commands.cpu() - before, 3)
+    return SceneResult(seed, scene.linkage, tuple(found), refusals, seconds)
+
+
+def _physics(scene: CorpusScene, path: Path) -> Iterator[Finding]:
+    try:
+        yield from physics(scene, path)
+    except TisserandError as failure:
+        if refusal(str(failure)) is None:
+            yield Finding("physics", f"refused: {commands.general(str(failure))}", str(failure))
+    except Exception as failure:
+        yield Finding("physics", commands.cause(failure), traceback.format_exc(limit=-6))

@@ -1,0 +1,76 @@
+"""Every command and the physics on a sample of the corpus; `pytest -m long` runs 300 scenes, `run.py` more."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from corpus.commands import Finding, Outcome, findings
+from corpus.generator import corpus_scene
+from corpus.refusals import REFUSALS, refusal
+from corpus.scene_check import check_scene, quick_compiler
+
+SAMPLE = (1, 2, 5, 7)
+"""A few scenes of different linkages, which take about 5 s each."""
+
+
+@pytest.fixture(autouse=True, scope="module")
+def compiler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CC", quick_compiler(tmp_path_factory.mktemp("compiler")))
+        yield
+
+
+@pytest.mark.parametrize("seed", SAMPLE)
+def test_a_sample_of_scenes(seed: int) -> None:
+    result = check_scene(seed)
+    assert not result.findings, "\n".join(f"{f.command}: {f.cause}\n{f.text}" for f in result.findings)
+
+
+@pytest.mark.long
+def test_three_hundred_scenes(tmp_path: Path) -> None:
+    command = [sys.executable, str(Path(__file__).with_name("run.py")), "--seeds", "0:300", "--jobs", "2"]
+    done = subprocess.run([*command, "--store", str(tmp_path / "store.jsonl")], capture_output=True, check=False)
+    assert done.returncode == 0, done.stdout.decode()
+
+
+# ---- the checks themselves ----
+
+
+def outcome(code: int | None, out: str = "done", error: str = "", **more: object) -> Outcome:
+    return Outcome(["modes", "/tmp/scene.toml"], code, out, error, 0.0, **more)  # type: ignore[arg-type]
+
+
+def judged(result: Outcome, folder: Path) -> list[Finding]:
+    return [*findings(corpus_scene(3), result, folder)]
+
+
+def test_outcomes_that_are_findings(tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_text("t,x\n0,nan\n")
+    (tmp_path / "record.json").write_text('{"x": NaN}')
+    wrong = [
+        outcome(None, exception="KeyError", cause="KeyError in modes"),
+        outcome(1, error="it failed"),
+        outcome(0, error="RuntimeWarning: divide by zero", files=["table.svg"]),
+        outcome(2, error="an unknown complaint"),
+        outcome(2, error="there is no beam here", files=["record.json"]),
+        outcome(2, error=""),
+        outcome(0, out=""),
+        outcome(0, files=["table.csv"]),
+        outcome(0, files=["record.json"]),
+    ]
+    (tmp_path / "table.svg").write_text("<svg/>")
+    assert all(judged(result, tmp_path) for result in wrong)
+    assert judged(outcome(2, out="", error="there is no beam here"), tmp_path) == []
+    (tmp_path / "good.csv").write_text("t,x\n0,1\n")
+    assert judged(outcome(0, files=["good.csv"]), tmp_path) == []
+
+
+def test_refusals_are_patterns_with_reasons() -> None:
+    assert all(reason and pattern for pattern, reason in REFUSALS.items())
+    assert refusal("scene.toml:3: bodies: there is no beam here, and nothing to choose")
+    assert refusal("the program has failed") is None
