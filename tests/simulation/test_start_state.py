@@ -186,3 +186,41 @@ output = 0.1
     (tmp_path / "none.toml").write_text(text.replace('value = "5"', 'unit = "N"').replace("pushed", "none"))
     assert main(["build", str(tmp_path / "none.toml"), "--out", str(tmp_path)]) == 0
     assert "no function none_start" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("motion", ["0.4 + lift(t)", "exp(t) - tanh(t - 0.3) + atan2(1 + t, 2)*lift(t)"])
+def test_a_drive_follows_any_function_at_the_start(motion: str, tmp_path, capsys) -> None:
+    (tmp_path / "lift.csv").write_text("t,y\n0,0.1\n0.5,0.2\n1,0\n")
+    (tmp_path / "driven.toml").write_text(f"""
+name = "driven"
+ground.markers = {{ o = [0, 0] }}
+[bodies.crank]
+markers = {{ hub = [0, 0], pin = [1, 0] }}
+[bodies.rod]
+length = 2
+mass = 1
+bending_stiffness = 100
+markers = {{ left = -1, right = 1 }}
+[joints.bearing]
+kind = "revolute"
+between = ["ground.o", "crank.hub"]
+[joints.pin]
+kind = "revolute"
+between = ["crank.pin", "rod.left"]
+[drives.motor]
+joint = "bearing"
+motion = "{motion}"
+[simulation]
+duration = 0.1
+output = 0.1
+[tables.lift]
+file = "lift.csv"
+x = "t"
+y = "y"
+""")
+    assert main(["build", str(tmp_path / "driven.toml"), "--out", str(tmp_path)]) == 0
+    assert "warning" not in capsys.readouterr().out
+    made = build(tmp_path / "driven.toml").model
+    expected = initial_state(derive.read(tmp_path / "driven.toml"), InterpretedScene(made))
+    assert np.array(made.start.q) == pytest.approx(expected.q, abs=1e-9)
+    assert np.array(made.start.v) == pytest.approx(expected.v, abs=1e-8)
