@@ -55,7 +55,7 @@ def physics(scene: CorpusScene, path: Path) -> Iterator[Finding]:
     for name, value in parameters(scene.tables).items():
         if name in native.parameters and native.defaults[list(native.parameters).index(name)] != value:
             yield Finding("physics", "a parameter has another default in the compiled model", name)
-    steps = np.unique(np.linspace(0, len(motion.t) - 1, ROWS).astype(int))
+    steps = np.unique(np.linspace(1, len(motion.t) - 1, ROWS).astype(int))  # tables are constant before t = 0
     rows = [(float(motion.t[i]), motion.q[i], motion.v[i]) for i in steps]
     states = [State(scene.tables, run.scene, native, motion.k, *row) for row in rows]
     for state in states:
