@@ -14,7 +14,7 @@ from corpus.generator import corpus_scene
 from corpus.refusals import REFUSALS, refusal
 from corpus.scene_check import check_scene, quick_compiler
 
-SAMPLE = (0, 1, 23)
+SAMPLE = (1, 21, 23)
 """A few scenes of different linkages, which take about 5 s each."""
 
 
