@@ -90,11 +90,12 @@ def trusted_reference(
         if known.error <= SHARE * error:
             return known
     assert known is not None
+    larger = f"an error of more than {percent(known.error / SHARE)}, or " if known.error < SHARE else ""
     worst = max(known.agreements, key=lambda a: a.difference)
     raise NotConverged(
         f"an error of {percent(error)} needs a reference with a third of it, and the error of the reference itself is "
         f"reached: {known.model.label} differs by {percent(worst.difference)} from that with {worst.label}{further}. "
-        f"Ask for an error of more than {percent(known.error / SHARE)}, or a shorter time"
+        f"Ask for {larger}a shorter time"
     )
 
 
