@@ -13,6 +13,8 @@ import sympy as sp
 
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import MASS, Family, I, Identity, Symbol, amplitude, identity
+from derive.mechanics.time_expressions import KINDS
+from derive.mechanics.time_functions import Absolute, Lookup, Select, Sign, SmoothStep
 from derive.report.document.formula import (
     Call,
     Fenced,
@@ -35,6 +37,9 @@ SMALL, LARGE = 1000, 10**7
 """Denominators up to the first and numerators up to the second are written as they are."""
 
 DIGITS = 6
+
+FUNCTION_NAMES: Mapping[type[sp.Expr], str] = {**KINDS, Sign: "sign"}
+PRIME = "\u2032"
 
 TOTAL_MASS = Name("m", below=("total",))
 """The mass of a body where a part of it is called m, as that of a beam which carries other masses."""
@@ -180,8 +185,28 @@ class Notation:
         if expr == sp.pi:
             return Name("pi")
         if isinstance(expr, sp.Function):
-            return Call(type(expr).__name__, self.formula(expr.args[0]))
+            return self._call(expr)
         return self.factor(expr)
+
+    def _call(self, expr: sp.Function) -> Formula:
+        """A function of time in the words of a specification; the derivatives of tables and steps have primes."""
+        match expr:
+            case Absolute(args=(x,)):
+                return Fenced(self.formula(x), "|", "|")
+            case Select(args=(a, b, x, y)):
+                condition = row([self.formula(a), OperatorToken("<"), self.formula(b)])
+                return Call("piecewise", _listed([condition, self.formula(x), self.formula(y)]))
+            case Lookup(args=(name, order, x)):
+                return Call(f"{name}{PRIME * int(order)}", self.formula(x))
+            case SmoothStep(args=(*args, order)):
+                return Call(f"step{PRIME * int(order)}", _listed([self.formula(x) for x in args]))
+        return Call(FUNCTION_NAMES[type(expr)], _listed([self.formula(x) for x in expr.args]))
+
+
+def _listed(formulas: Sequence[Formula]) -> Formula:
+    """Formulas with commas between them."""
+    first, *others = formulas
+    return row([first, *(part for formula in others for part in (OperatorToken(","), formula))])
 
 
 def notation(equations: Equations) -> Notation:
