@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from derive.mechanics.time_integrals import time_integral
+from derive.mechanics.time_integrals.closed_form import time_integral
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import Drive
 from derive.spec.model.time_function import TimeFunction

@@ -8,7 +8,7 @@ import mpmath
 import pytest
 from scipy.integrate import quad
 
-from derive.mechanics.time_integrals import NoClosedForm, time_integral
+from derive.mechanics.time_integrals.closed_form import NoClosedForm, time_integral
 from derive.spec.files.splines import cubic_spline
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.time_function import TimeFunction, break_times, value_at

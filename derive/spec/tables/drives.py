@@ -18,7 +18,7 @@ from pydantic import (
 )
 
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.time_integrals import NoClosedForm, time_integral
+from derive.mechanics.time_integrals.closed_form import NoClosedForm, time_integral
 from derive.spec.model.scene import Drive
 from derive.spec.model.time_function import TimeFunction, value_at
 from derive.spec.parsing import scene_values, values

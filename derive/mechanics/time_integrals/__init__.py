@@ -1,0 +1,1 @@
+"""Integrals of functions of time in closed form."""

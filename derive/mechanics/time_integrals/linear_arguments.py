@@ -1,0 +1,24 @@
+"""What integrals of functions of time share: arguments that are linear in t, and values at a time."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from derive.mechanics.symbols import t
+from derive.mechanics.time_expressions import folded
+
+Linear = tuple[sp.Expr, sp.Expr]
+"""The coefficients c and d of an argument c t + d."""
+
+
+def linear_in_t(argument: sp.Expr) -> Linear | None:
+    """The coefficients of an argument that is linear in t; None if it is not, or does not depend on t."""
+    expanded = sp.expand(argument)
+    slope = expanded.coeff(t, 1)
+    rest = sp.expand(expanded - slope * t)
+    return None if slope == 0 or slope.has(t) or rest.has(t) else (slope, rest)
+
+
+def at(expr: sp.Expr, time: sp.Expr) -> sp.Expr:
+    """An expression at a time, with the switches of numbers decided."""
+    return folded(sp.sympify(expr).subs(t, time))
