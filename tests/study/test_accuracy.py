@@ -130,6 +130,14 @@ def test_the_chart_says_what_it_shows() -> None:
     assert len(rows) == 7 and rows[-1]["valid"] == "False"
 
 
+def test_errors_that_vanish_are_drawn_at_the_lower_end() -> None:
+    """All models agree exactly about what a drive prescribes."""
+    lines = (line(1, (0.0, 1e-5)), line(2, (0.0, 4e-5)), line(3, (0.02, 5e-5)))
+    svg = accuracy_svg(replace(a_chart(), lines=lines))
+    assert svg.count("<title>1 beam, P2, truncated, 4 coordinates\ntolerance 0.001: rms 0 %") == 2 and not outside(svg)
+    assert [[one.model.count for one in group] for group in label_groups(lines)] == [[1, 2], [3]]
+
+
 def test_one_headline_names_the_recommended_model_a_cheaper_one_in_doubt_and_the_next_better_one() -> None:
     """In the chart, on the page, in the terminal and in the record alike."""
     chart = a_chart()

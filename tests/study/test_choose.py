@@ -13,7 +13,7 @@ from conftest import ROOT
 from derive.cli.main import main
 from derive.simulation.observables.plots import PlotCurve
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.plots import Deflection
+from derive.spec.model.plots import ColumnCurves, Deflection
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse, read
 from derive.study.accuracy.measurement import CompiledLadderModel, compiled
@@ -358,6 +358,21 @@ def test_what_is_written_of_rigid_beams_runs_and_says_what_is_gone(tmp_path: Pat
     assert any("deflection_rate" in note and "is not in the shapes of lower" in note for note in written.notes)
     assert "outputs.bending: left out, since upper is rigid" in written.notes
     assert "plots.moment: left out, since it shows bending" in written.notes
-    assert "plots.place: the curve bending is left out" in written.notes
+    assert "plots.place: the curves of bending are left out" in written.notes
     target.write_text(written.text)
     assert main(["simulate", str(target), "--out", str(tmp_path)]) == 0
+
+
+def test_a_plot_of_several_sections_of_a_rigid_beam_keeps_no_curve_of_them(tmp_path: Path) -> None:
+    text = TWO.replace("[outputs]", '[outputs]\nfirst = { kind = "bending_moment", section = "upper.middle" }')
+    text += '[plots.all]\ny = ["first", "bending", "place_1"]\n[plots.both]\ny = ["first", "bending"]\n'
+    scene = parse(text)
+    assert isinstance(scene, Scene)
+    model = mixed({"upper": RIGID, "lower": SINE})
+    written = chosen_specification(text, tmp_path / "two.toml", tmp_path / "chosen.toml", scene, model, 1e-5)
+    chosen = parse(written.text)
+    assert isinstance(chosen, Scene)
+    curves = {plot.name: plot.quantity.y for plot in chosen.plots if isinstance(plot.quantity, ColumnCurves)}
+    assert curves == {"place": ("place_1",), "all": ("place_1",)}
+    assert "plots.all: the curves of first, bending are left out" in written.notes
+    assert "plots.both: left out, since it shows first, bending" in written.notes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -115,6 +115,11 @@ def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], numbe
     axes.set_yscale("log")
     good = front([run for run in candidates(chart.lines) if cost(run.point) > 0], cost)
     useful = {id(run.line) for run in good}
+    low, high = _range(chart)
+
+    def errors(points: Iterable[Point]) -> list[float]:
+        return [max(point.rms, low) for point in points]
+
     for n, line in enumerate(chart.drawn):
         shown = [p for p in line.points if cost(p) > 0]
         if not shown:
@@ -123,20 +128,19 @@ def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], numbe
         look: dict[str, Any] = {"color": colour(line.model), "linewidth": 1.1 if pale else 1.9}
         look |= {"alpha": 0.5 if pale else 1, "marker": _marker(line.model), "markersize": 3.5 if pale else 5}
         look |= {} if line.valid else {"fillstyle": "none"}
-        x, y = [cost(p) for p in shown], [p.rms for p in shown]
+        x, y = [cost(p) for p in shown], errors(shown)
         dashes = DASHES[line.integrator] if line.valid else (3, 2)
         axes.plot(x, y, gid=f"line_{number}_{n}", dashes=dashes, **look)
         titles[f"line_{number}_{n}"] = line_title(line, chart.shown)
     if number == 0:
         _peers(axes, chart, titles)
     if good:
-        x, y = [cost(r.point) for r in good], [r.point.rms for r in good]
+        x, y = [cost(r.point) for r in good], errors(r.point for r in good)
         axes.step(x, y, where="post", color=style.INK, linewidth=0.8, alpha=0.6)
     for run, width in ((chart.headline.recommended, 1.6), (chart.headline.cheaper, 0.7)):
         if run is not None:
             ring: dict[str, Any] = {"marker": "o", "markersize": 13, "fillstyle": "none", "markeredgewidth": width}
-            axes.plot([cost(run.point)], [run.point.rms], color=style.INK, linestyle="none", **ring)
-    low, high = _range(chart)
+            axes.plot([cost(run.point)], errors([run.point]), color=style.INK, linestyle="none", **ring)
     axes.set_ylim(low, high)
     axes.yaxis.set_major_formatter(lambda value, _: percent(value))
     axes.xaxis.set_major_formatter(lambda value, _: _power(value))
@@ -171,6 +175,7 @@ def _power(value: float) -> str:
 
 
 def _range(chart: LadderChart) -> tuple[float, float]:
+    """The ends of the logarithmic axis of errors; those that vanish are drawn at its lower end."""
     errors = [p.rms for line in chart.drawn for p in line.points if p.rms > 0]
     errors += [rms for peer in chart.peers for _, rms, _ in peer.runs]
     known = [*errors, chart.error, *([chart.reference.error] if chart.reference.error else [])]
@@ -192,7 +197,7 @@ def _labels(figure: Figure, chart: LadderChart, foot: float, height: float) -> N
     low, high = (math.log(x) for x in _range(chart))
     labels = [(group[0].best, group_label(group), colour(group[0].model)) for group in label_groups(chart.drawn)]
     labels = sorted([*labels, *((peer.best, peer.name, style.INK) for peer in chart.peers)])
-    wanted = [HEIGHT * (math.log(best) - low) / (high - low) for best, _, _ in labels]
+    wanted = [HEIGHT * (math.log(best) - low) / (high - low) if best else 0.0 for best, _, _ in labels]
     places = spread(wanted, LABEL)
     edge = LEFT + 2 * PANEL + GAP
     for (best, text, tint), want, at in zip(labels, wanted, places, strict=True):

@@ -40,7 +40,7 @@ def label_groups(lines: Sequence[Line]) -> list[list[Line]]:
             (
                 g
                 for g in groups
-                if line.best < NEAR * g[0].best
+                if line.best <= NEAR * g[0].best
                 and colour(g[0].model) == colour(line.model)
                 and g[0].valid == line.valid
             ),

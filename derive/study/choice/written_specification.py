@@ -62,28 +62,29 @@ def chosen_specification(
 def _without_sections(document: MutableMapping[str, Any], scene: Scene, model: LadderModel) -> Iterator[str]:
     """Remove the outputs of sections of beams that are rigid now, and the curves of plots that show them."""
     rigid = {beam.name for beam in beam_bodies(scene) if model.of(beam.name).shapes is Shapes.RIGID}
+    gone: dict[str, str] = {}  # the columns that are removed, and the output of each
     for output in scene.outputs:
         keys = [key.name for key in OUTPUTS[output.kind].keys if key.type is KeyType.BEAM_MARKER]
         markers = (output.values.get(key) for key in keys)
         bodies = [m.body for m in markers if isinstance(m, MarkerRef) and m.body in rigid]
-        if not bodies:
+        if bodies:
+            del document["outputs"][output.name]
+            yield f"outputs.{output.name}: left out, since {bodies[0]} is rigid"
+            gone.update(dict.fromkeys(output_columns(output), output.name))
+    for plot in scene.plots:
+        if not isinstance(plot.quantity, ColumnCurves):
             continue
-        del document["outputs"][output.name]
-        yield f"outputs.{output.name}: left out, since {bodies[0]} is rigid"
-        gone = set(output_columns(output))
-        for plot in scene.plots:
-            table = document.get("plots", {}).get(plot.name)
-            if table is None or not isinstance(plot.quantity, ColumnCurves):
-                continue
-            kept = [name for name in plot.quantity.y if name not in gone]
-            if len(kept) == len(plot.quantity.y) and plot.quantity.x not in gone:
-                continue
-            if kept and plot.quantity.x not in gone:
-                table["y"] = kept
-                yield f"plots.{plot.name}: the curve {output.name} is left out"
-            else:
-                del document["plots"][plot.name]
-                yield f"plots.{plot.name}: left out, since it shows {output.name}"
+        x, y = plot.quantity.x, plot.quantity.y
+        names = ", ".join(dict.fromkeys(gone[column] for column in (x, *y) if column in gone))
+        kept = [column for column in y if column not in gone]
+        if not names:
+            continue
+        if kept and x not in gone:
+            document["plots"][plot.name]["y"] = kept
+            yield f"plots.{plot.name}: the curves of {names} are left out"
+        else:
+            del document["plots"][plot.name]
+            yield f"plots.{plot.name}: left out, since it shows {names}"
 
 
 def _headed(text: str, source: Path, target: Path, model: LadderModel) -> str:
