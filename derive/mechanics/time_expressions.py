@@ -8,6 +8,7 @@ from functools import reduce
 
 import sympy as sp
 
+from derive.errors import TisserandError
 from derive.mechanics.quantity import function_constant
 from derive.mechanics.symbols import t
 from derive.mechanics.time_functions import (
@@ -26,7 +27,7 @@ from derive.spec.model.quantity import Parameter
 from derive.spec.model.time_function import Spline, TimeFunction
 
 
-class NoTimeFunction(Exception):
+class NoTimeFunction(TisserandError):
     """An expression that functions of time do not have."""
 
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 
-import casadi as ca
 import sympy as sp
 
 from derive.ir.expressions import Number
-from derive.lowering.flat.casadi_symbols import Symbols
 from derive.mechanics import symbols
 from derive.mechanics.quantity import finite_function, function_constant, time_derivatives
 from derive.mechanics.time_functions import Lookup
@@ -27,6 +25,10 @@ def derivatives_at(function: TimeFunction, t: float, path: str) -> tuple[float, 
 
 def _number(expr: sp.Expr, function: TimeFunction, t: float) -> float:
     """The value at t of an expression that was made from a function."""
+    import casadi as ca  # loaded here alone, since runs of kept models without drives do without it
+
+    from derive.lowering.flat.casadi_symbols import Symbols
+
     known: dict[sp.Symbol, sp.Expr] = {symbols.t: sp.Rational(t)}
     splines = {}
     for part in parts(function):

@@ -16,6 +16,7 @@ from math import factorial
 import sympy as sp
 from sympy.core.symbol import Str
 
+from derive.errors import TisserandError
 from derive.mechanics.quantity import function
 from derive.mechanics.symbols import t
 from derive.mechanics.time_expressions import NoTimeFunction, time_function
@@ -29,7 +30,7 @@ MAX_CHOICES = 64
 """The most choices of two expressions in an integral, which products of many switches exceed."""
 
 
-class NoClosedForm(Exception):
+class NoClosedForm(TisserandError):
     """A function of time whose integral no rule knows; `part` is the product without a rule."""
 
     def __init__(self, part: TimeFunction | None) -> None:
