@@ -16,7 +16,7 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import ColumnCurves, Deflection
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse, read
-from derive.study.accuracy.measurement import CompiledLadderModel, compiled
+from derive.study.accuracy.measurement import CompiledLadderModel, Line, Point, compiled
 from derive.study.accuracy.models import LadderModel, LadderRange, Shapes, mixed
 from derive.study.accuracy.predicted_cost import PredictedCost, fastest_rate
 from derive.study.accuracy.reference import rms_difference
@@ -184,7 +184,7 @@ def test_a_reference_that_has_not_converged_is_not_trusted(monkeypatch: pytest.M
     small = (LadderModel(Shapes.POLYNOMIALS, 2, DisplacementOrder.TRUNCATED, "mean", 2),)
     monkeypatch.setattr(references, "_refinements", lambda: small)
     with pytest.raises(
-        NotConverged, match=r"itself is reached: 2 beams, P2, P3, truncated differs by .* from that with fewer shapes"
+        NotConverged, match=r"is so accurate: 2 beams, P2, P3, truncated differs by .* from that with fewer shapes"
     ):
         trusted_reference(scene, scene.plots[:1], 1e-3, quiet, quiet)
 
@@ -376,3 +376,18 @@ def test_a_plot_of_several_sections_of_a_rigid_beam_keeps_no_curve_of_them(tmp_p
     assert curves == {"place": ("place_1",), "all": ("place_1",)}
     assert "plots.all: the curves of first, bending are left out" in written.notes
     assert "plots.both: left out, since it shows first, bending" in written.notes
+
+
+def test_errors_that_vanish_and_runs_that_fail_are_in_the_text() -> None:
+    """What a drive prescribes has no error; a run that fails after coarser ones says so."""
+
+    def point(tolerance: float, rms: float, operations: int) -> Point:
+        return Point(tolerance, rms, rms, (1e-3,) * 3, 10, operations)
+
+    exact = Line(SINE, 4, (point(1e-3, 0.0, 200),))
+    failed = Line(PARABOLA, 4, (point(1e-3, 0.004, 100),), failure="tolerance 1e-05: too many steps")
+    assert failed.outcome == "0.4 % in 1 ms; tolerance 1e-05: too many steps"
+    known = TrustedReference((), FINE, (Agreement("larger steps", 0.0),))
+    text = choice_text("a", ["it"], (), Choice(0.01, known, (exact, failed)))
+    assert "100  fails: tolerance 1e-05: too many steps" in text
+    assert "step down: 1 beam, P2, truncated, tolerance 0.001: 0.5 times the operations, an error of 0.4 %" in text

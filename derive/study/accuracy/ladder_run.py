@@ -74,7 +74,7 @@ class LadderRun:
             done += predicted
             rest = [other for other in models[n:] if not self.dispensable(other)]
             left = sum(map(self.seconds, rest)) * (time.monotonic() - began) / done
-            report(f"{name}: {_outcome(line)}" + (f"; about {duration_text(left)} left" if rest else ""))
+            report(f"{name}: {line.outcome}" + (f"; about {duration_text(left)} left" if rest else ""))
             record()
 
     def seconds(self, model: LadderModel) -> float:
@@ -116,11 +116,3 @@ class LadderRun:
 def _kind(model: LadderModel) -> tuple[object, ...]:
     """What models have in common that differ in the number of shapes."""
     return model.shapes, model.order, model.frame, model.pieces
-
-
-def _outcome(line: Line) -> str:
-    """What came of a model, in a few words."""
-    if not line.points:
-        return line.failure
-    warning = f", a monitor implies {percent(line.warning.error)}" if line.warning else ""
-    return f"{percent(line.best)}{warning} in {1e3 * line.points[-1].seconds[0]:.3g} ms"

@@ -13,6 +13,7 @@ from derive.artifacts import File
 from derive.errors import TisserandError, first_line
 from derive.generated_models import generated
 from derive.ir.model import Model
+from derive.percentages import percent
 from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import Adaptive, AdaptiveRun
 from derive.runtime.integrators.c_integrator import CONSISTENT
@@ -184,6 +185,15 @@ class Line:
     def best(self) -> float:
         """The root mean square error of the finest run."""
         return self.points[-1].rms
+
+    @property
+    def outcome(self) -> str:
+        """What came of the model, in a few words: error, implied error and time of the finest run, and a failure."""
+        if not self.points:
+            return self.failure
+        warning = f", a monitor implies {percent(self.warning.error)}" if self.warning else ""
+        failure = f"; {self.failure}" if self.failure else ""
+        return f"{percent(self.best)}{warning} in {1e3 * self.points[-1].seconds[0]:.3g} ms{failure}"
 
 
 Progress = Callable[[str], None]

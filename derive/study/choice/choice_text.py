@@ -55,6 +55,8 @@ def _tried(line: Line, choice: Choice) -> str:
     numbers = (
         f"{p.tolerance:9g}{percent(p.rms):>10}{implied:>9}{1e3 * p.seconds[0]:10.3f}{p.evaluations:13}{p.operations:12}"
     )
+    if line.failure:
+        return f"{numbers}  fails: {line.failure}"
     return numbers + ("  good" if accurate(line, p, choice.error, choice.reference.error) else "")
 
 
@@ -80,8 +82,8 @@ def _verdict(choice: Choice) -> list[str]:
     result = [f"Chosen: {line.model.label}, {point.setting}: {percent(point.rms)} in {_ms(point)}"]
     for word, steps in neighbours(choice).items():
         for other, p in steps:
-            cost, error = p.operations / point.operations, p.rms / point.rms
-            what = f"{cost:.2g} times the operations, {error:.2g} times the error"
+            error = f"{p.rms / point.rms:.2g} times the error" if point.rms else f"an error of {percent(p.rms)}"
+            what = f"{p.operations / point.operations:.2g} times the operations, {error}"
             result.append(f"  {word}: {other.model.label}, {p.setting}: {what}")
     return result
 

@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from derive.errors import TisserandError, first_line
-from derive.percentages import percent
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
@@ -159,7 +158,7 @@ class _Search:
         if model not in self._lines:
             self._lines[model] = line = self._line(model)
             self.cost.add(line)
-            self._report(f"model {len(self._lines)}: {model.label}: {self._outcome(line)}")
+            self._report(f"model {len(self._lines)}: {model.label}: {line.outcome}")
         return self._lines[model]
 
     def try_models(self, models: Iterable[LadderModel], most: int = BEYOND + 1) -> None:
@@ -222,10 +221,3 @@ class _Search:
         point = self._point(line)
         assert point is not None
         return point.operations
-
-    def _outcome(self, line: Line) -> str:
-        """What came of a model, in a few words."""
-        if not line.points:
-            return line.failure
-        warning = f", a monitor implies {percent(implied_error(line))}" if line.warning else ""
-        return f"{percent(line.points[-1].rms)}{warning}"

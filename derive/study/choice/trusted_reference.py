@@ -93,8 +93,9 @@ def trusted_reference(
     larger = f"an error of more than {percent(known.error / SHARE)}, or " if known.error < SHARE else ""
     worst = max(known.agreements, key=lambda a: a.difference)
     raise NotConverged(
-        f"an error of {percent(error)} needs a reference with a third of it, and the error of the reference itself is "
-        f"reached: {known.model.label} differs by {percent(worst.difference)} from that with {worst.label}{further}. "
+        f"an error of {percent(error)} needs a reference whose own error is a third of it at most, and none that was "
+        f"run is so accurate: {known.model.label} differs by {percent(worst.difference)} from that with {worst.label}"
+        f"{further}. "
         f"Ask for {larger}a shorter time"
     )
 
