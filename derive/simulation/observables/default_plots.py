@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from derive.ir.model import Model
-from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
 from derive.roles import Role
 from derive.simulation.body_trajectory import energy_names
 from derive.spec.model.body import NodalBody
@@ -51,9 +51,9 @@ def _unplotted(scene: Scene) -> list[SceneOutput]:
     return [o for o in scene.outputs if o.name not in names and not plotted & {*output_columns(o)}]
 
 
-def output_columns(output: SceneOutput) -> Sequence[str]:
-    """The columns of an output."""
-    labels = OUTPUTS[output.kind].labels
+def output_columns(output: SceneOutput) -> tuple[str, ...]:
+    """The names of the columns of an output of a scene, or of one that monitors a model."""
+    labels = {**OUTPUTS, **MONITORS}[output.kind].labels
     return tuple(f"{output.name}_{label}" if label else output.name for label in labels)
 
 

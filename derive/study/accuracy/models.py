@@ -11,9 +11,9 @@ from typing import assert_never
 
 from derive.mechanics.bodies.deflection_projection import projection
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
-from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
 from derive.simulation.initial.deflection_remainders import remainder_lines
 from derive.simulation.observables.beams import beam_bodies, shape_functions
+from derive.simulation.observables.default_plots import output_columns
 from derive.spec.construction import validated
 from derive.spec.model.body import DisplacementOrder, FamilyKind, Frame, Polynomial, ShapeFamily
 from derive.spec.model.plots import ColumnCurves
@@ -166,12 +166,6 @@ def plotted_outputs(scene: Scene) -> tuple[SceneOutput, ...]:
     quantities = (plot.quantity for plot in scene.plots)
     used = {column for of in quantities if isinstance(of, ColumnCurves) for column in (of.x, *of.y)}
     return tuple(output for output in scene.outputs if used & set(output_columns(output)))
-
-
-def output_columns(output: SceneOutput) -> tuple[str, ...]:
-    """The names of the columns of an output."""
-    labels = {**OUTPUTS, **MONITORS}[output.kind].labels
-    return tuple(f"{output.name}_{label}" if label else output.name for label in labels)
 
 
 def modelled(body: BeamBody, model: LadderModel) -> BeamBody | RigidBody:

@@ -16,6 +16,7 @@ from derive.errors import TisserandError
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.prescribed_motion import drive_speed
 from derive.percentages import percent
+from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.motion import si_value
 from derive.simulation.validity.held_beam import lowest_mode
 from derive.simulation.validity.monitors import Cause
@@ -26,7 +27,7 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import value_at
 from derive.study.accuracy.measurement import compiled, motion
-from derive.study.accuracy.models import LadderModel, Shapes, output_columns
+from derive.study.accuracy.models import LadderModel, Shapes
 
 TOLERANCE = 1e-6
 """That of the runs that are looked at."""

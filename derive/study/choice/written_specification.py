@@ -13,6 +13,7 @@ import tomlkit
 from derive.mechanics.multibody.keys import KeyType
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.simulation.observables.beams import beam_bodies
+from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
@@ -23,7 +24,6 @@ from derive.study.accuracy.models import (
     LadderModel,
     Shapes,
     modelled,
-    output_columns,
     start_remainders,
 )
 
