@@ -313,6 +313,14 @@ def test_without_a_converged_reference_verdicts_are_undecided(
     assert given.converged and given.wrong(paths[1]) == (Interval(10.0, 20.0, False),)
 
 
+def test_a_reference_without_steady_motion_at_some_values_has_not_converged_for_that_reason() -> None:
+    limits, models = ParameterRange("P", 0, 40, 5), (polynomials(2, SECOND, pieces=2), polynomials(4, SECOND, pieces=3))
+    gap = replace(lost_at(models[1], None), points=(PathPoint(40.0, None, failure="it is far away"),))
+    text = " ".join(stability_text(LadderStability("made", limits, (), gap, lost_at(models[0], None))).split())
+    assert "which keeps its stability where it moves steadily" in text
+    assert "has not converged: no steady motion is known at some values of 3 beams, P2 to P5, truncated" in text
+
+
 def test_with_a_converged_reference_verdicts_are_given() -> None:
     limits, models = ParameterRange("P", 0, 40, 5), (polynomials(2, SECOND, pieces=2), polynomials(4, SECOND, pieces=3))
     of = LadderStability("made", limits, (), lost_at(models[1], 20.0), lost_at(models[0], 20.5))

@@ -49,7 +49,9 @@ def truth_sentences(of: LadderStability) -> list[str]:
         return [*result, f"{richest}, which fails: {of.reference.failure}"]
     before = of.before.model.label
     if of.reference.loss is None:
-        result.append(f"{richest}, which keeps its stability")
+        result.append(
+            f"{richest}, which keeps its stability" + (" where it moves steadily" if of.reference.gaps else "")
+        )
     elif of.error is not None:
         result.append(f"{richest}, {of.reference.loss:.7g}; {before} differs by {of.error:.1e}")
     if not of.converged:
@@ -62,7 +64,9 @@ def _difference(of: LadderStability) -> str:
     before = of.before.model.label
     if of.before.failure:
         return f"{before} fails: {of.before.failure}"
-    if of.reference.loss is not None and of.before.loss is not None:
+    if gaps := [path.model.label for path in (of.reference, of.before) if path.gaps]:
+        return f"no steady motion is known at some values of {' and '.join(gaps)}"
+    if (of.reference.loss is None) == (of.before.loss is None):
         return f"the verdict of {before} differs over more than {100 * CONVERGED:g} % of a threshold"
     return f"{before} " + ("keeps its stability" if of.before.loss is None else f"loses it at {of.before.loss:.7g}")
 
