@@ -405,6 +405,21 @@ def test_outputs_that_no_plot_shows_have_plots_of_their_own():
     assert shown(DRIVEN + '[plots.all]\ny = ["tip_1", "rod_phi"]\n') == {"torque": ("torque",)}
 
 
+@pytest.mark.parametrize(
+    ("plot", "expected"),
+    [
+        ('bow]\ndeflection = "rod.right"\nchord = ["ground.o", "rod.left"]\ndivided_by = 0.6', {}),
+        ('bend]\ndeflection = "rod.right"\nchord = ["ground.o", "rod.left"]', {"bend_output": ("bend",)}),
+        ('bend]\ny = ["rod_phi"]', {"bend_output": ("bend",)}),
+    ],
+    ids=["the same deflection", "its name, another deflection", "its name, a column"],
+)
+def test_an_output_is_plotted_unless_a_plot_shows_it_whatever_their_names(plot, expected):
+    outputs = '[outputs.bend]\nkind = "deflection"\nmarker = "rod.right"\nchord = ["ground.o", "rod.left"]\n'
+    text = DRIVEN.split("[outputs.tip]", maxsplit=1)[0] + f"{outputs}divided_by = 0.6\n[plots.{plot}\n"
+    assert shown(text) == expected
+
+
 def test_a_scene_without_outputs_and_plots_shows_its_coordinates():
     assert shown(DRIVEN.split("[outputs.tip]", maxsplit=1)[0]) == {
         "angles": ("rod_phi",),

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from derive.ir.model import Model
-from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
+from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, ChordDeflection
+from derive.mechanics.multibody.outputs.marker_motion import MARKER
+from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS, output_type
 from derive.roles import Role
 from derive.simulation.body_trajectory import energy_names
 from derive.spec.model.body import NodalBody
-from derive.spec.model.plots import ColumnCurves, Plot
+from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import Scene
 
@@ -24,7 +27,7 @@ COORDINATES = {
 def default_plots(scene: Scene, model: Model) -> tuple[Plot, ...]:
     """One plot over the time for each output that no plot shows; without outputs and plots, those of coordinates."""
     if scene.outputs or scene.plots:
-        return tuple(_plot(output.name, output_columns(output)) for output in _unplotted(scene))
+        return tuple(_plot(_free_name(output, scene), output_columns(output)) for output in _unplotted(scene))
     quantities = ((name, [c.name for c in model.coordinates if c.role in roles]) for name, roles in COORDINATES.items())
     return tuple(_plot(name, columns) for name, columns in quantities if columns)
 
@@ -45,10 +48,28 @@ def body_plots(body: NodalBody, model: Model) -> tuple[Plot, ...]:
 
 
 def _unplotted(scene: Scene) -> list[SceneOutput]:
-    """The outputs that no plot shows, and whose names no plot has."""
-    plotted = {y for plot in scene.plots if isinstance(plot.quantity, ColumnCurves) for y in plot.quantity.y}
-    names = {plot.name for plot in scene.plots}
-    return [o for o in scene.outputs if o.name not in names and not plotted & {*output_columns(o)}]
+    """The outputs that no plot shows, by their columns or as the same deflection."""
+    quantities = [plot.quantity for plot in scene.plots]
+    columns = {y for quantity in quantities if isinstance(quantity, ColumnCurves) for y in quantity.y}
+    return [o for o in scene.outputs if not columns & {*output_columns(o)} and _deflection(o) not in quantities]
+
+
+def _deflection(output: SceneOutput) -> Deflection | None:
+    """What an output measures, as the quantity of a plot, if it is a deflection."""
+    if not isinstance(output_type(output.kind), ChordDeflection):
+        return None
+    values: Mapping[str, Any] = output.values
+    divisor = values.get(DIVIDED_BY.name)
+    return Deflection(values[MARKER.name], values[CHORD.name], None if divisor is None else float(divisor))
+
+
+def _free_name(output: SceneOutput, scene: Scene) -> str:
+    """The name of an output's plot: its own, or one like it if a plot of something else has that."""
+    taken = {plot.name for plot in scene.plots} | {other.name for other in scene.outputs if other != output}
+    name = output.name
+    while name in taken:
+        name += "_output"
+    return name
 
 
 def output_columns(output: SceneOutput) -> tuple[str, ...]:
