@@ -91,7 +91,9 @@ def _text(result: Modes, count: int) -> list[str]:
         lines.append(f"  {result.zero_eigenvalues} eigenvalues are zero: motions without stiffness")
     if growing := [str(i) for i, mode in enumerate(result.modes, 1) if _grows(mode)]:
         state = "the coefficients of this instant let" if result.speed else "warning: the state is unstable;"
-        lines.append(f"  {state} mode {', '.join(growing)} grow{'' if result.speed else 's'}")
+        several = len(growing) > 1
+        verb = "grow" if several or result.speed else "grows"
+        lines.append(f"  {state} mode{'s' if several else ''} {', '.join(growing)} {verb}")
     if len(shown) < len(result.modes):
         lines.append(f"  ... the first {len(shown)} of {len(result.modes)} modes; --count N or --json prints more")
     return [*lines, *(_shapes(result, shown) if shown else []), "", *wrapped(_state_space(result), "  ")]

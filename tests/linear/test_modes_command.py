@@ -110,6 +110,9 @@ def test_an_unstable_state_is_announced(tmp_path: Path, capsys: pytest.CaptureFi
     spec.write_text(PENDULUM.replace("-1.57", "1.57"))
     assert main(["modes", str(spec), "--at", "0", "--out", str(tmp_path)]) == 0
     assert "warning: the state is unstable; mode 1 grows" in capsys.readouterr().out
+    inverted = ["modes", str(ROOT / "scenes/double_pendulum.toml"), "--set", "scene.gravity=[-9.81, 0]"]
+    assert main([*inverted, "--at", "0", "--out", str(tmp_path)]) == 0
+    assert "warning: the state is unstable; modes 2, 4 grow\n" in capsys.readouterr().out
 
 
 def test_the_picture_shows_linear_displacements(rod: Modes) -> None:

@@ -11,7 +11,7 @@ import slider
 
 from derive.simulation.observables.beams import piece_at, relative_deflection
 from derive.simulation.observables.motion import deviation, drive_values, function_values, marker_positions
-from derive.simulation.observables.plots import percent, plot_curve, plot_text
+from derive.simulation.observables.plots import PlotCurve, percent, plot_curve, plot_text
 from derive.simulation.output_times import output_times
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ReferenceCurve
@@ -114,3 +114,8 @@ def test_the_legend_tells_errors() -> None:
 
 def test_percent() -> None:
     assert [percent(x) for x in (0.5312, 0.206, 0.0302, 0.00912, 3)] == ["53.1", "20.6", "3.0", "0.91", "300"]
+
+
+def test_an_extreme_of_zero_has_no_sign():
+    curve = PlotCurve("P", np.array([0.0, 1.0]), np.array([-0.0, -2.0]), None)
+    assert [str(value) for value in curve.largest] == ["0.0", "0.0"]

@@ -36,13 +36,13 @@ class PlotCurve:
     def least(self) -> tuple[float, float]:
         """The least value, and its x."""
         index = int(np.argmin(self.y))
-        return float(self.y[index]), float(self.x[index])
+        return float(self.y[index]) + 0.0, float(self.x[index])
 
     @property
     def largest(self) -> tuple[float, float]:
         """The largest value, and its x."""
         index = int(np.argmax(self.y))
-        return float(self.y[index]), float(self.x[index])
+        return float(self.y[index]) + 0.0, float(self.x[index])
 
     @property
     def error(self) -> tuple[float, float] | None:
