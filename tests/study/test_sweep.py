@@ -20,7 +20,7 @@ from derive.spec.model.plots import Deflection
 from derive.spec.set_values import with_values
 from derive.study.sweep import executors
 from derive.study.sweep.executors import KILLS, ExecutorLost
-from derive.study.sweep.outputs import OutputError, Statistic, SweepOutput
+from derive.study.sweep.outputs import OutputError, Statistic, SweepOutput, output
 from derive.study.sweep.plan import RunOptions, check_outputs, make_plan
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.run import SweepFailed, sweep
@@ -267,6 +267,15 @@ def test_an_output_is_a_column_of_all_models() -> None:
         check_outputs([wanted], [one, other])
     with pytest.raises(SamplesError, match="peak_rod_phi is given twice"):
         check_outputs([wanted, wanted], [one])
+
+
+def test_without_a_name_an_output_is_of_the_first_plot_even_if_a_column_has_its_name() -> None:
+    plot, units = slider().plots[0], {"t": "s", "deflection": "N"}
+    assert plot.name == "deflection"
+    assert output("peak", slider(), units).deflection == plot.quantity
+    assert output("peak:deflection", slider(), units) == SweepOutput(Statistic.PEAK, "deflection", "N")
+    with pytest.raises(UnknownNameError, match=r"known: t, deflection$"):
+        output("peak:q", slider(), units)
 
 
 def test_what_the_monitors_warn_of_in_the_sample_with_the_largest_output(threads: Executor) -> None:

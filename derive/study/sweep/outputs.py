@@ -84,21 +84,25 @@ def output(text: str, scene: Scene, units: dict[str, str]) -> SweepOutput:
                 f"--output {kind}: of what? {scene.name} has no plot; name a column, such as {kind}:{_last(units)}; "
                 f"the columns are {', '.join(units)}"
             )
-        name = scene.plots[0].name
-    if name in units:
+        plot = scene.plots[0]
+    elif name in units:
         return SweepOutput(statistics[kind], name, units[name])
-    plots = {plot.name: plot for plot in scene.plots}
-    if name not in plots:
-        raise UnknownNameError("column or plot", name, [*units, *plots])
-    quantity = plots[name].quantity
+    else:
+        plots = {plot.name: plot for plot in scene.plots}
+        if name not in plots:
+            raise UnknownNameError("column or plot", name, [*dict.fromkeys([*units, *plots])])
+        plot = plots[name]
+    quantity = plot.quantity
     match quantity:
         case Deflection():
-            return SweepOutput(statistics[kind], name, deflection_quantity(quantity)[1], quantity)
+            return SweepOutput(statistics[kind], plot.name, deflection_quantity(quantity)[1], quantity)
         case ColumnCurves(y=(column,)):
             return SweepOutput(statistics[kind], column, units[column])
         case ColumnCurves():
             columns = ", ".join(f"{kind}:{column}" for column in quantity.y)
-            raise OutputError(f"--output {kind}: the plot {quoted(name)} has several curves; choose one of {columns}")
+            raise OutputError(
+                f"--output {kind}: the plot {quoted(plot.name)} has several curves; choose one of {columns}"
+            )
         case _:
             assert_never(quantity)
 
