@@ -5,6 +5,7 @@ from fractions import Fraction
 import pytest
 
 from derive.spec.parsing.polynomial import MAX_DEGREE, MAX_DIGITS, MAX_LENGTH, ExpressionError, parse_number, polynomial
+from derive.spec.parsing.values import load_polynomial
 
 
 @pytest.mark.parametrize(
@@ -84,6 +85,12 @@ def test_what_is_no_polynomial_is_refused_with_place_and_reason(text, message):
     with pytest.raises(ExpressionError) as caught:
         polynomial(text)
     assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("text", ["-t", "(1 - xi^2)*sin(t)", "xi*step(t, 0, 1)"])
+def test_a_function_of_the_time_in_a_load_is_refused_with_the_key_where_it_belongs(text):
+    with pytest.raises(ExpressionError, match=r"a function of t, .* belongs in `time`$"):
+        load_polynomial(text)
 
 
 @pytest.mark.parametrize(

@@ -70,3 +70,7 @@ def test_a_scene_is_one_of_three():
         "simulation",
         "plots",
     }
+
+
+def test_a_default_is_what_a_file_may_say():
+    assert SCHEMA["$defs"]["LoadTable"]["properties"]["time"]["default"] == 1

@@ -12,7 +12,7 @@ from derive.errors import quoted
 from derive.spec.model.body import Polynomial
 from derive.spec.parsing.parser import MAX_DIGITS, MAX_LENGTH, MAX_POWER, ExpressionError, Parser, Token, fits
 
-__all__ = ["MAX_DEGREE", "MAX_DIGITS", "MAX_LENGTH", "ExpressionError", "parse_number", "polynomial"]
+__all__ = ["MAX_DEGREE", "MAX_DIGITS", "MAX_LENGTH", "ExpressionError", "load_text", "parse_number", "polynomial"]
 
 MAX_DEGREE = MAX_POWER
 
@@ -24,6 +24,11 @@ XI: Polynomial = (Fraction(0), Fraction(1))
 def polynomial(text: str) -> Polynomial:
     """The polynomial in xi that `text` denotes, such as "xi^2 - 1/3"."""
     return _Polynomials(text).parse()
+
+
+def load_text(text: str) -> Polynomial:
+    """The polynomial in xi of a distributed load, whose function of t is another key."""
+    return _Loads(text).parse()
 
 
 def parse_number(text: str) -> Fraction:
@@ -70,6 +75,15 @@ class _Polynomials(Parser[Polynomial]):
         if not all(map(fits, value)):
             self.too_large(at)
         return value
+
+
+class _Loads(_Polynomials):
+    made_of = f"{_Polynomials.made_of}; a function of t, by which the load is multiplied, belongs in `time`"
+
+    def unknown(self, token: Token, called: bool) -> NoReturn:
+        if token.text == "t":
+            self.fail(token, f'"t" is unknown here: {self.made_of}')
+        super().unknown(token, called)
 
 
 class _Numbers(_Polynomials):

@@ -15,7 +15,7 @@ from fractions import Fraction
 from derive.errors import TisserandError, quoted
 from derive.spec.model.body import Polynomial
 from derive.spec.parsing.names import name_problem
-from derive.spec.parsing.polynomial import MAX_DEGREE, MAX_DIGITS, parse_number, polynomial
+from derive.spec.parsing.polynomial import MAX_DEGREE, MAX_DIGITS, load_text, parse_number, polynomial
 
 UNIT_PATTERN = "[A-Za-z0-9(]([A-Za-z0-9 .^*/()-]{0,22}[A-Za-z0-9)])?"
 MAX_MODES = 300
@@ -181,7 +181,7 @@ def shape(value: object) -> Polynomial:
 def load_polynomial(value: object) -> Polynomial:
     """A polynomial in xi that may be zero: text such as "1 - xi^2", a number, or the tuple of its coefficients."""
     if isinstance(value, (str, tuple)) and value not in ("0", (), (0,)):
-        return polynomial(value) if isinstance(value, str) else shape(value)
+        return load_text(value) if isinstance(value, str) else shape(value)
     exact = number(0 if isinstance(value, tuple) else value)
     return (exact,) if exact else ()
 

@@ -120,9 +120,9 @@ class LoadTable(TomlTable):
         components(("0", '"-10*(1 - xi^2)"')),
         Field(description="Components, N/m: numbers, or polynomials in xi, which goes from -1 to 1 along the beam."),
     ]
-    time: Annotated[Time, Field(description="Factor of the load: a number, or a function of t.")] = number_function(
-        Fraction(1)
-    )
+    time: Annotated[
+        Time, Field(description="Factor of the load: a number, or a function of t.", json_schema_extra={"default": 1})
+    ] = number_function(Fraction(1))
     frame: Annotated[
         ForceFrame,
         PlainValidator(lambda value: choices.choice(value, FORCE_FRAMES, "`frame`")),
