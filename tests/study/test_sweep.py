@@ -267,6 +267,8 @@ def test_an_output_is_a_column_of_all_models() -> None:
         check_outputs([wanted], [one, other])
     with pytest.raises(SamplesError, match="peak_rod_phi is given twice"):
         check_outputs([wanted, wanted], [one])
+    with pytest.raises(SamplesError, match="peak_rod_phi is given twice"):
+        check_outputs([wanted, replace(wanted, deflection=slider().plots[0].quantity)], [one])
 
 
 def test_without_a_name_an_output_is_of_the_first_plot_even_if_a_column_has_its_name() -> None:

@@ -217,11 +217,12 @@ def _check_symbols(symbols: Mapping[str, str | None]) -> None:
 
 
 def check_outputs(outputs: Sequence[SweepOutput], models: Sequence[ModelCode]) -> None:
-    """Raise SamplesError if an output is no column of all models, or if two outputs are the same."""
+    """Raise SamplesError if an output is no column of all models, or if two have one label."""
+    labels = [chosen.label for chosen in outputs]
     for chosen in outputs:
         if chosen.deflection is None and any(chosen.name not in model.columns for model in models):
             raise SamplesError(f"{chosen.name} is no column of all models of this sweep; choose another output")
-        if outputs.count(chosen) > 1:
+        if labels.count(chosen.label) > 1:
             raise SamplesError(f"the output {chosen.label} is given twice")
 
 
