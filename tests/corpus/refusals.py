@@ -23,6 +23,7 @@ REFUSALS: dict[str, str] = {
     r"this constraint is redundant: other joints and drives meet it": "a joint that changes nothing, which is named",
     r"Their multipliers have no unique value": "redundant joints: which of them carries a load is not determined",
     r"all motion is prescribed; nothing is left to be computed": "there is no motion to compute",
+    r"is not that of a rigid rotation of the whole scene": "the stability is that of steady motions",
     r"no motion is steady, since these functions of time never come to rest": "stability is that of a steady motion",
     r"loops have no derivatives by parameters": "the message names the lowering that has them",
     r"there is no beam here": "there is no flexible body whose models could differ",

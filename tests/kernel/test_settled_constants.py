@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import pytest
 
-from derive.ir.expressions import Expr, Operator, ScalarRef
+from derive.ir.expressions import Expr, Operator, ScalarRef, walk
 from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.setup_constants import Constants
 
@@ -22,3 +24,11 @@ def test_shared_constants_are_named_once(monkeypatch: pytest.MonkeyPatch) -> Non
     for _ in range(3):
         graph.apply(Operator.MUL, x, node)
     assert len(named) == len(constants.hoisted) <= 32
+
+
+def test_setup_itself_computes_functions_of_numbers() -> None:
+    """They have no name there: what setup computes is not a constant of another setup."""
+    graph = Graph()
+    sine = graph.apply(Operator.SIN, graph.number(Fraction(207, 100)))
+    product = graph.expr(graph.apply(Operator.MUL, sine, graph.leaf(ScalarRef("p_c"))))
+    assert {e.name for e in walk(product) if isinstance(e, ScalarRef)} == {"p_c"}

@@ -56,10 +56,11 @@ class LoweringError(TisserandError):
 class Graph:
     """The nodes of a kernel, without duplicates; operands come before the operations that use them.
 
-    An operation on constants alone becomes a constant of setup as soon as another operation uses it.
+    An operation on constants alone becomes a constant of setup as soon as another operation uses it. Without
+    `constants`, as in setup itself, all operations stay where they are.
     """
 
-    def __init__(self, constants: Constants) -> None:
+    def __init__(self, constants: Constants | None = None) -> None:
         self.constants = constants
         self.nodes: list[Node] = []
         self._index: dict[Node, int] = {}
@@ -87,7 +88,7 @@ class Graph:
     def settled(self, node: int) -> int:
         """The node itself or, for an operation on constants alone, the constant of setup that replaces it."""
         n = self.nodes[node]
-        if n.leaf is not None or not self._constant[node]:
+        if n.leaf is not None or not self._constant[node] or self.constants is None:
             return node
         if node not in self._settled:
             large = self._size[node] > MAX_CONSTANT_SIZE
@@ -126,7 +127,8 @@ class Graph:
             case Number():
                 return True
             case ScalarRef(name):
-                return name in self.constants.coefficients or name in self.constants.hoisted.values()
+                known = self.constants
+                return known is not None and (name in known.coefficients or name in known.hoisted.values())
             case ArrayAccess() | MatrixEntry() | TableValue():
                 return False
         return all(self._constant[a] for a in node.args)

@@ -133,7 +133,8 @@ def _moved_to_setup(graph: Graph, item: RequiredValue, node: int) -> bool:
             f"{item.text}, whatever the state: shapes are too nearly dependent to compute with (make them orthogonal), "
             "or two joints impose the same constraint (remove one of them)"
         )
-    graph.constants.require(item.kind, graph.expr(node), item.code, item.text)
+    if graph.constants is not None:
+        graph.constants.require(item.kind, graph.expr(node), item.code, item.text)
     return True
 
 

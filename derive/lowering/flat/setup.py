@@ -14,7 +14,6 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.schedule import NamedValue, OutputValue, RequiredValue, Step, schedule
-from derive.lowering.flat.setup_constants import Constants
 from derive.roles import Source
 
 UNARY: dict[Operator, Callable[[ca.SX], ca.SX]] = {
@@ -101,7 +100,7 @@ def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, t
         "Constants k from the parameters p: once for a set of parameters.",
         (Argument("p", tuple(f"p_{p.symbol}" for p in parameters), "parameters"),),
         (Output("k", tuple(c.name for c in constants), "constants"),),
-        schedule(Graph(Constants(frozenset())), symbols, (), steps),
+        schedule(Graph(), symbols, (), steps),
     )
     return kernel, tuple(constants)
 

@@ -12,7 +12,6 @@ from derive.ir.statements import Let, Require, Statement, Store, StoreLocal, Sto
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.schedule import OutputValue, Step, schedule
-from derive.lowering.flat.setup_constants import Constants
 from derive.mechanics.symbols import Symbol, identity, is_indexed
 
 Target = Symbol | Store | Require
@@ -45,7 +44,7 @@ def map_body(
         symbols.input(symbol, _element(symbol) if is_indexed(symbol) else known[symbol])
     stored = tuple(OutputValue("", k, symbols(expr)) for k, (_, expr) in enumerate(rows))
     step = Step("loop", "", "", stored)
-    (section,) = schedule(Graph(Constants(frozenset())), symbols, (), (step,), temporaries)
+    (section,) = schedule(Graph(), symbols, (), (step,), temporaries)
     body = assignments(section.body, [target for target, _ in rows])
     return tuple(item for item in body if isinstance(item, Let | StoreLocal | StoreStrided))
 
@@ -56,7 +55,7 @@ def pair_expression(expr: sp.Expr, known: Mapping[sp.Symbol, Number | ScalarRef]
     for symbol in sorted(expr.free_symbols, key=str):
         symbols.input(symbol, _pair_leaf(symbol) if is_indexed(symbol) else known[symbol])
     step = Step("pair", "", "", (OutputValue("", 0, symbols(expr)),))
-    (section,) = schedule(Graph(Constants(frozenset())), symbols, (), (step,), temporaries)
+    (section,) = schedule(Graph(), symbols, (), (step,), temporaries)
     (item,) = section.body
     assert isinstance(item, Store)
     return item.expr

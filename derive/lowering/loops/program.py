@@ -34,7 +34,6 @@ from derive.ir.statements import (
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.schedule import NamedValue, OutputValue, Step, StepItem, schedule
-from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.loops.assignments import (
     NOTHING,
@@ -153,7 +152,7 @@ class Program:
             stored.append(OutputValue("", k, value))
         targets = [Let(t.name, NOTHING) if isinstance(t, Symbol) else t for t, _ in wants]
         for section in schedule(
-            Graph(Constants(frozenset())),
+            Graph(),
             symbols,
             steps,
             (Step(name, equation, doc, tuple(stored)),),
