@@ -74,7 +74,7 @@ def test_a_triangular_load_that_grows_towards_the_tip() -> None:
 def test_loads_that_mean_nothing_are_refused() -> None:
     with pytest.raises(SpecError, match="both components of the load are zero"):
         cantilever("[0, 0]")
-    with pytest.raises(SpecError, match=r'bodies.rod.loads.q.force.1.: column 1 of "t": the name "t" is unknown'):
+    with pytest.raises(SpecError, match=r'bodies.rod.loads.q.force.1.: column 1 of "t": "t" is unknown here'):
         cantilever('[0, "t"]')
     with pytest.raises(SpecError, match=r'bodies.rod.loads.q.tine: unknown key; did you mean "time"'):
         cantilever("[0, 1]", "tine = 3")

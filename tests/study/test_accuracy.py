@@ -276,7 +276,7 @@ def test_one_sine_of_second_order_costs_little_and_is_right(tmp_path: Path, caps
     expected = {"rigid": 47.03, "1 sine": 0.268, "1 beam, P2 to P4": 0.068, "2 beams, P2, P3": 2.548}
     named = {name if name == "rigid" else f"{name}, truncated": error for name, error in expected.items()}
     assert best == pytest.approx(named, rel=0.01)
-    assert [name for name, model in models.items() if model["warning"]] == ["2 beams, P2, P3, truncated"]
+    assert not any(model["warning"] for model in models.values())  # a rigid body has no monitor
     sine, two = (models[name]["runs"][0] for name in ("1 sine, truncated", "2 beams, P2, P3, truncated"))
     assert two["evaluations"] > 8 * sine["evaluations"] and two["operations"] > 20 * sine["operations"]
     assert found["recommended"]["model"] == "1 sine, truncated"
