@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+NONE = 5e-9
+"""Ratios below this are printed as 0."""
 
-def percent(ratio: float) -> str:
-    """A ratio in percent with two significant digits, from 10 % on without decimals: 0.31 %, 4.2 %, 100 %."""
-    value = 100 * ratio
-    return f"{value:.0f} %" if abs(value) >= 9.95 else f"{value:.2g} %"
+
+def percent(ratio: float, signed: bool = False) -> str:
+    """A ratio in percent with two significant digits, from 10 % on without decimals: 0.31 %, 4.2 %, 100 %.
+
+    signed: whether a positive one has its sign, as the difference from another value.
+    """
+    value, sign = 100 * ratio, "+" if signed else "-"
+    if abs(ratio) < NONE:
+        return "0 %"
+    return f"{value:{sign}.0f} %" if abs(value) >= 9.95 else f"{value:{sign}.2g} %"

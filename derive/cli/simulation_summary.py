@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from derive.lowering.conditioning import condition_warnings
+from derive.percentages import percent
 from derive.simulation.body_trajectory import BodyTrajectory
-from derive.simulation.observables.plots import PlotCurve, percent, plot_text, with_unit
+from derive.simulation.observables.plots import PlotCurve, plot_text, with_unit
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.plots import Plot
 from derive.spec.set_values import SetValue
@@ -135,7 +136,7 @@ def _extremes(plot: Plain) -> Iterator[str]:
     rows = [["", "minimum", "at", "maximum", "at", *(["rms error", "max error"] if plot["reference"] else [])]]
     for curve in plot["curves"]:
         values = (f"{curve[end][key]:.6g}" for end in ("least", "largest") for key in ("value", "at"))
-        errors = [f"{percent(curve['error'][key])} %" for key in ("rms", "max")] if curve["error"] else []
+        errors = [percent(curve["error"][key]) for key in ("rms", "max")] if curve["error"] else []
         rows.append([with_unit(curve["label"], curve["unit"]), *values, *errors])
     yield from table(rows)
     if any(curve["error"] for curve in plot["curves"]):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from derive.percentages import percent
 from derive.study.elimination import VANISHING
 from derive.study.pivot_orders import THRESHOLD
 from derive.study.pivot_stability import FrameStability, PivotStatistics
@@ -80,7 +81,7 @@ def _orders(frames: Sequence[FrameStability]) -> list[list[str]]:
     for order in frames[0].broken:
         for one in frames:
             for kind, looked in (("undeformed", one.undeformed), ("simulated", one.simulated)):
-                last = f"{100 * one.broken[order]:.0f} %" if kind == "simulated" else ""
+                last = percent(one.broken[order]) if kind == "simulated" else ""
                 rows.append([order, one.frame, kind, *_cells(looked.orders[order]), last])
     return rows
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from derive.percentages import percent
 from derive.study.pivot_stability import FrameStability, PivotStatistics, StateStatistics
 from derive.terminal import magnitude
 
@@ -51,7 +52,7 @@ def judge(order: str, sparse: FrameStability, full: FrameStability) -> OrderVerd
     else:
         gain = (b - a >= SHARE) - (a - b >= SHARE)
         shares = (
-            f"{_percent(one.broken[order])} in the {one.frame} frame{_missing(one, order)}" for one in (sparse, full)
+            f"{percent(one.broken[order])} in the {one.frame} frame{_missing(one, order)}" for one in (sparse, full)
         )
         text = f"of the numberings some pivot vanishes in {' and in '.join(shares)}"
     return OrderVerdict(
@@ -117,7 +118,7 @@ def _besides(sparse: FrameStability, full: FrameStability) -> list[str]:
         f"The condition of the KKT matrix is {_times(b[0], a[0])} in the {sparse.frame} frame, and "
         f"{_times(b[1], a[1])} once rows and columns are scaled to 1.",
         f"LDL^T has a fill-in of {c.fill} against {d.fill} entries and takes {c.flops} operations against {d.flops} "
-        f"({100 * (c.flops / d.flops - 1):+.0f} %): that is cost, not stability.",
+        f"({percent(c.flops / d.flops - 1, signed=True)}): that is cost, not stability.",
     ]
 
 
@@ -152,10 +153,6 @@ def _gained(gain: int, sparse: FrameStability, full: FrameStability) -> str:
     if not gain:
         return "no substantial difference"
     return f"substantially more stable in the {(sparse if gain > 0 else full).frame} frame"
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.0f} %"
 
 
 def _and(names: Sequence[str]) -> str:

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from pathlib import PurePath
 
 from derive.mechanics.multibody.outputs.deflection import deflection_doc
+from derive.percentages import percent
 from derive.simulation.observables.motion import reference_curve
-from derive.simulation.observables.plots import PlotCurve, PlotText, percent
+from derive.simulation.observables.plots import PlotCurve, PlotText
 from derive.spec.model.plots import Deflection, Plot
 from derive.visual.line_chart import Chart, Curve, Panel
 
@@ -45,5 +46,5 @@ def _drawn(curve: PlotCurve) -> Curve:
         return Curve(curve.label, curve.x, curve.y)
     x, deviation = curve.deviation
     rms, largest = curve.error
-    label = f"{curve.label}: rms {percent(rms)} %, max {percent(largest)} %"
+    label = f"{curve.label}: rms {percent(rms)}, max {percent(largest)}"
     return Curve(label, curve.x, curve.y, (x, 100 * deviation))

@@ -31,7 +31,7 @@ from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
 from derive.study.stability.ladder_stability import KnownLoss, LadderStability, distance
 from derive.study.stability.model_path import ModelPath, PathPoint, model_path
 from derive.study.stability.parameter import ParameterRange, studied
-from derive.study.stability.table import percent, stability_data, stability_text
+from derive.study.stability.table import stability_data, stability_text
 from derive.study.stability.thresholds import Interval, Threshold, intervals, loss, thresholds, wrong_intervals
 
 FIRST, SECOND = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
@@ -277,7 +277,6 @@ def test_a_wrong_verdict_is_stable_where_the_truth_is_not_and_vice_versa() -> No
     ):
         assert LadderStability(of.name, of.range, (), of.reference, of.before, KnownLoss(known)).truth == expected
     assert distance(3, 2) == 0.5 and distance(None, 2) is None and distance(3, 0.0) is None
-    assert (percent(0.5), percent(-0.0123), percent(20.0), percent(1e-9)) == ("+50 %", "-1.23 %", "+2000 %", "0 %")
 
 
 def lost_at(model: LadderModel, value: float | None) -> ModelPath:

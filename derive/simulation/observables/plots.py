@@ -127,9 +127,3 @@ def _drive_unit(scene: Scene, plot: Plot) -> str:
     """The unit of the x axis of a deflection: s, rad or m."""
     drive = next((d for d in scene.drives if d.name == plot.over), None)
     return "s" if drive is None else drive_unit(scene, drive)
-
-
-def percent(ratio: float) -> str:
-    """A ratio in percent, with two significant digits."""
-    value = 100 * ratio
-    return f"{value:.0f}" if value >= 99.5 else f"{value:.1f}" if value >= 0.995 else f"{value:.2g}"

@@ -138,7 +138,7 @@ def _trapezoidal(study: MethodStudy) -> tuple[MethodFailure, ...]:
     ring = MethodFailure(
         "trapezoidal rule: multipliers",
         "index 3: they ring, by a factor rho per step; not damped if rho = 1",
-        f"factor per step {factors}; with rho = 1 ringing grows to {100 * last.amplitude[-1]:.0f} % of the multipliers",
+        f"factor per step {factors}; with rho = 1 ringing grows to {percent(last.amplitude[-1])} of the multipliers",
         all(abs(r.factor / r.rho - 1) < NEAR for r in study.ringing) and bool(last.amplitude[-1] > last.amplitude[0]),
     )
     return momentum, ring

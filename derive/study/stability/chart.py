@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from derive.percentages import percent
 from derive.study.accuracy.chart_labels import COLOURS, ORDER_NAMES, colour
 from derive.study.accuracy.models import Shapes
 from derive.study.stability.ladder_stability import LadderStability, distance
 from derive.study.stability.model_path import ModelPath
-from derive.study.stability.table import loss_text, percent, truth_sentences, verdict_text
+from derive.study.stability.table import loss_text, truth_sentences, verdict_text
 from derive.study.stability.thresholds import Interval
 from derive.visual import chart_style as style
 
@@ -91,7 +92,7 @@ def _bars(axes: Axes, of: LadderStability, paths: Sequence[ModelPath], titles: d
         wrong = of.wrong(path)
         titles |= dict.fromkeys(_row(axes, n, path.intervals, wrong), bar_title(path, wrong))
         near = distance(path.loss, of.true_loss)
-        number = loss_text(path) + (f"  ({percent(near)})" if near is not None else "")
+        number = loss_text(path) + (f"  ({percent(near, signed=True)})" if near is not None else "")
         _names(axes, n, path.model.label, number, colour(path.model))
     if of.true_loss is not None:
         axes.axvline(of.true_loss, color=style.INK, linewidth=0.8, dashes=(3, 2))

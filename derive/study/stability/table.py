@@ -7,6 +7,7 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
+from derive.percentages import percent
 from derive.study.stability.ladder_stability import CONVERGED, LadderStability, distance
 from derive.study.stability.model_path import ModelPath
 from derive.study.stability.thresholds import Interval, Threshold
@@ -81,7 +82,7 @@ def _row(of: LadderStability, path: ModelPath) -> list[str]:
     return [
         path.model.label,
         loss_text(path),
-        "" if near is None else percent(near),
+        "" if near is None else percent(near, signed=True),
         ", ".join(f"{c.value:.7g}" for c in further(path)),
         "; ".join(verdict_text(interval) for interval in of.wrong(path)) if of.converged else "undecided",
     ]
@@ -111,13 +112,6 @@ def gap_text(path: ModelPath) -> str:
         f"at {first.value:g}" if first is last else f"at {len(path.gaps)} values from {first.value:g} to {last.value:g}"
     )
     return f"{path.model.label}: no steady motion {where}: {first.failure}"
-
-
-def percent(ratio: float) -> str:
-    """A relative distance in percent, with its sign."""
-    if abs(ratio) < 5e-7:
-        return "0 %"
-    return f"{100 * ratio:+.3g} %" if abs(ratio) < 10 else f"{100 * ratio:+.0f} %"
 
 
 def stability_csv(of: LadderStability) -> str:
