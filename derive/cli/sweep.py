@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 import time
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -14,8 +15,9 @@ from derive.artifacts import MARK, BinaryFile, File, check_folder, sha256, write
 from derive.errors import SpecError
 from derive.spec.toml.read import read, with_lines
 from derive.study.sweep.cluster import dask_executor
+from derive.study.sweep.finished import IDENTITY, finished_sweep
 from derive.study.sweep.picture import sweep_svg
-from derive.study.sweep.plan import RunOptions, make_plan
+from derive.study.sweep.plan import Plan, RunOptions, make_plan
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.run import SweepFailed, run_plan
 from derive.study.sweep.samples import parsed_samples
@@ -47,21 +49,22 @@ def run(options: argparse.Namespace) -> int:
     check_folder(_planned_tables(), folder, SAMPLE_SIZE * len(samples) + 1_000_000)
     check_folder([File(picture.name, "")], picture.parent, 1_000_000)
     store = folder / f"{NAME}.partial"
-    progress = _Progress(plan.name)
-    with _executor(options.scheduler) as (executor, threads):
-        try:
-            result = run_plan(plan, executor, threads or options.workers, None, store, options.resume, progress)
-        except SweepFailed:  # nothing is left to go on with
-            store.unlink()
-            raise
-        finally:
-            show_progress()
-    data = sweep_data(result, plan)
-    files, drawing = _tables(result, data), sweep_svg(result)
+    nothing_left = options.resume and not store.exists()
+    files: list[File | BinaryFile] = []
+    if nothing_left and (finished := finished_sweep(folder, NAME, plan)):
+        result, data = finished
+    else:
+        if nothing_left:
+            text = f"{plan.name}: no sweep of these samples is in {folder}, so that all of them are computed"
+            print(text, file=sys.stderr)
+        result = _run(plan, store, options)
+        data = sweep_data(result, plan)
+        files = _tables(result, data, plan)
+    drawing = sweep_svg(result)
     write(files, folder)
     if drawing:
         write([File(picture.name, drawing)], picture.parent)
-    store.unlink()
+    store.unlink(missing_ok=True)
     written = [*(str(folder / file.path) for file in files), *([str(picture)] if drawing else [])]
     if options.json:
         print(json.dumps({**data, "files": written}, indent=2))
@@ -69,6 +72,19 @@ def run(options: argparse.Namespace) -> int:
         missing = [] if drawing else [f"  no picture: {len(samples.varying)} names vary, and it shows one or two"]
         print("\n".join([sweep_text(data, samples), *missing, "", *(f"wrote {file}" for file in written)]))
     return 0
+
+
+def _run(plan: Plan, store: Path, options: argparse.Namespace) -> SweepResult:
+    """Run the samples that are not in the store."""
+    progress = _Progress(plan.name)
+    with _executor(options.scheduler) as (executor, threads):
+        try:
+            return run_plan(plan, executor, threads or options.workers, None, store, options.resume, progress)
+        except SweepFailed:  # nothing is left to go on with
+            store.unlink()
+            raise
+        finally:
+            show_progress()
 
 
 class _Progress:
@@ -103,7 +119,7 @@ def _planned_tables() -> list[File]:
     return [*(File(f"{NAME}.{kind}", "", record=record) for kind in ("csv", "npz")), File(record, "")]
 
 
-def _tables(result: SweepResult, data: dict[str, object]) -> list[File | BinaryFile]:
+def _tables(result: SweepResult, data: dict[str, object], plan: Plan) -> list[File | BinaryFile]:
     """The tables, and the record with all settings, which vouches for them."""
     record = f"{NAME}.json"
     tables = [
@@ -111,5 +127,6 @@ def _tables(result: SweepResult, data: dict[str, object]) -> list[File | BinaryF
         BinaryFile(f"{NAME}.npz", sweep_npz(result), record=record),
     ]
     hashes = {file.path: sha256(file.data) for file in tables}
-    content = {"generator": f"{MARK} {VERSION}. Do not edit.", **data, "files": hashes}
+    identity = {IDENTITY: dict(plan.identity)}
+    content = {"generator": f"{MARK} {VERSION}. Do not edit.", **data, **identity, "files": hashes}
     return [*tables, File(record, json.dumps(content, indent=2) + "\n")]

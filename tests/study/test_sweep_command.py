@@ -90,6 +90,32 @@ def test_an_interrupted_sweep_is_resumed(
     assert (spec.parent / "slider" / "sweep.csv").read_bytes() == resumed
 
 
+def test_a_finished_sweep_is_not_computed_again(
+    spec: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given, folder = ["--set", "EI=8:12:3", "--output", "peak"], spec.parent / "slider"
+    assert run(spec, *given) == 0
+    first = capsys.readouterr().out
+    contents = {path: path.read_bytes() for path in folder.iterdir()}
+    with monkeypatch.context() as patch:
+        patch.setattr(executors, "run_chunk", _interrupt)
+        (folder / "sweep.svg").unlink()
+        assert run(spec, *given, "--resume") == 0
+    again, extremes = capsys.readouterr(), [line for line in first.splitlines() if line.startswith("  peak_")]
+    assert "; all 3 samples were finished already, and nothing is computed again" in again.out and not again.err
+    assert len(extremes) == 1 and extremes[0] in again.out
+    assert {path: path.read_bytes() for path in folder.iterdir()} == contents
+    assert run(spec, *given, "--resume", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["resumed"] == 3
+    # Where a file is lost or the samples are others, they are computed, and a line says that nothing is resumed.
+    (folder / "sweep.csv").unlink()
+    for other in (given, ["--set", "EI=8:12:2", "--output", "peak"]):
+        assert run(spec, *other, "--resume") == 0
+        printed = capsys.readouterr()
+        assert "slider: no sweep of these samples is in" in printed.err and "already" not in printed.out
+        assert (folder / "sweep.csv").exists()
+
+
 def _interrupt(*_: object) -> None:
     raise KeyboardInterrupt
 

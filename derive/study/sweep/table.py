@@ -98,7 +98,12 @@ def sweep_text(data: dict[str, Any], samples: Samples) -> str:
     grid = f", a grid of {' x '.join(map(str, data['shape']))}" if len(data["shape"]) > 1 else ""
     lines.append(f"{data['name']}: {_count(data['samples'], 'sample')}{grid}")
     counts = f"  {_count(data['models'], 'compiled model')}, {_count(data['initial_states'], 'initial state')}"
-    lines.append(f"{counts}, {data['resumed']} samples resumed" if data["resumed"] else counts)
+    if data["resumed"] == data["samples"]:
+        there = "the only sample was" if data["samples"] == 1 else f"all {data['samples']} samples were"
+        counts += f"; {there} finished already, and nothing is computed again"
+    elif data["resumed"]:
+        counts += f", {_count(data['resumed'], 'sample')} resumed"
+    lines.append(counts)
     if data["damaged"]:
         lines.append(
             f"  note: {_count(data['damaged'], 'line')} of the interrupted sweep damaged, and left out; "
