@@ -412,7 +412,7 @@ SLIDE = "[joints.slide]\nkind = 'translational'\nbetween = ['rod.left', 'bar.b']
             "[joints.t]\nkind = 'translational'\nbetween = ['bar.a', 'rod.left']\nstart = { angle = 1 }",
             "17: joints.t.start.angle: the translational joint t has no angle; write `displacement` instead",
         ),
-        ("[scene]\ng = 1", "15: scene.g: unknown key; the keys here are gravity, start"),
+        ("[scene]\nwind = 1", "15: scene.wind: unknown key; the keys here are gravity, start"),
         ("[joint.x]", '14: joint: unknown key; did you mean "joints"?'),
         ("[drives]\nd = 3", "15: drives.d: a table is needed here, not a number"),
         (

@@ -39,7 +39,7 @@ def test_a_rotation_is_a_quaternion_or_an_axis_with_an_angle() -> None:
         ("rotation = { axis = [0, 0, 1] }", "body.start.rotation.angle: this key is missing; write angle = 0.5"),
         ("velocity = [1, 2]", "body.start.velocity: a list of 3 numbers is needed"),
         ("amplitudes = 1", "body.start.amplitudes: a list of numbers is needed"),
-        ("spin = 3", "body.start.spin: unknown key; the keys here are position, rotation"),
+        ("spin = 3", 'body.start.spin: unknown key; did you mean "angular_velocity"?'),
     ],
 )
 def test_wrong_initial_states(start: str, message: str) -> None:

@@ -12,7 +12,7 @@ from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import quantities
 from derive.spec.model.body import BEAM_QUANTITIES
-from derive.spec.parsing.faults import KeyPath, did_you_mean
+from derive.spec.parsing.faults import KeyPath, similar_key
 from derive.spec.tables.beam_parts import AXIAL_UNITS, MASS_UNITS, AttachedMassTable, AxialTable
 from derive.spec.tables.beam_shapes import FrameTable
 from derive.spec.tables.damping import DAMPING_UNITS, BeamDampingTable
@@ -193,7 +193,7 @@ def unknown(path: KeyPath, data: Mapping[str, object]) -> str | None:
     own, other = (BeamBodyTable, RigidTable) if kind == "beam" else (RigidTable, BeamBodyTable)
     both = [*own.model_fields, *(key for key in other.model_fields if key not in own.model_fields)]
     what = "beam" if kind == "beam" else "rigid body"
-    return f"unknown key{did_you_mean(key, both, f'the keys of a {what} are ' + ', '.join(own.model_fields))}"
+    return f"unknown key{similar_key(key, both, f'the keys of a {what} are ' + ', '.join(own.model_fields))}"
 
 
 def _kind(name: str | int, data: Mapping[str, object]) -> str:

@@ -9,7 +9,7 @@ from pydantic_core import ErrorDetails
 
 from derive.spec.checks import key_hints
 from derive.spec.model.body import BEAM_QUANTITIES
-from derive.spec.parsing.faults import Fault, KeyPath, unknown_key
+from derive.spec.parsing.faults import Fault, KeyPath, path_text, unknown_key
 from derive.spec.parsing.values import kind_of
 from derive.spec.tables.beam_shapes import FrameTable, ShapeFamilyTable
 from derive.spec.tables.body import BodyFrameTable, NodalTable, SymbolicTable, UnitsTable, kind_of_body
@@ -157,4 +157,10 @@ def _unknown_key(path: KeyPath, data: Mapping[str, object]) -> str:
         return f"this key belongs above the table [{path[0]}]"
     if path[0] == "body" and len(path) == 2 and kind_of_body(body) == "symbolic" and key in NodalTable.model_fields:
         return "a symbolic body has no such key: its numbers are run-time parameters; leave this or `integrals` out"
-    return key_hints.unknown(path, data) or unknown_key(key, _table(path[:-1], data).model_fields)
+    table = _table(path[:-1], data)
+    # A drive has keys of its own for how it begins.
+    if "start" in table.model_fields and path[0] != "drives":
+        start: KeyPath = (*path[:-1], "start")
+        if key in _table(start, data).model_fields:
+            return f"this key belongs in the table [{path_text(start)}]"
+    return key_hints.unknown(path, data) or unknown_key(key, table.model_fields)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import NamedTuple, TypeVar
 
 from derive.errors import printable, quoted
+from derive.spec.parsing.other_words import meant_key
 from derive.spec.parsing.values import WrongValueError
 
 Result = TypeVar("Result")
@@ -65,7 +66,13 @@ def line_of(path: KeyPath, lines: Mapping[KeyPath, int]) -> int | None:
 def unknown_key(key: str, known: Iterable[str]) -> str:
     """The message on an unknown key; `known` are the keys that are allowed there."""
     keys = list(known)
-    return "unknown key" + did_you_mean(key, keys, f"the keys here are {', '.join(keys)}")
+    return "unknown key" + similar_key(key, keys, f"the keys here are {', '.join(keys)}")
+
+
+def similar_key(key: str, known: Collection[str], otherwise: str) -> str:
+    """The end of a sentence on an unknown key, as `did_you_mean`: also keys that others call by this word."""
+    meant = meant_key(key, known)
+    return did_you_mean(key, known, otherwise) if meant is None else f"; did you mean {quoted(meant)}?"
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
