@@ -84,9 +84,31 @@ def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetVa
     if problems:
         raise SpecError(tuple(problems), "--set")
     try:
-        return validated_tables(spec, tables), tuple(changes)
+        result, unused = _without_unused(spec, tables, assignments)
     except SpecError as error:
         raise SpecError(error.problems, "--set") from None
+    left_out = "left out, since no function of time uses it any more"
+    changes += [SetValue(path_text(path), _shown(known[path]), left_out) for path in unused]
+    return result, tuple(changes)
+
+
+def _without_unused(spec: S, tables: Any, assignments: Mapping[str, str]) -> tuple[S, list[KeyPath]]:
+    """The specification without those parameters of functions that no function uses any more, and their paths.
+
+    Raises SpecError with what is wrong; also with parameters that nothing uses and that the assignments set.
+    """
+    try:
+        return validated_tables(spec, tables), []
+    except SpecError as error:
+        faulty = {problem.path for problem in error.problems}
+        paths: list[KeyPath] = [
+            ("parameters", name) for name in tables.get("parameters", {}) if name not in assignments
+        ]
+        if not faulty <= {*map(path_text, paths)}:
+            raise
+        unused = [path for path in paths if path_text(path) in faulty]
+        used = {name: table for name, table in tables["parameters"].items() if ("parameters", name) not in unused}
+        return validated_tables(spec, {**tables, "parameters": used}), unused
 
 
 def _added(spec: Specification, tables: Mapping[str, Any], name: str, new: Any) -> Any:

@@ -8,6 +8,7 @@ import pytest
 
 import derive
 from conftest import ROOT
+from derive.spec.model.scene_functions import function_parameters
 from derive.spec.set_values import with_values
 
 SLIDER = derive.read(ROOT / "scenes/crank_slider_3.toml")
@@ -69,6 +70,30 @@ def test_keys_that_are_left_out_are_added() -> None:
     assert beam.start.spin == 2.0 and str(changes[0]) == "beam.start.spin: not given -> 2"
     with pytest.raises(derive.SpecError, match=r'--set: beam.start.spn: unknown key; did you mean "spin"\?'):
         with_values(beam, {"beam.start.spn": "2"})
+
+
+RAMP = derive.scene(
+    "ramp",
+    ground={"o": (0, 0)},
+    bodies={"arm": {"mass": 1, "inertia": 1, "markers": {"pin": [0, 0]}}},
+    joints={"bearing": {"kind": "revolute", "between": ["ground.o", "arm.pin"]}},
+    drives={"motor": {"joint": "bearing", "speed": "Omega*step(t, 0, rise)"}},
+    parameters={"Omega": {"default": 60, "unit": "rad/s"}, "rise": {"default": 0.3, "unit": "s"}},
+)
+
+
+def test_parameters_that_nothing_uses_any_more_are_left_out_with_a_note() -> None:
+    spec, changes = with_values(RAMP, {"drives.motor.speed": "Omega*t"})
+    assert [p.symbol for p in function_parameters(spec.drives[0].speed)] == ["Omega"]
+    assert [*map(str, changes)] == [
+        "drives.motor.speed: Omega*step(t, 0, rise) -> Omega*t",
+        "parameters.rise: 0.3 s -> left out, since no function of time uses it any more",
+    ]
+    spec, changes = with_values(RAMP, {"drives.motor.speed": "8"})
+    assert spec.drives[0].speed == derive.Parameter("motor_speed_value", "rad/s", 8.0)
+    assert [change.key for change in changes] == ["drives.motor.speed", "parameters.Omega", "parameters.rise"]
+    with pytest.raises(derive.SpecError, match=r"--set: parameters.rise: no function of time uses it"):
+        with_values(RAMP, {"drives.motor.speed": "8", "rise": "1"})
 
 
 def test_all_unknown_names_are_reported_with_suggestions() -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sweep_scenes import FLAG, kill_at_seven, kill_once, pendulum, slider
+from sweep_scenes import FLAG, SLIDER, kill_at_seven, kill_once, pendulum, slider
 
 import derive
 from conftest import ROOT
@@ -18,6 +18,7 @@ from derive.registry import UnknownNameError
 from derive.simulation.observables.motion import deflection
 from derive.spec.model.plots import Deflection
 from derive.spec.set_values import with_values
+from derive.spec.toml.read import parse
 from derive.study.sweep import executors
 from derive.study.sweep.executors import KILLS, ExecutorLost
 from derive.study.sweep.outputs import OutputError, Statistic, SweepOutput, output
@@ -75,6 +76,16 @@ def test_a_sample_is_the_run_of_simulate_to_the_bit(threads: Executor) -> None:
     got = result.values[2]
     assert got[1] == pytest.approx(expected[1], rel=1e-14)  # the sum of the rms has an order of its own
     assert np.delete(got, 1).tolist() == [x for i, x in enumerate(expected) if i != 1], values
+
+
+def test_a_function_of_time_is_replaced_by_numbers(threads: Executor) -> None:
+    """Also where a parameter is left out thereby, since no function uses it any more."""
+    text = SLIDER.replace('speed = { symbol = "speed", default = 150 }', 'speed = "Omega*step(t, -1, 0)"')
+    scene = parse(text.replace("[parameters]", '[parameters]\nOmega = { default = 3, unit = "rad/s" }'))
+    speeds = [100, 150]
+    result = sweep(scene, grid({"drives.motor.speed": speeds}), ["final:motor"], executor=threads, duration=0.002)
+    np.testing.assert_allclose(result["final_motor"], 0.002 * np.array(speeds), rtol=1e-12)
+    assert result.models == 1
 
 
 def test_breaks_follow_the_parameters(threads: Executor) -> None:

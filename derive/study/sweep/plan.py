@@ -142,9 +142,12 @@ def make_plan(
 
 
 def _defaults(changes: Sequence[SetValue], samples: Samples) -> dict[str, str]:
-    """Values that make parameters of keys with numbers: these numbers, so that the model does not depend on samples."""
+    """Values that make parameters of keys: their numbers, so that the model does not depend on samples.
+
+    What is a function of time in the specification gets the first value.
+    """
     added = (change for change in changes if change.symbol is not None and change.symbol not in samples.names)
-    return {change.key: change.old for change in added if _is_number(change.old)}
+    return {change.key: change.old if _is_number(change.old) else change.new for change in added}
 
 
 def _is_number(text: str) -> bool:

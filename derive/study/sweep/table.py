@@ -128,8 +128,7 @@ def sweep_text(data: dict[str, Any], samples: Samples) -> str:
 
 def _changed(change: SetValue, samples: Samples) -> str:
     name = next((name for name in (change.key, change.symbol) if name in samples.names), None)
-    axis = samples.axis(name or "")
-    if len(axis) == 1:
+    if name is None or len(axis := samples.axis(name)) == 1:
         return f"set {change}"
     parameter = f", the parameter {change.symbol}" if change.symbol else ""
     return f"set {change.key}: {change.old} -> {len(axis)} values, {axis.min():g} ... {axis.max():g}{parameter}"
