@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from derive.artifacts import MARK, File, check_folder, sha256, write
+from derive.cli.result_files import planned_files
 from derive.spec.model.scene import Scene
 from derive.study.accuracy.chart import LadderChart, accuracy_svg
 from derive.study.accuracy.fixed_steps import fixed_step_lines
@@ -37,9 +38,7 @@ INTERRUPTED = 130
 def run(scene: Scene, options: argparse.Namespace) -> int:
     """Run the study and write its chart, page, table and data."""
     folder = options.out or Path("results") / scene.name
-    record = f"{NAME}.json"
-    planned = [File(f"{NAME}.{kind}", "") for kind in ("svg", "html")]
-    check_folder([*planned, File(f"{NAME}.csv", "", record=record), File(record, "")], folder, EXPECTED_SIZE)
+    check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
     chart, interrupted = study(scene, options, lambda part: write(_files(part, accuracy_data(part)), folder))
     show_progress()
     data = accuracy_data(chart)

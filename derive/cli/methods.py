@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 from derive.artifacts import MARK, File, check_folder, sha256, write
+from derive.cli.result_files import planned_files
 from derive.spec.model.scene import Scene
 from derive.study.methods.method_study import MethodStudy, method_study
 from derive.study.methods.methods_chart import methods_svg
@@ -24,9 +25,7 @@ EXPECTED_SIZE = 1_000_000
 def run(scene: Scene, options: argparse.Namespace) -> int:
     """Run the study and write its picture, page, table and data."""
     folder = options.out or Path("results") / scene.name
-    record = f"{NAME}.json"
-    planned = [File(f"{NAME}.{kind}", "") for kind in ("svg", "html")]
-    check_folder([*planned, File(f"{NAME}.csv", "", record=record), File(record, "")], folder, EXPECTED_SIZE)
+    check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
     chosen = [Method(name) for name in options.integrators]
     study = method_study(scene, chosen, options.steps, options.states, show_progress)
     show_progress()

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from derive.artifacts import MARK, File, ForeignFile, replace_file, settle, write
+from derive.cli.result_files import picture_names
 from derive.cli.specifications import build_all, in_file_order
 from derive.errors import TisserandError
 from derive.report.document.page import Page
@@ -51,7 +52,7 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
     if not isinstance(built.spec, Scene):
         return name, built.model.doc, model_page(built, text)
     plots = in_file_order((*built.spec.plots, *default_plots(built.spec, built.model)), path)
-    plotted = [f"{plot.name}.svg" for plot in plots]
+    plotted = [*picture_names(plots).values()]
     return (
         name,
         built.model.doc,

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from derive.artifacts import File, check_folder, write
+from derive.cli.result_files import picture_names
 from derive.cli.simulation_summary import Pieces, PlotCurves, SimulationResult, summary_data, summary_text
 from derive.cli.specifications import in_file_order, read_changed, simulated
 from derive.errors import SpecError
@@ -111,8 +112,8 @@ class Simulations:
     def planned_files(self) -> list[File]:
         """The files of the simulations, still without their texts."""
         name = self._spec.name
-        record = f"{name}/{name}.json"
-        others = (record, f"{name}/{name}.html", *(f"{name}/{plot.name}.svg" for plot in self.plots))
+        record, pictures = f"{name}/{name}.json", picture_names(self.plots).values()
+        others = (record, f"{name}/{name}.html", *(f"{name}/{picture}" for picture in pictures))
         return [File(f"{name}/{name}.csv", "", record=record), *(File(path, "") for path in others)]
 
     def expected_size(self) -> int:
@@ -165,10 +166,11 @@ def _files(main: Trajectory | BodyTrajectory, shown: Sequence[PlotCurves]) -> li
             for curve in plot_curves(plot, main, "")
         ]
         page = player_page(player_data(main.motion, columns), main.warnings)
+    pictures = picture_names([plot for plot, _ in shown])
     return [
         *run_files(main),
         *(
-            File(f"{main.name}/{plot.name}.svg", svg(plot_chart(main.name, plot, text, curves)))
+            File(f"{main.name}/{pictures[plot.name]}", svg(plot_chart(main.name, plot, text, curves)))
             for plot, text, curves in texts
         ),
         File(f"{main.name}/{main.name}.html", page),

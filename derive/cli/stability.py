@@ -8,6 +8,7 @@ from pathlib import Path
 
 from derive.artifacts import MARK, File, check_folder, sha256, write
 from derive.cli.arguments.stability import NEVER
+from derive.cli.result_files import planned_files
 from derive.errors import Problem, SpecError
 from derive.spec.model.scene import Scene
 from derive.spec.set_values import with_values
@@ -28,9 +29,7 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
     """Run the study and write its chart, table and data."""
     folder = options.out or Path("results") / scene.name
     record = f"{NAME}.json"
-    check_folder(
-        [File(f"{NAME}.svg", ""), File(f"{NAME}.csv", "", record=record), File(record, "")], folder, EXPECTED_SIZE
-    )
+    check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
     names = [name for name, _ in options.set]
     if repeated := sorted({name for name in names if names.count(name) > 1}):
         raise SpecError((Problem("", f"{', '.join(repeated)} has several values; give one"),), "--set")

@@ -6,7 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
-from derive.artifacts import File, write
+from derive.artifacts import File, check_folder, write
 from derive.cli import accuracy, methods, stability
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError
@@ -22,6 +22,10 @@ from derive.study.pivot_table import pivot_data, pivot_legend, pivot_text
 from derive.study.states import period
 from derive.study.variants import variant
 from derive.terminal import show_progress
+
+FRAMES = "frames"
+EXPECTED_SIZE = 100_000
+"""About what the chart of frames needs, in bytes."""
 
 
 def run(options: argparse.Namespace) -> int:
@@ -46,10 +50,11 @@ def _scene(path: Path) -> Scene:
 
 def _frames(scene: Scene, options: argparse.Namespace) -> int:
     names = options.frames
+    target = options.chart or Path("results") / scene.name / f"{FRAMES}.svg"
+    check_folder([File(target.name, "")], target.parent, EXPECTED_SIZE)
     elimination = EliminationRule(options.elimination)
     rows = compare_frames(scene, options.pieces, names, options.runs, elimination)
     show_progress()
-    target = options.chart or Path("results") / scene.name / "frames.svg"
     write([File(target.name, frame_cost_svg(scene.name, names, rows))], target.parent)
     if options.json:
         print(json.dumps({**frame_cost_data(scene.name, names, rows, elimination), "files": [str(target)]}, indent=2))
@@ -77,7 +82,7 @@ def _pivots(scene: Scene, options: argparse.Namespace) -> int:
 
 
 STUDIES = {
-    "frames": _frames,
+    FRAMES: _frames,
     "pivots": _pivots,
     "accuracy": accuracy.run,
     "methods": methods.run,

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from derive.artifacts import MARK, BinaryFile, File, check_folder, sha256, write
+from derive.cli.result_files import planned_files
 from derive.errors import SpecError
 from derive.spec.toml.read import read, with_lines
 from derive.study.sweep.cluster import dask_executor
@@ -38,15 +39,16 @@ def run(options: argparse.Namespace) -> int:
     spec = read(options.spec)
     samples = parsed_samples(options.set, options.samples, options.seed, options.list)
     settings = RunOptions(options.duration, options.interval, options.tolerance, options.until)
+    folder = options.out / spec.name
     try:
+        planned = planned_files(NAME, spec.name, folder)
         plan = make_plan(spec, samples, options.output, settings, lambda text: show_progress(f"{text} ..."))
     except SpecError as error:
         raise with_lines(error, options.spec) if error.source is None else error from None
     finally:
         show_progress()
-    folder = options.out / plan.name
     picture: Path = options.picture or folder / f"{NAME}.svg"
-    check_folder(_planned_tables(), folder, SAMPLE_SIZE * len(samples) + 1_000_000)
+    check_folder(planned, folder, SAMPLE_SIZE * len(samples) + 1_000_000)
     check_folder([File(picture.name, "")], picture.parent, 1_000_000)
     store = folder / f"{NAME}.partial"
     nothing_left = options.resume and not store.exists()
@@ -111,12 +113,6 @@ def _executor(scheduler: str | None) -> Iterator[tuple[Executor, int] | tuple[No
     else:
         with dask_executor(scheduler) as given:
             yield given
-
-
-def _planned_tables() -> list[File]:
-    """The tables and their record, still without their texts."""
-    record = f"{NAME}.json"
-    return [*(File(f"{NAME}.{kind}", "", record=record) for kind in ("csv", "npz")), File(record, "")]
 
 
 def _tables(result: SweepResult, data: dict[str, object], plan: Plan) -> list[File | BinaryFile]:

@@ -64,10 +64,11 @@ def _deflection(output: SceneOutput) -> Deflection | None:
 
 
 def _free_name(output: SceneOutput, scene: Scene) -> str:
-    """The name of an output's plot: its own, or one like it if a plot of something else has that."""
-    taken = {plot.name for plot in scene.plots} | {other.name for other in scene.outputs if other != output}
+    """The name of an output's plot: its own, or one like it if a plot of something else has that, in any case."""
+    names = [plot.name for plot in scene.plots] + [other.name for other in scene.outputs if other != output]
+    taken = {name.lower() for name in names}
     name = output.name
-    while name in taken:
+    while name.lower() in taken:
         name += "_output"
     return name
 

@@ -1,0 +1,57 @@
+"""The files of the commands in the folder of a model: their names, which nothing else in this folder has.
+
+`simulate` names files after the model and its plots, `modes` and `report` after the model with a word behind a dot,
+which no name of a plot has; studies and sweeps name them after themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from derive.artifacts import File
+from derive.errors import Problem, SpecError, quoted
+from derive.spec.model.plots import Plot
+
+STUDY_FILES = {
+    "accuracy": ("svg", "html", "csv", "json"),
+    "frames": ("svg",),
+    "methods": ("svg", "html", "csv", "json"),
+    "stability": ("svg", "csv", "json"),
+    "sweep": ("svg", "csv", "npz", "json"),
+}
+"""The studies, with the endings of the files that each writes under its own name."""
+MODEL_FILES = ("csv", "json", "html")
+"""The endings of the files of `simulate` that are named after the model."""
+RECORDED = ("csv", "npz")
+"""The endings of formats without comments, for which a record vouches, the file of the same name with `json`."""
+
+
+def planned_files(study: str, model: str, folder: Path) -> list[File]:
+    """The files of a study of a model in a folder, still without their texts.
+
+    Raises SpecError if simulations of this model write files with these names there.
+    """
+    endings = STUDY_FILES[study]
+    if model.lower() == folder.name.lower() == study and set(endings) & set(MODEL_FILES):
+        both = ", ".join(f"{study}.{ending}" for ending in endings if ending in MODEL_FILES)
+        text = f"simulations of a model called {quoted(model)} write {both} to {folder}, and so does {study}"
+        raise SpecError((Problem("name", f"{text}; choose another name"),))
+    return [File(f"{study}.{ending}", "", record=f"{study}.json" if ending in RECORDED else None) for ending in endings]
+
+
+def picture_names(plots: Sequence[Plot]) -> dict[str, str]:
+    """The names of the pictures of plots, by the names of the plots.
+
+    A plot with the name of a study has "_plot" behind it, so that neither overwrites the picture of the other. Names
+    differ in more than case, as some file systems require.
+    """
+    taken = {*STUDY_FILES, *(plot.name.lower() for plot in plots)}
+    result = {}
+    for plot in plots:
+        name = plot.name
+        while name.lower() in taken and (name != plot.name or name.lower() in STUDY_FILES):
+            name += "_plot"
+        taken.add(name.lower())
+        result[plot.name] = f"{name}.svg"
+    return result
