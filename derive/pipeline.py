@@ -75,6 +75,8 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None, sensitiv
         model = lower(derived, sensitivities)
     except SpecError as error:  # a numerical fault that shows only during the derivation
         raise with_lines(error, path) from None
+    if isinstance(spec, Scene) and spec.plots:
+        _check_plots(spec, model, path)
     equations = lowered_form(derived, model)
     operations, nonzeros = model.kernel("mass_force").operations, model.pattern("mass", "M").full_nnz
     lowering = Stage("lower", lap(), operations=operations, nonzeros=nonzeros)
@@ -92,6 +94,16 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None, sensitiv
     notes += (*spin_notes(spec), *(scene_notes(spec) if isinstance(spec, Scene) else ()))
     notes += tuple(f"warning: {text}" for text in (*failure, *warnings(path), *condition_warnings(spec)))
     return Built(spec, equations, model, files, (reading, deriving, lowering, *starting, emitting), notes)
+
+
+def _check_plots(scene: Scene, model: Model, path: Path) -> None:
+    """Raise SpecError if plots show columns that a trajectory does not have."""
+    from derive.simulation.prepared_run import plots_of_nothing
+    from derive.simulation.trajectory import column_units
+
+    known = tuple(name for name, _ in column_units(scene, model))
+    if problems := tuple(plots_of_nothing(scene.plots, known)):
+        raise with_lines(SpecError(problems), path)
 
 
 def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c", "python")) -> tuple[File, ...]:

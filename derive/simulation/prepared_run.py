@@ -21,11 +21,12 @@ from derive.simulation.integration.solution import Progress, Solution
 from derive.simulation.output_times import output_times
 from derive.simulation.stop_condition import StateColumn, stop_condition, stop_event
 from derive.simulation.trajectory import ColumnTable, RunSettings
+from derive.spec.checks.plotted_columns import missing_columns
 from derive.spec.model.body import NodalBody
-from derive.spec.model.plots import ColumnCurves, Plot
+from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
 from derive.spec.parsing.condition import Row
-from derive.spec.parsing.faults import did_you_mean
+from derive.spec.parsing.faults import path_text
 
 Native = TypeVar("Native", bound=NativeScene | NativeBody)
 Start = TypeVar("Start")
@@ -55,7 +56,7 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
         self.model = self._without_monitors(self.complete_model)
         columns = self._columns()
         self.units = dict(columns)
-        problems = [*_repeated(name for name, _ in columns), *_plots_of_nothing(spec.plots, tuple(self.units))]
+        problems = [*_repeated(name for name, _ in columns), *plots_of_nothing(spec.plots, tuple(self.units))]
         self._until, wrong = stop_condition(spec.simulation, tuple(self.units))
         if problems or wrong:
             raise SpecError((*problems, *wrong))
@@ -138,12 +139,7 @@ def _repeated(names: Iterable[str]) -> Iterator[Problem]:
         seen.add(name)
 
 
-def _plots_of_nothing(plots: Iterable[Plot], known: tuple[str, ...]) -> Iterator[Problem]:
-    """Plots of columns that the motion does not have."""
-    for plot in plots:
-        if isinstance(plot.quantity, ColumnCurves):
-            for key, names in (("x", (plot.quantity.x,)), ("y", plot.quantity.y)):
-                for name in names:
-                    if name not in known:
-                        near = did_you_mean(name, known, f"the columns are {', '.join(known)}")
-                        yield Problem(f"plots.{plot.name}.{key}", f"there is no column {quoted(name)}{near}")
+def plots_of_nothing(plots: Iterable[Plot], known: tuple[str, ...]) -> Iterator[Problem]:
+    """Plots of columns that a motion does not have; known: the columns that it has."""
+    for path, message in missing_columns(plots, known, f"the columns are {', '.join(known)}"):
+        yield Problem(path_text(path), message)

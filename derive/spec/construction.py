@@ -214,16 +214,19 @@ def validated(spec: S) -> S:
 def validated_tables(spec: S, tables: Table) -> S:
     """A specification of the same type as `spec` from its tables, in which values may have been replaced.
 
-    Numbers of reference curves are those of `spec`, whose files are not read again.
+    Numbers of reference curves are those of `spec`, whose files are not read again. Plots may show columns that there
+    are with the replaced values alone: a simulation looks for them.
     """
     curves = {plot.name: plot.reference.rows for plot in getattr(spec, "plots", ()) if plot.reference}
-    result = _validate(tables, curves)
+    result = _validate(tables, curves, columns=False)
     assert isinstance(result, type(spec))
     return result
 
 
-def _validate(data: Mapping[str, object], curves: Mapping[str, tuple[tuple[float, float], ...]] = {}) -> Specification:
+def _validate(
+    data: Mapping[str, object], curves: Mapping[str, tuple[tuple[float, float], ...]] = {}, columns: bool = True
+) -> Specification:
     # pydantic is imported only when there is something to check.
     from derive.spec.checks.validation import validate
 
-    return validate(as_table(data), curves=curves)
+    return validate(as_table(data), curves=curves, columns=columns)

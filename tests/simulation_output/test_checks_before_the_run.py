@@ -68,7 +68,8 @@ def test_columns_of_a_scene_with_other_pieces(
 def test_all_faults_of_plots_and_conditions_at_once(
     runs: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    plots = '[plots.a]\ny = ["rod_1_ph", "t"]\n[plots.b]\ny = "t"\nx = "rod"\n'
+    """One shape function is left of the ansatz, so that these columns might be, and are not."""
+    plots = '[plots.a]\ny = ["rod_1_alpha3", "t"]\n[plots.b]\ny = "t"\nx = "rod_2_alpha2"\n'
     lines = refused(tmp_path, plots, capsys, "--until", "rod_3_phi > 1").splitlines()
     assert len(lines) == 3 and runs == []
     assert "simulation.until" in lines[0] and "plots.a.y" in lines[1] and "plots.b.x" in lines[2]

@@ -101,7 +101,9 @@ def made_names(view: SceneData) -> Iterator[Made]:
         if not view.is_beam(name):
             yield from _coordinates(path, name, 0, f"the body {name}")
             continue
+        axial = body.get("axial")
         shapes = _shape_count(body.get("ansatz", DEFAULT_ANSATZ))
+        shapes += _shape_count(axial.get("ansatz")) if isinstance(axial, Mapping) else 0
         for count in piece_counts(view, name, body):
             if count == 1:
                 yield from _coordinates(path, name, shapes, f"the body {name}")
@@ -128,9 +130,14 @@ def _shape_count(ansatz: object) -> int:
 
 
 def _coordinates(path: KeyPath, name: str, shapes: int, of: str) -> Iterator[Made]:
-    for end in ("c1", "c2", "phi", "s", *(f"alpha{i}" for i in range(1, shapes + 1))):
+    for coordinate in coordinate_names(name, shapes):
         for rate in RATES:
-            yield path, f"{name}_{end}{rate}", f"a {'rate' if rate else 'coordinate'} of {of}"
+            yield path, f"{coordinate}{rate}", f"a {'rate' if rate else 'coordinate'} of {of}"
+
+
+def coordinate_names(body: str, shapes: int) -> list[str]:
+    """The names that the coordinates of a body with so many shape functions may have."""
+    return [f"{body}_{end}" for end in ("c1", "c2", "phi", "s", *(f"alpha{i}" for i in range(1, shapes + 1)))]
 
 
 def piece_counts(view: SceneData, name: str, body: Raw) -> list[int]:

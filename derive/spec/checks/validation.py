@@ -14,6 +14,7 @@ from derive.spec.checks.body_checks import shape_faults
 from derive.spec.checks.cross_references import scene_faults
 from derive.spec.checks.known_functions import function_faults, known_functions
 from derive.spec.checks.messages import key_faults
+from derive.spec.checks.plotted_columns import column_faults
 from derive.spec.checks.scene_parameters import beam_constants
 from derive.spec.files.reference_curves import Rows, references
 from derive.spec.model.body import BEAM_QUANTITIES, NodeData
@@ -35,13 +36,15 @@ def validate(
     source: str | None = None,
     lines: Callable[[], Mapping[KeyPath, int]] = dict,
     curves: Curves = MappingProxyType({}),
+    columns: bool = True,
 ) -> Specification:
     """What `data` specify. Raises SpecError with all that is wrong with them.
 
     source: the file they come from, beside which other files are; lines: the lines of its keys, asked for only if they
-    are needed; curves: the numbers of reference curves that are known already, by the names of their plots.
+    are needed; curves: the numbers of reference curves that are known already, by the names of their plots; columns:
+    whether plots may show only columns that there can be.
     """
-    result = _checked(data, Path() if source is None else Path(source).parent, curves)
+    result = _checked(data, Path() if source is None else Path(source).parent, curves, columns)
     if not isinstance(result, list):
         return result
     known = lines()
@@ -50,7 +53,7 @@ def validate(
     raise SpecError(tuple(sorted(problems, key=lambda problem: problem.line or 0)), source)
 
 
-def _checked(data: Mapping[str, object], folder: Path, known: Curves) -> Specification | list[Fault]:
+def _checked(data: Mapping[str, object], folder: Path, known: Curves, columns: bool) -> Specification | list[Fault]:
     """What `data` specify, with files of numbers relative to `folder`; or all that is wrong with them."""
     specification = None
     names, faults_of_names = known_functions(data, folder)
@@ -77,8 +80,9 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves) -> Specifi
     if specification is None or faults:
         return faults
     result = _specified(specification, nodes, curves)
-    unused = [*function_faults(result, data)] if isinstance(result, Scene) else []
-    return unused or result
+    faults += function_faults(result, data) if isinstance(result, Scene) else ()
+    faults += column_faults(result) if columns else ()
+    return faults or result
 
 
 def _simulated_without_numbers(data: Mapping[str, object]) -> Iterator[Fault]:

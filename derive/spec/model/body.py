@@ -169,6 +169,11 @@ class PlanarBeam:
         """What its shape functions follow from."""
         return AssumedDeflection(self.ansatz, self.frame, self.orthogonal, self.ends)
 
+    @property
+    def body_name(self) -> str:
+        """Its name as the only body of the scene as which it is simulated alone: another than that of the scene."""
+        return "beam" if self.name.lower() != "beam" else "rod"
+
 
 Gravity = tuple[Quantity, Quantity, Quantity]
 """The acceleration of free fall in the inertial base, m/s^2; each component a parameter or a number."""
