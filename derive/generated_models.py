@@ -6,6 +6,7 @@ import hashlib
 import io
 import pickle
 import platform
+from collections.abc import Callable
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -13,7 +14,7 @@ from typing import Any
 
 from derive import cache as kept
 from derive.artifacts import File
-from derive.backends.model_files import BACKENDS, fingerprint, model_files
+from derive.backends.model_files import BACKENDS, explicit_files, fingerprint, model_files
 from derive.garbage_collection import paused
 from derive.ir.model import Model
 from derive.mechanics.multibody.bodies.registry import BODIES
@@ -21,7 +22,7 @@ from derive.mechanics.multibody.forces.registry import FORCES
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
 from derive.rendering import templates_folder
-from derive.spec.model.scene import Specification
+from derive.spec.model.scene import Scene, Specification
 from derive.version import VERSION
 
 TRUSTED = (
@@ -48,9 +49,19 @@ def generated(spec: Specification) -> Generated:
     Both are kept in the cache, unless kinds of joints, bodies, forces or outputs are registered from outside, whose
     code may change.
     """
+    return _kept("model", spec, lambda: _made(spec))
+
+
+def generated_explicit(scene: Scene) -> Generated:
+    """The model of a scene with what explicit integration calls, and its C, likewise."""
+    return _kept("explicit model", scene, lambda: _made_explicit(scene))
+
+
+def _kept(kind: str, spec: Specification, made: Callable[[], Generated]) -> Generated:
+    """What is made of a specification, which the cache keeps under its kind."""
     if any(registry.extended for registry in (JOINTS, BODIES, FORCES, OUTPUTS, MONITORS, BACKENDS)):
-        return _made(spec)
-    name = kept.key("model", fingerprint(spec), package_hash(), *_versions())
+        return made()
+    name = kept.key(kind, fingerprint(spec), package_hash(), *_versions())
     data = kept.read(name)
     if data is not None:
         try:
@@ -60,7 +71,7 @@ def generated(spec: Specification) -> Generated:
             pass
         else:
             return result
-    result = _made(spec)
+    result = made()
     kept.write(name, pickle.dumps(result, pickle.HIGHEST_PROTOCOL))
     return result
 
@@ -70,6 +81,13 @@ def _made(spec: Specification) -> Generated:
 
     model = lower(derive(spec))
     return model, model_files(model, spec)
+
+
+def _made_explicit(scene: Scene) -> Generated:
+    from derive.derivation import explicit_model  # likewise
+
+    model = explicit_model(scene)
+    return model, explicit_files(model, scene)
 
 
 @cache

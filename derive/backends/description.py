@@ -7,7 +7,18 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from derive.backends.wrapping import Item, Prose, prefixed
-from derive.ir.model import PARAMETER_JACOBIAN, Argument, Kernel, Model, Output, OutputKind, Section, Variable, Zero
+from derive.ir.model import (
+    JACOBIAN,
+    PARAMETER_JACOBIAN,
+    Argument,
+    Kernel,
+    Model,
+    Output,
+    OutputKind,
+    Section,
+    Variable,
+    Zero,
+)
 from derive.ir.patterns import Pattern, RowSetKind
 from derive.roles import Source
 
@@ -38,15 +49,11 @@ class PatternText:
 
 def pattern_texts(model: Model, indent: str) -> list[PatternText]:
     """The patterns of a model: mass, jacobian, marker_NAME, in a scene also those of constraints and outputs."""
-    patterns = [("mass", model.pattern("mass", "M")), ("jacobian", model.pattern("jacobian", "jac"))]
-    patterns += [(f"marker_{m.name}", model.pattern(f"marker_{m.name}", "jacobian")) for m in model.markers]
-    if model.bodies:
-        patterns.append(("constraint_jacobian", model.pattern("constraint_jacobian", "G")))
-        patterns += [(f"jacobian_{form}", model.pattern(f"jacobian_{form}", "jac")) for form in ("ggl", "index1")]
-    if model.outputs:
-        patterns.append(("outputs_jacobian", model.pattern("outputs_jacobian", "jac")))
-    if model.sensitivities:
-        patterns.append((PARAMETER_JACOBIAN, model.pattern(PARAMETER_JACOBIAN, "jac")))
+    matrices = [("mass", "M"), (JACOBIAN, "jac"), *((f"marker_{m.name}", "jacobian") for m in model.markers)]
+    matrices += [("constraint_jacobian", "G"), (f"{JACOBIAN}_ggl", "jac"), (f"{JACOBIAN}_index1", "jac")]
+    matrices += [("outputs_jacobian", "jac"), (PARAMETER_JACOBIAN, "jac")]
+    present = {kernel.name for kernel in model.kernels}
+    patterns = [(kernel, model.pattern(kernel, output)) for kernel, output in matrices if kernel in present]
 
     def lines(values: tuple[int, ...]) -> str:
         return "\n".join(prefixed([", ".join(map(str, values))], indent))

@@ -37,6 +37,11 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
     return (*files, _manifest(model, spec, files))
 
 
+def explicit_files(model: Model, spec: Specification) -> tuple[File, ...]:
+    """The C of a model alone, which is all that explicit integration of it needs: no Python, no manifest."""
+    return _with_hash(BACKENDS["c"].files(model, fingerprint(spec)))
+
+
 def fingerprint(spec: Specification) -> str:
     """The SHA-256 of all of a specification that its model depends on. Raises TypeError for anything else."""
     check_specification(spec)

@@ -76,7 +76,7 @@ def study(scene: Scene, options: argparse.Namespace, record: Callable[[LadderCha
     limits = LadderRange(options.orders, options.frames, options.shapes, options.pieces, options.sines, options.modes)
     models = ladder(limits)
     shown = plotted_beams(plot, scene)
-    runs = LadderRun(replace(scene, plots=(plot,)), known, options.tolerances)
+    runs = LadderRun(replace(scene, plots=(plot,)), known, options.tolerances, explicit=not options.integrators)
     machine, last = _machine(), time.monotonic()
 
     def chart(lines: Sequence[Line], *notes: str) -> LadderChart:

@@ -19,6 +19,8 @@ from derive.registry import UnknownNameError
 from derive.roles import Role
 from derive.spec.model.time_function import Spline
 
+JACOBIAN = "jacobian"
+"""The name of the kernel of the iteration matrix of implicit integrators."""
 PARAMETER_JACOBIAN = "parameter_jacobian"
 """The name of the kernel of derivatives with respect to parameters and inputs."""
 
@@ -242,6 +244,11 @@ class Model:
         for index, value in self.data:
             values[index] = value
         return tuple(values)
+
+    @property
+    def explicit(self) -> bool:
+        """Whether the kernels are left out that explicit integration does not call."""
+        return all(kernel.name != JACOBIAN for kernel in self.kernels)
 
     @property
     def sensitivities(self) -> bool:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from derive.ir.model import PARAMETER_JACOBIAN
+from derive.ir.model import JACOBIAN, PARAMETER_JACOBIAN
 from derive.ir.patterns import Pattern
 from derive.mechanics.equations import Equations
 
@@ -37,7 +37,7 @@ class FunctionKind(Enum):
     OUTPUTS = "outputs"
     OUTPUTS_JACOBIAN = "outputs_jacobian"
     RESIDUAL = "residual"
-    JACOBIAN = "jacobian"
+    JACOBIAN = JACOBIAN
     PARAMETER_JACOBIAN = PARAMETER_JACOBIAN
     SOLVE_KKT = "solve_kkt"
 
@@ -82,6 +82,9 @@ FORMS = {
 }
 """The forms F(t, y, ydot) = 0 of the equations of a mechanism; "ggl" is that of Gear, Gupta & Leimkuhler."""
 
+IMPLICIT = frozenset((FunctionKind.RESIDUAL, FunctionKind.JACOBIAN, FunctionKind.LOAD, FunctionKind.OUTPUTS_JACOBIAN))
+"""What explicit integration, its start and its outputs do not call; to lower it takes longer than all else together."""
+
 STATE, TIMED = ("q", "v", "k"), ("t", "q", "v", "k")
 MASS_OUTPUT = {"M": "values of the mass matrix, lower triangle by columns"}
 FORCE_OUTPUT = {"h": "forces, one for each equation of motion"}
@@ -90,13 +93,20 @@ RESIDUAL = {"F": "residual, one for each state"}
 ITERATION_MATRIX = {"jac": "values of the iteration matrix by columns"}
 
 
-def functions_of(equations: Equations, sensitivities: bool = False) -> tuple[ModelFunction, ...]:
-    """All functions of a model, in the order of the generated code; `sensitivities` adds those for derivatives."""
+def functions_of(
+    equations: Equations, sensitivities: bool = False, explicit: bool = False
+) -> tuple[ModelFunction, ...]:
+    """All functions of a model, in the order of the generated code; `sensitivities` adds those for derivatives.
+
+    explicit: without those of `IMPLICIT`.
+    """
     mechanism = bool(equations.poses)
     specific = _of_mechanisms(bool(equations.outputs)) if mechanism else _of_bodies()
     every = (*_dynamics(mechanism), *_invariants(equations, mechanism), *_of_markers(equations), *specific)
     if sensitivities:
         every += tuple(_of_sensitivities(mechanism))
+    if explicit:
+        every = tuple(function for function in every if function.kind not in IMPLICIT)
     return tuple(map(_with_inputs, every)) if equations.inputs else every
 
 

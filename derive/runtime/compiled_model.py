@@ -34,6 +34,25 @@ def cj_first(function: Callable[..., int]) -> Callable[..., int]:
     return lambda t, cj, y, ydot, k, values: function(t, y, ydot, cj, k, values)
 
 
+class CompiledFunctions(dict[str, CompiledFunction]):
+    """The functions of a model by their names. Raises CompilerError for one that its library does not have."""
+
+    def __missing__(self, name: str) -> CompiledFunction:
+        raise not_explicit(name)
+
+
+def not_explicit(name: str) -> CompilerError:
+    """The error of a call of what a model for explicit integration does not have."""
+    return CompilerError(
+        f"there is no {name} in this library, whose model is for explicit integration alone: `derive.lower` and "
+        "`build` make complete ones"
+    )
+
+
+NO_PATTERN = Pattern(0, 0, (0,), (), symmetric=False)
+"""That of a matrix that a model does not have."""
+
+
 class Native:
     """A compiled model. Arrays are vectors of doubles in SI units; matrices come as the values of their pattern.
 
@@ -66,10 +85,10 @@ class Native:
         self.defaults = np.empty(m.np)
         m.defaults(self.defaults.ctypes.data)
         self.mass_pattern = pattern_of(m.mass_pattern.contents)
-        self.jacobian_pattern = pattern_of(m.jacobian_pattern.contents)
+        self.jacobian_pattern = pattern_of(m.jacobian_pattern.contents) if m.jacobian_pattern else NO_PATTERN
         self.markers = tuple(m.markers[i].name.decode() for i in range(m.nmarkers))
         state, n, nnz = (m.nq, m.nv, m.nk), m.nq + m.nv + m.nlambda, len(self.mass_pattern.rowidx)
-        self._compiled: dict[str, CompiledFunction] = {}
+        self._compiled = CompiledFunctions()
         self._add(m, "setup", (m.np,), (m.nk,), constants=None)
         self._add(m, "mass", (m.nq, m.nk), (nnz,))
         self._add(m, "mass_force", state, (nnz, m.nv))
@@ -104,11 +123,14 @@ class Native:
         constants: int | None = -1,
         order: Callable[[Callable[..., int]], Callable[..., int]] = lambda function: function,
     ) -> None:
-        """Prepare a function, which is a member of a structure; the input `constants` are those of `setup`, if any."""
+        """Prepare a function, which is a member of a structure, unless it is left out.
+
+        constants: which of the inputs are those of `setup`, if any.
+        """
         name, build = name or member, None if constants is None else (self.hash, self.name)
-        self._compiled[name] = CompiledFunction(
-            f"{self.name}_{name}", getattr(holder, member), inputs, results, build, constants or 0, order
-        )
+        if function := getattr(holder, member):
+            called = f"{self.name}_{name}"
+            self._compiled[name] = CompiledFunction(called, function, inputs, results, build, constants or 0, order)
 
     @property
     def address(self) -> int:

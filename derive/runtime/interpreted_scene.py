@@ -11,6 +11,7 @@ from derive.ir.patterns import Pattern
 from derive.ir.statements import ReturnCode
 from derive.roles import Role
 from derive.runtime.compiled_function import CompiledFunction
+from derive.runtime.compiled_model import CompiledFunctions
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
 
@@ -32,9 +33,9 @@ class InterpretedScene(NativeScene):
         self.multipliers, self.bodies, self.markers = _names(model.multipliers), model.bodies, _names(model.markers)
         self.mass_pattern, self.jacobian_pattern = model.pattern("mass", "M"), model.pattern("jacobian", "jac")
         self.constraint_pattern = model.pattern("constraint_jacobian", "G")
-        self._compiled: dict[str, CompiledFunction] = {
-            kernel.name: InterpretedFunction(model, kernel) for kernel in model.kernels
-        }
+        self._compiled = CompiledFunctions(
+            {kernel.name: InterpretedFunction(model, kernel) for kernel in model.kernels}
+        )
 
     def marker_positions(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
         """Positions (n, dimension) of a marker for each row of q and v."""

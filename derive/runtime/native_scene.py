@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from derive.backends.c.optional_parts import OptionalPart
 from derive.runtime.compiled_function import CompiledFunction
-from derive.runtime.compiled_model import Native, cj_first
+from derive.runtime.compiled_model import Native, cj_first, not_explicit
 from derive.runtime.compiler import CompilerError
 from derive.runtime.descriptor import DaeStruct, names_of, pattern_of
 from derive.runtime.native_call import Matrix, Vector, checked_vector, constants_of
@@ -50,6 +50,8 @@ class Forms(dict[str, Dae]):
     """The forms of a scene by their names. Raises CompilerError for one that its library does not have."""
 
     def __missing__(self, name: str) -> Dae:
+        if not self:
+            raise not_explicit(f"form {name}")
         raise CompilerError(
             f"the form {name} is not in this library, which has {', '.join(self)}: forms of reduced index are left out "
             f"where the C is compiled with {OptionalPart.REDUCED_FORMS.value}, as simulations do; `load_scene` does not"
@@ -69,7 +71,7 @@ class NativeScene(Native):
         self.inputs = names_of(ports.u, ports.nu) if ports else ()
         self.outputs = names_of(ports.out, ports.nout) if ports else ()
         self.output_units = tuple(ports.out[i].unit.decode() for i in range(ports.nout)) if ports else ()
-        self.outputs_pattern = pattern_of(ports.pattern.contents) if ports and self.outputs else None
+        self.outputs_pattern = pattern_of(ports.pattern.contents) if ports and ports.pattern else None
         self.dae = Forms({form.name: form for form in (Dae(s.forms[i], self) for i in range(s.nforms))})
         self._prepare(s)
 
@@ -84,8 +86,9 @@ class NativeScene(Native):
         self._add(s, "solve", state, (self.nv, n))
         self._add(s, "project_velocity", (self.nq, self.nk, n), (self.nv,), constants=1)
         full = self.nq, self.nv, self.nv, n, self.nk
-        if self.outputs_pattern:
+        if self.outputs:
             self._add(self._ports, "outputs", full, (len(self.outputs),))
+        if self.outputs_pattern:
             self._add(self._ports, "outputs_jacobian", full, (len(self.outputs_pattern.rowidx),))
 
     def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
@@ -140,4 +143,4 @@ class NativeScene(Native):
         return self._port("outputs_jacobian", (q, v, vdot, lam, self.own_at(t, k)), t)
 
     def _port(self, name: str, arrays: tuple[ArrayLike, ...], t: float) -> Vector:
-        return self._compiled[name](arrays, t) if self.outputs_pattern else np.empty(0)
+        return self._compiled[name](arrays, t) if self.outputs else np.empty(0)

@@ -12,6 +12,7 @@ import derive
 from derive.artifacts import File, write
 from derive.backends.c.optional_parts import OptionalPart
 from derive.cache import no_cache
+from derive.generated_models import generated_explicit
 from derive.runtime import loading
 from derive.runtime.compiler import ESSENTIAL, FLAGS, RUN_FLAGS, CompilerError, compile_c
 
@@ -99,3 +100,34 @@ def test_a_simulation_compiles_what_it_needs(path: Path, integrator: str, monkey
         derive.simulate(derive.read(path), integrator=integrator)
     (flags,) = {flags for name, flags in used if name == f"{NAME}.c"}
     assert set(ESSENTIAL) <= set(flags)
+
+
+def test_an_explicit_model_has_the_same_bits_and_names_what_it_does_not_have(
+    path: Path, files: tuple[File, ...], tmp_path: Path
+) -> None:
+    """The model that studies run: no iteration matrices, loads or derivatives of outputs, and no Python."""
+    scene = derive.read(path)
+    assert isinstance(scene, derive.Scene)
+    model, own = generated_explicit(scene)
+    assert [file.path for file in own] == [f"{NAME}/{NAME}.h", f"{NAME}/{NAME}.c"]
+    write(own, tmp_path)
+    compile_c([tmp_path / own[1].path], tmp_path / "model.so", [*C99, *WARNINGS, "-O0", "-shared", "-fPIC"])
+    native, complete = derive.load_scene(own, RUN_FLAGS), derive.load_scene(files)
+    k, full = native.setup(), complete.setup()
+    q, v = 0.1 * np.arange(1, native.nq + 1), np.ones(native.nv)
+    pushed, fully = native.with_inputs(k, [3.0]), complete.with_inputs(full, [3.0])
+    for name in ("force", "accel", "constraint_rates"):
+        assert np.array_equal(getattr(native, name)(0.1, q, v, pushed), getattr(complete, name)(0.1, q, v, fully))
+    vdot, lam = native.solve(0.1, q, v, pushed)
+    out = native.evaluate_outputs(0.1, q, v, vdot, lam, pushed)
+    assert np.array_equal(out, complete.evaluate_outputs(0.1, q, v, vdot, lam, fully))
+    assert model.explicit and not derive.lower(derive.derive(scene)).explicit
+    with pytest.raises(CompilerError, match="no jacobian in this library, whose model is for explicit integration"):
+        native.jacobian(0.0, np.zeros(0), np.zeros(0), 1.0, k)
+    for missing in (
+        lambda: native.load("rod_right", q, [1.0, 0.0], k),
+        lambda: native.outputs_jacobian(0.1, q, v, vdot, lam, k),
+        lambda: native.dae["index3"],
+    ):
+        with pytest.raises(CompilerError, match=r"no .* in this library, whose model is for explicit integration"):
+            missing()

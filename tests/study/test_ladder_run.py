@@ -93,7 +93,7 @@ ASKED = [
 def test_an_interruption_leaves_what_there_is(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def interrupted(scene: Scene, model: LadderModel) -> CompiledLadderModel:
+    def interrupted(scene: Scene, model: LadderModel, explicit: bool) -> CompiledLadderModel:
         if model.shapes is not Shapes.RIGID:
             raise KeyboardInterrupt
         return compiled(scene, model)
@@ -114,7 +114,7 @@ def test_what_there_is_is_written_meanwhile(scene: Scene, tmp_path: Path, monkey
     """Before the second model is derived, the files have the first."""
     seen: list[list[str]] = []
 
-    def watching(scene: Scene, model: LadderModel) -> CompiledLadderModel:
+    def watching(scene: Scene, model: LadderModel, explicit: bool) -> CompiledLadderModel:
         record = tmp_path / "accuracy.json"
         if record.exists():
             data = json.loads(record.read_text())

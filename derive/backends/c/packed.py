@@ -6,6 +6,7 @@ them behind the constants; all others leave the zeros that setup writes.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -25,12 +26,13 @@ class PackedFunction:
 
 
 def entries(model: Model, batches: tuple[str, ...]) -> dict[str, str]:
-    """The C name of the function that the descriptor holds, by the names of kernels and batches."""
+    """The C name of the function that the descriptor holds, by the names of kernels and batches; 0 if it has none."""
     packed = {kernel.name for kernel in _packed(model)}
     names = {kernel.name: kernel.name for kernel in model.kernels}
     names |= {f"{name}_batch": name for name in batches}
     prefix = {True: f"{model.name}_packed", False: model.name}
-    return {name: f"{prefix[kernel in packed]}_{name}" for name, kernel in names.items()}
+    present = {name: f"{prefix[kernel in packed]}_{name}" for name, kernel in names.items()}
+    return defaultdict(lambda: "0", present)
 
 
 def packed_functions(model: Model, batches: tuple[str, ...]) -> Iterator[PackedFunction]:

@@ -125,7 +125,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "batch_stack": -(-max(map(stack, blocks.values())) // 1024),
         "patterns": pattern_texts(model, "    "),
         "markers": [(m.name, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
-        "forms": FORMS if model.bodies else {},
+        "forms": FORMS if model.bodies and not model.explicit else {},
         "reduced_forms": REDUCED_FORMS,
         "without": {part.name.lower(): part.value for part in OptionalPart},
         "checked_forces": bool(model.bodies) and _is_checked(model.kernel("force")),

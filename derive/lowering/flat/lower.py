@@ -56,17 +56,19 @@ def lower(
     choice: str = "",
     elimination: EliminationRule = EliminationRule.SAFE,
     sensitivities: bool = False,
+    explicit: bool = False,
 ) -> Model:
     """The model, with all of its kernels, from its expanded equations.
 
     choice: the reason why the model has straight-line code; elimination: the order of the KKT matrix;
-    sensitivities: with the derivatives with respect to the parameters. Raises LoweringError if a kernel cannot be
-    evaluated.
+    sensitivities: with the derivatives with respect to the parameters; explicit: without the functions of `IMPLICIT`.
+    Raises LoweringError if a kernel cannot be evaluated.
     """
     context = Context(with_derivatives(equations) if sensitivities else equations, elimination)
     scene = bool(equations.poses)
     implementations = {**OF_BODIES, **OF_MECHANISMS} if scene else OF_BODIES
-    lowered = (implementations[function.kind](context, function) for function in functions_of(equations, sensitivities))
+    every = functions_of(equations, sensitivities, explicit)
+    lowered = (implementations[function.kind](context, function) for function in every)
     kernels = tuple(with_attitude_check(kernel, equations) for kernel in lowered)
     setup, constants = setup_kernel(context, kernels)
     names = tuple(c.name for c in constants)

@@ -27,12 +27,13 @@ PER_COORDINATE, PER_OPERATION = 0.2, 3e-10
 class LadderRun:
     """The lines of a ladder as they come: an interruption leaves what there is.
 
+    explicit: whether models are run by the adaptive method alone, see `compiled`.
     lines: of the models that have run, or have failed. notes: a line on each model that was left out, and on starts
     that a model has only approximately. ready: the models that are compiled.
     """
 
-    def __init__(self, scene: Scene, known: Reference, tolerances: Sequence[float]) -> None:
-        self._scene, self._known, self._tolerances = scene, known, tolerances
+    def __init__(self, scene: Scene, known: Reference, tolerances: Sequence[float], explicit: bool = True) -> None:
+        self._scene, self._known, self._tolerances, self._explicit = scene, known, tolerances, explicit
         self.cost = PredictedCost(scene)
         self.lines: list[Line] = []
         self._left_out: dict[str, list[LadderModel]] = {}
@@ -105,7 +106,7 @@ class LadderRun:
 
     def _line(self, model: LadderModel) -> Line:
         try:
-            of = compiled(self._scene, model)
+            of = compiled(self._scene, model, explicit=self._explicit)
             self._starts += (f"{model.label}: {text}" for text in start_remainders(self._scene, model))
         except TisserandError as error:
             return Line(model, 0, (), failure=first_line(error))
