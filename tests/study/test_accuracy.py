@@ -321,6 +321,12 @@ def test_a_reference_of_its_own_knows_its_error(crank_slider: Scene, monkeypatch
     made = reference(crank_slider, crank_slider.plots[0], None, True, lambda _: None)
     assert made.source == "own run, 1 beam, P2 to P5, truncated"
     assert made.error == pytest.approx(0.00037, rel=0.02) and made.plots[0].reference is not None
+    several = Plot("both", ColumnCurves(("slider_s", "rod_phi")))
+    curves = reference(crank_slider, several, None, True, lambda _: None).plots
+    assert [plot.quantity.y for plot in curves if isinstance(plot.quantity, ColumnCurves)] == [
+        ("slider_s",),
+        ("rod_phi",),
+    ]
     file = reference(crank_slider, crank_slider.plots[0], 1e-3, False, lambda _: None)
     assert (file.source, file.error) == ("crank_slider_A.csv", 1e-3)
 

@@ -71,7 +71,7 @@ def _own(scene: Scene, plot: Plot, progress: Progress, report: Progress) -> Refe
     finest, before, label = Curves(), Curves(), ""
     for model in refinements():
         progress(f"reference: {model.label} ...")
-        moved = motion(compiled(replace(scene, plots=bare), model, monitored=False), TOLERANCE)
+        moved = motion(compiled(replace(scene, plots=(plot,)), model, monitored=False), TOLERANCE)
         before, finest, label = finest, curves_of(bare, moved), model.label
         report(f"reference: {label}: {1e3 * moved.solution.cost.seconds:.3g} ms")
     difference = rms_difference(finest, before)

@@ -67,7 +67,7 @@ def beam_shares(
     being done; report: takes what came of it.
     """
     bare = tuple(one for plot in plots for one in bare_plots(plot))
-    scene = replace(scene, plots=bare)
+    scene = replace(scene, plots=tuple(plots))
     beams = beam_bodies(scene)
 
     def curves(model: LadderModel) -> Curves:

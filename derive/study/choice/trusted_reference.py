@@ -136,7 +136,7 @@ class _Runs:
     def __init__(self, scene: Scene, plots: Sequence[Plot], progress: Progress, report: Progress) -> None:
         self._names = ", ".join(plot.name for plot in plots)
         self._bare = tuple(one for plot in plots for one in bare_plots(plot))
-        self._scene, self._progress, self._report = replace(scene, plots=self._bare), progress, report
+        self._scene, self._progress, self._report = replace(scene, plots=tuple(plots)), progress, report
         self._compiled: dict[LadderModel, CompiledLadderModel] = {}
         self._curves: dict[tuple[LadderModel, float], Curves] = {}
         self._seconds: dict[LadderModel, float] = {}
