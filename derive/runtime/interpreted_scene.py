@@ -31,6 +31,7 @@ class InterpretedScene(NativeScene):
         self.coordinates, self.velocities = _names(model.coordinates), _names(model.velocities)
         self.roles = tuple(variable.role or Role.AMPLITUDE for variable in model.coordinates)
         self.multipliers, self.bodies, self.markers = _names(model.multipliers), model.bodies, _names(model.markers)
+        self.inputs, self.outputs = _names(model.inputs), _names(model.outputs)
         self.mass_pattern, self.jacobian_pattern = model.pattern("mass", "M"), model.pattern("jacobian", "jac")
         self.constraint_pattern = model.pattern("constraint_jacobian", "G")
         self._compiled = CompiledFunctions(

@@ -110,10 +110,11 @@ def equilibrium(native: StaticSystem, k: Vector, guess: Vector, t: float = 0.0) 
 
     Raises NoEquilibrium with the coordinates that loads keep moving, ModelError where the model returns an error.
     """
-    first = closest_state(native, k, t, guess, np.ones(native.nq, dtype=bool)).q
+    norms = typical_row_norms(native, k, t, guess, mass_factor(mass_matrix(native, guess, k)))
+    first = closest_state(native, k, t, guess, np.ones(native.nq, dtype=bool), norms).q
     unbalanced = native.force(t, first, np.zeros(native.nv), k)
     for steps in LOAD_STEPS:
-        newton = _Newton(native, k, t, max_norm(unbalanced))
+        newton = _Newton(native, k, t, norms, max_norm(unbalanced))
         q: Vector | None = first
         for step in range(1, steps + 1):
             q = newton.balanced(q, (1.0 - step / steps) * unbalanced) if q is not None else None
@@ -139,10 +140,13 @@ class _Linearisation:
 
 
 class _Newton:
-    """The iteration, with the number of its steps, the largest load, and the coordinates of the last step."""
+    """The iteration, with the number of its steps, the largest load, and the coordinates of the last step.
 
-    def __init__(self, native: StaticSystem, k: Vector, t: float, load: float) -> None:
-        self.native, self.k, self.t = native, k, t
+    norms: (nlambda,) lengths by which the constraints are scaled, in all configurations.
+    """
+
+    def __init__(self, native: StaticSystem, k: Vector, t: float, norms: Vector, load: float) -> None:
+        self.native, self.k, self.t, self.norms = native, k, t, norms
         self.iterations, self.load, self.first_load = 0, load, load
         self.moving: tuple[str, ...] = ()
 
@@ -172,12 +176,11 @@ class _Newton:
         native, k, t = self.native, self.k, self.t
         rest = np.zeros(native.nv)
         R, G = mass_factor(mass_matrix(native, q, k)), constraint_matrix(native, t, q, k)
-        norms = typical_row_norms(native, k, t, q, R)
-        scaled = in_mass_metric(G, R) / norms[:, None]
+        scaled = in_mass_metric(G, R) / self.norms[:, None]
         allowed = null_space(scaled) if len(scaled) else np.eye(native.nv)
         h = native.force(t, q, rest, k) - held
         self.load = max(self.load, max_norm(h))
-        lam = np.linalg.lstsq(scaled.T, solve_triangular(R, h, trans="T"), rcond=None)[0] / norms
+        lam = np.linalg.lstsq(scaled.T, solve_triangular(R, h, trans="T"), rcond=None)[0] / self.norms
         y = np.concatenate([q, rest, lam])
         values = native.jacobian(t, y, np.zeros_like(y), 0.0, k)
         stiffness = native.jacobian_pattern.dense(values)[native.nq : native.nq + native.nv, : native.nq]
@@ -196,7 +199,16 @@ class _Newton:
         )
 
     def _on_constraints(self, q: Vector) -> Vector:
-        return closest_state(self.native, self.k, self.t, q, np.ones(self.native.nq, dtype=bool)).q
+        """The configuration next to q (nq,) that meets the constraints, with its deformation if the bodies alone can.
+
+        A finite rotation along a tangent stretches what it turns; moved by their deformation, stiff beams would keep
+        the step short.
+        """
+        for free in (~coordinates_with(self.native, Role.AMPLITUDE), np.ones(self.native.nq, dtype=bool)):
+            closest = closest_state(self.native, self.k, self.t, q, free, self.norms)
+            if closest.converged:
+                break
+        return closest.q
 
     def _length(self, q: Vector, motion: Vector) -> float:
         """The largest rotation (rad) of a motion (nq,), or displacement as a part of the size of the mechanism."""

@@ -16,9 +16,10 @@ from derive.spec.toml.read import parse
 G, LENGTH, MASS, EI = 9.81, 2.0, 0.5, 50.0
 GRAVITY = f"[scene]\ngravity = [0, -{G}]\n"
 ROD = f"[bodies.rod]\nmass = {MASS}\ninertia = {MASS * LENGTH**2 / 12}\nmarkers = {{ top = [{-LENGTH / 2}, 0] }}\n"
+EI_LINE = f"bending_stiffness = {EI}\n"
 BEAM = (
     f'[bodies.beam]\nframe = "mean"\nansatz = ["1", "xi", "xi^2", "xi^3", "xi^4"]\nmass = {MASS}\nlength = {LENGTH}\n'
-    f"bending_stiffness = {EI}\nmarkers = {{ root = -1, tip = 1 }}\n"
+    f"{EI_LINE}markers = {{ root = -1, tip = 1 }}\n"
 )
 
 
@@ -45,6 +46,13 @@ def test_a_pendulum_comes_to_hang_from_any_angle(angle: float) -> None:
     assert np.cos(result.q[0] + np.pi / 2) == pytest.approx(1.0, abs=1e-12)
     assert result.eigenvalues == pytest.approx([1.5 * G / LENGTH], rel=1e-12)
     assert result.stability is Stability.STABLE and result.residual < 1e-12 * result.load
+
+
+def test_a_beam_that_stretches_swings_down_in_few_iterations() -> None:
+    """A finite rotation must not stretch it, or its axial stiffness would keep each step below .03 rad."""
+    pieces = BEAM.replace(EI_LINE, f'{EI_LINE}pieces = 2\naxial = {{ ansatz = ["xi"], stiffness = 1e6 }}\n')
+    result = found(GRAVITY + pieces + joint("revolute", "beam.root"), LENGTH / 4, 0, 0, 0, 0, 0, 0, 3 * LENGTH / 4)
+    assert result.stability is Stability.STABLE and result.load_steps == 1 and result.iterations < 30
 
 
 def test_an_inverted_pendulum_is_an_unstable_equilibrium() -> None:

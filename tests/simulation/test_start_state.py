@@ -224,3 +224,30 @@ y = "y"
     expected = initial_state(derive.read(tmp_path / "driven.toml"), InterpretedScene(made))
     assert np.array(made.start.q) == pytest.approx(expected.q, abs=1e-9)
     assert np.array(made.start.v) == pytest.approx(expected.v, abs=1e-8)
+
+
+def test_build_computes_a_start_in_equilibrium(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "sag.toml"
+    path.write_text("""
+name = "sag"
+[ground.markers]
+o = [0, 0]
+[scene]
+gravity = [0, -9.81]
+start = "equilibrium"
+[bodies.arm]
+length = 1
+mass = 1
+bending_stiffness = 100
+markers = { root = -1 }
+start = { position = [0.5, 0] }
+[joints.clamp]
+kind = "weld"
+between = ["ground.o", "arm.root"]
+[simulation]
+duration = 0.1
+output = 0.1
+""")
+    assert main(["build", str(path), "--out", str(tmp_path)]) == 0
+    assert "warning" not in capsys.readouterr().out
+    assert build(path).model.start.q[1] == pytest.approx(-9.81 / 2000, rel=0.04)  # m g l^3/(20 EI)

@@ -49,17 +49,20 @@ class ClosestState:
         return self.error <= CONSISTENT * max(1.0, max_norm(self.q))
 
 
-def closest_state(native: Constraints, k: Vector, t: float, guess: Vector, free: Mask) -> ClosestState:
+def closest_state(
+    native: Constraints, k: Vector, t: float, guess: Vector, free: Mask, norms: Vector | None = None
+) -> ClosestState:
     """The configuration next to `guess` (nq,) that meets the constraints to rounding errors, if there is one.
 
-    free: mask (nq,) of the coordinates that may change. The method is a Levenberg-Marquardt iteration in the metric of
+    free: mask (nq,) of the coordinates that may change. norms: `typical_row_norms`, if they are known. The method is a Levenberg-Marquardt iteration in the metric of
     the mass matrix; near the solution its steps are Newton steps of least norm. It stops when the violation no longer
     decreases; `ClosestState.converged` tells whether the constraints are met then.
     """
     R = mass_factor(mass_matrix(native, guess, k)[np.ix_(free, free)])
     q, g = guess.copy(), native.constraints(t, guess, k)
     G = constraint_matrix(native, t, q, k)[:, free]
-    norms = typical_row_norms(native, k, t, guess, R, free)
+    if norms is None:
+        norms = typical_row_norms(native, k, t, guess, R, free)
     angles = coordinates_with(native, Role.ROTATION)[free]
     damping = 0.0
     for _ in range(ITERATIONS):
