@@ -72,8 +72,8 @@ def arguments_of(scene: CorpusScene, path: Path, folder: Path) -> Iterator[Argum
         yield ["modes", spec, "--out", str(folder / "modes"), *state]
     light = [*LIGHT, *(_export(kind) for kind in INTERFACES)]
     yield light[seed % len(light)](scene, spec, folder)
-    if seed % 2 == 0:
-        yield HEAVY[seed // 2 % len(HEAVY)](scene, spec, folder)
+    if seed % 4 == 0:
+        yield HEAVY[seed // 4 % len(HEAVY)](scene, spec, folder)
 
 
 def _duration(scene: CorpusScene) -> float:
@@ -106,9 +106,22 @@ def _report(*more: str) -> Command:
 
 def _sweep(scene: CorpusScene, spec: str, folder: Path) -> Arguments:
     name, value = changeable(scene)
-    outputs = ["--output", "peak"] if scene.tables.get("plots") else ["--output", f"final:{_column(scene)}"]
+    first: Any = next(iter(scene.tables.get("plots", {}).values()), None)
+    y = first.get("y") if first else None
+    output = f"peak:{y[0]}" if isinstance(y, list) else "peak" if first else f"final:{_column(scene)}"
     values = f"{value:.6g},{1.1 * value:.6g}"
-    return ["sweep", spec, "--set", f"{name}={values}", *outputs, "--workers", "1", "--out", str(folder / "sweep")]
+    return [
+        "sweep",
+        spec,
+        "--set",
+        f"{name}={values}",
+        "--output",
+        output,
+        "--workers",
+        "1",
+        "--out",
+        str(folder / "sweep"),
+    ]
 
 
 def _stability(scene: CorpusScene, spec: str, folder: Path) -> Arguments:

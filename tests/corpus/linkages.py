@@ -111,7 +111,7 @@ def _angle(draft: Draft) -> float:
 
 def _tree(draft: Draft) -> None:
     """1 to 6 bodies, each joined to the ground or to an earlier one."""
-    _branches(draft, draft.draws.choice([1, 1, 2, 2, 3, 4, 5, 6]), draft.ground_marker((0.0, 0.0)))
+    _branches(draft, draft.draws.choice([1, 1, 1, 2, 2, 2, 2, 3, 3, 4, 5, 6]), draft.ground_marker((0.0, 0.0)))
 
 
 def _branches(draft: Draft, count: int, root: str) -> None:

@@ -9,7 +9,7 @@ from corpus.draws import rounded
 from derive.extensions import Key, KeyType
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 
-STEPS = 500
+STEPS = 300
 """About the largest number of radians of its fastest oscillation that a scene is simulated."""
 
 

@@ -3,8 +3,7 @@
 The scene is simulated with more outputs: energies and powers, the reactions of the joints to the ground and the springs
 to it, and the motions of the markers at which something acts. Every other scene keeps all coordinates of its rigid
 bodies, since the function `momentum` leaves out bodies that a prescribed motion carries; on these Newton's law is
-checked. Rates are differences along the motion, in a state (t, q, v) with its accelerations, with an error of the
-order of 1e-12.
+checked. Rates are differences along the motion, in a state (t, q, v) with its accelerations, whose error is estimated.
 """
 
 from __future__ import annotations
@@ -124,11 +123,19 @@ class State:
         return 1e-3 / fastest
 
     def rate(self, function: Callable[[float], Vector]) -> tuple[Vector, Vector]:
-        """The derivative of a function of s at 0 by differences of fourth order, and the error of its rounding."""
+        """The derivative of a function of s at 0 by differences of fourth order, and its error.
+
+        The error is that of rounding and the change that half the step makes, since drives may change faster than
+        the state tells.
+        """
         h = self.step
-        values = [np.asarray(function(s * h)) for s in (-2, -1, 1, 2)]
-        derivative = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * h)
-        return derivative, 2e-15 * np.abs(values).max(axis=0) / h
+        coarse, fine = ({s: np.asarray(function(s * of)) for s in (-2, -1, 1, 2)} for of in (h, h / 2))
+        derivatives = [
+            (values[-2] - 8 * values[-1] + 8 * values[1] - values[2]) / (12 * of)
+            for values, of in ((coarse, h), (fine, h / 2))
+        ]
+        rounding = 4e-15 * np.abs(list(fine.values())).max(axis=0) / h
+        return derivatives[1], rounding + np.abs(derivatives[1] - derivatives[0])
 
 
 def _energy_balance(state: State) -> Iterator[Finding]:

@@ -107,6 +107,8 @@ def _work(seeds: list[int], store: Path) -> None:
     sys.path.insert(0, str(HERE.parent))
     with tempfile.TemporaryDirectory(prefix="corpus-cache-") as folder:
         os.environ["XDG_CACHE_HOME"] = folder
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads are for larger matrices, and other jobs run
+        os.environ.setdefault("ZIG_GLOBAL_CACHE_DIR", str(Path(tempfile.gettempdir()) / "corpus-zig"))
         from corpus.scene_check import check_scene, quick_compiler
 
         os.environ["CC"] = quick_compiler(Path(folder))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tempfile
 import traceback
 from collections.abc import Iterator
@@ -22,13 +23,18 @@ COMPILER = '#!/bin/sh\nexec cc "$@" -O0\n'
 
 @dataclass(frozen=True)
 class SceneResult:
-    """What was found on a scene: findings, the legitimate refusals by command, and CPU seconds by command."""
+    """What was found on a scene: findings, the legitimate refusals by command, and CPU seconds by command.
+
+    errors: of each model of `study accuracy`, its name, the measured error, that which a monitor implies, None without
+    a warning, and the beam of the warning; with the error of the reference, and the marker of the plot.
+    """
 
     seed: int
     linkage: str
     findings: tuple[Finding, ...]
     refusals: dict[str, str]
     seconds: dict[str, float]
+    errors: tuple[Any, ...] = ()
 
     @property
     def data(self) -> dict[str, Any]:
@@ -63,7 +69,20 @@ def check_scene(seed: int) -> SceneResult:
         before = commands.cpu()
         found += _physics(scene, path)
         seconds["physics"] = round(commands.cpu() - before, 3)
-    return SceneResult(seed, scene.linkage, tuple(found), refusals, seconds)
+        errors = tuple(_errors(scene, out))
+    return SceneResult(seed, scene.linkage, tuple(found), refusals, seconds, errors)
+
+
+def _errors(scene: CorpusScene, out: Path) -> Iterator[Any]:
+    """Measured and implied errors of the models of `study accuracy`."""
+    for file in out.rglob("accuracy.json"):
+        study = json.loads(file.read_text())
+        plot = scene.tables["plots"][study["plot"]].get("deflection", "")
+        for model in study["models"]:
+            if model["runs"]:
+                warning = model["warning"] or {}
+                implied = warning.get("error"), warning.get("beam"), warning.get("quantity")
+                yield model["model"], model["runs"][0]["rms_error"], *implied, study["reference"]["error"], plot
 
 
 def _physics(scene: CorpusScene, path: Path) -> Iterator[Finding]:

@@ -6,6 +6,7 @@ import ctypes
 from dataclasses import replace
 from functools import cache
 from math import pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np

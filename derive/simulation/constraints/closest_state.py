@@ -54,9 +54,10 @@ def closest_state(
 ) -> ClosestState:
     """The configuration next to `guess` (nq,) that meets the constraints to rounding errors, if there is one.
 
-    free: mask (nq,) of the coordinates that may change. norms: `typical_row_norms`, if they are known. The method is a Levenberg-Marquardt iteration in the metric of
-    the mass matrix; near the solution its steps are Newton steps of least norm. It stops when the violation no longer
-    decreases; `ClosestState.converged` tells whether the constraints are met then.
+    free: mask (nq,) of the coordinates that may change. norms: `typical_row_norms`, if they are known. The method is a
+    Levenberg-Marquardt iteration in the metric of the mass matrix; near the solution its steps are Newton steps of
+    least norm. It stops when the violation no longer decreases; `ClosestState.converged` tells whether the constraints
+    are met then.
     """
     R = mass_factor(mass_matrix(native, guess, k)[np.ix_(free, free)])
     q, g = guess.copy(), native.constraints(t, guess, k)
