@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import chain
 
 import sympy as sp
@@ -84,6 +85,10 @@ class Mechanism:
 
         Raises SpecError where a constraint has no coordinate that could meet it, or where two names meet.
         """
+        return self._expanded
+
+    @cached_property
+    def _expanded(self) -> Equations:
         return _expanded(self)
 
     def __str__(self) -> str:
