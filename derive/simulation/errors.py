@@ -21,9 +21,10 @@ class InconsistentInitialState(SimulationError):
     """No state near the initial guess meets the constraints.
 
     level: "positions" or "velocities". unmet: the names of multipliers, and the violations (m, rad; m/s, rad/s).
+    together: joints and drives that cannot be met together, as text.
     """
 
-    def __init__(self, level: str, unmet: Sequence[tuple[str, float]], t: float) -> None:
+    def __init__(self, level: str, unmet: Sequence[tuple[str, float]], t: float, together: str = "") -> None:
         self.unmet = tuple(unmet)
         width = max((len(name) for name, _ in unmet), default=0)
         unit = "m or rad" if level == "positions" else "m/s or rad/s"
@@ -35,6 +36,8 @@ class InconsistentInitialState(SimulationError):
         }[level]
         lines = [f"no {level} near the initial guess at t = {t:g} s meet the constraints; violations in {unit}:"]
         lines += [f"  {name.ljust(width)}  {amount:.3g}" for name, amount in unmet]
+        if together:
+            lines.append(f"What cannot be met together, with what each misses if the others are met: {together}.")
         super().__init__("\n".join([*lines, advice]))
 
 

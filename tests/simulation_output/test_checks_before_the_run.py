@@ -106,7 +106,7 @@ def test_contradictions_of_the_initial_state_have_their_lines(
 ) -> None:
     more = "[bodies.rod.start]\nposition = [0.7, 0]\nangle = 0\n"
     message = refused(tmp_path, more, capsys)
-    assert "hanging.toml:23: bodies.rod.start.position: component 1: 0.7 m contradicts the joints" in message
+    assert "hanging.toml:23: bodies.rod.start.position: component 1: 0.7 m contradicts the joint hinge (off" in message
 
 
 def test_rounding_errors_of_zero_are_zero() -> None:

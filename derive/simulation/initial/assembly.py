@@ -29,7 +29,7 @@ from derive.simulation.constraints.closest_state import (
 )
 from derive.simulation.errors import InconsistentInitialState
 from derive.simulation.initial.assembler import Assembler, WithTargets
-from derive.simulation.initial.contradictions import Misfit, contradiction
+from derive.simulation.initial.contradictions import Conflict, Misfit, contradiction
 from derive.simulation.initial.target_fit import TargetFit, weight
 from derive.simulation.initial.targets import Strength, Target
 
@@ -55,12 +55,17 @@ class Assembly:
 
 
 def assemble(
-    assembler: Assembler, guess: Vector, targets: Sequence[Target], check_deformation: Callable[[Vector], None]
+    assembler: Assembler,
+    guess: Vector,
+    targets: Sequence[Target],
+    check_deformation: Callable[[Vector], None],
+    conflict: Callable[[Vector, Sequence[Target]], Conflict],
 ) -> Assembly:
     """The configuration that keeps the given targets, and adapts to guesses and defaults what they leave free.
 
     guess: coordinates (nq,) from which the iteration begins. Bodies deform only where the joints cannot be met
-    otherwise; check_deformation raises an error if they deform too far in a configuration (nq,).
+    otherwise; check_deformation raises an error if they deform too far in a configuration (nq,). conflict: what of the
+    joints, drives and given targets contradicts each other, near a configuration (nq,).
 
     Raises SpecError with the given values that contradict each other by more than rounding, InconsistentInitialState
     with the constraints that cannot be met.
@@ -70,7 +75,7 @@ def assemble(
     amplitudes = coordinates_with(native, Role.AMPLITUDE)
     amplitudes[[target.amplitude for target in given if target.amplitude is not None]] = False
     straight = ~amplitudes
-    missed: list[tuple[Misfit, ...]] = []
+    missed: list[tuple[tuple[Misfit, ...], Vector]] = []
     open_states: list[ClosestState] = []
     for free in (straight, np.ones_like(straight)) if np.any(amplitudes) else (straight,):
         deformed = free is not straight
@@ -90,15 +95,17 @@ def assemble(
                 if _is_near(assembler, targets, q):
                     break
             else:
-                missed.append(misfits)
+                missed.append((misfits, state.q))
         if closed:
             fit, q, corrected = min(closed, key=lambda each: _distance(assembler, targets, each[1]))
             q = fit.polished(q)
             return Assembly(q, corrected, max_norm(native.constraints(assembler.t, q, assembler.k)), deformed)
         if missed:
-            raise contradiction(min(missed, key=lambda of: max(abs(misfit.relative) for misfit in of)), "positions")
+            misfits, q = min(missed, key=lambda of: max(abs(misfit.relative) for misfit in of[0]))
+            raise contradiction(misfits, "positions", conflict(q, given))
     best = min(open_states, key=lambda state: state.error)
-    raise InconsistentInitialState("positions", unmet_constraints(native, best.g, CONSISTENT), assembler.t)
+    unmet = unmet_constraints(native, best.g, CONSISTENT)
+    raise InconsistentInitialState("positions", unmet, assembler.t, conflict(best.q, given).text)
 
 
 def _starts(native: NativeScene, guess: Vector) -> Iterator[Vector]:

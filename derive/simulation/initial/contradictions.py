@@ -6,10 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from derive.errors import Problem, SpecError
+from derive.lowering.redundancy import enumeration
 from derive.simulation.initial.targets import Target
 
 ROUNDING = 1e-12
 """Values below this part of what they differ from are rounding errors of zero."""
+SHARE = 0.01
+"""Of the largest: what is missed by less has no part in a contradiction."""
+MOST_NAMED = 8
+"""The joints and the drives that a message names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,21 +49,48 @@ def without_rounding(value: float, specified: float) -> float:
     return 0.0 if abs(value) < ROUNDING * abs(value - specified) else value
 
 
-def contradiction(misfits: Sequence[Misfit], what: str) -> SpecError:
-    """The error of given positions or velocities (`what`) that cannot be kept together; those in conflict are named."""
+@dataclass(frozen=True, eq=False)
+class Conflict:
+    """What cannot be met together: for each joint and drive the noun, its name, and by how much it is missed if all the
+    rest is met; and given values."""
+
+    parts: tuple[tuple[str, str, str], ...] = ()
+    targets: tuple[Target, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The joints and the drives; empty if there are none."""
+        groups = []
+        for noun in dict.fromkeys(noun for noun, _, _ in self.parts):
+            named = [f"{name} (off by {missed})" for of, name, missed in self.parts if of == noun]
+            more = [f"{len(named) - MOST_NAMED} more"] if len(named) > MOST_NAMED else []
+            groups.append(f"the {noun}{'s' if len(named) > 1 else ''} {enumeration([*named[:MOST_NAMED], *more])}")
+        return " and ".join(groups)
+
+
+def contradiction(misfits: Sequence[Misfit], what: str, conflict: Conflict) -> SpecError:
+    """The error of given positions or velocities (`what`) that cannot be kept together; those in conflict are named.
+
+    A value that the nearest state keeps may be part of the conflict.
+    """
     largest = max(abs(misfit.relative) for misfit in misfits)
-    involved = [misfit for misfit in misfits if abs(misfit.relative) > 0.01 * largest]
-    others = len({misfit.target.path for misfit in involved}) > 1
-    conflict = "the joints, drives and the other values named here" if others else "the joints and drives"
-    return SpecError(
-        tuple(
+    parts = {id(target) for target in conflict.targets}
+    involved = [misfit for misfit in misfits if abs(misfit.relative) > SHARE * largest or id(misfit.target) in parts]
+    paths = dict.fromkeys(misfit.target.path for misfit in involved)
+    problems = []
+    for misfit in involved:
+        target, value = misfit.target, without_rounding(misfit.value, misfit.target.value)
+        others = [path for path in paths if path != target.path]
+        held = conflict.text or ("" if others and conflict.targets else "the joints and drives")
+        against = ", and ".join(filter(None, (held, enumeration(others))))
+        kept = abs(misfit.relative) <= SHARE * largest
+        nearest = "" if kept else f"; the nearest {what} have {value:.6g} {target.unit}"
+        problems.append(
             Problem(
-                misfit.target.path,
-                f"{misfit.target.label + ': ' if misfit.target.label else ''}{misfit.target.value:g} "
-                f"{misfit.target.unit} contradicts {conflict}; the nearest {what} have "
-                f"{without_rounding(misfit.value, misfit.target.value):.6g} {misfit.target.unit}. Correct or leave out "
-                "one of them, or mark it as a first guess by guess = true",
+                target.path,
+                f"{target.label + ': ' if target.label else ''}{target.value:g} {target.unit} contradicts {against}"
+                f"{nearest}. Correct or leave out one of them, or write guess = true in [{target.table}] to make it a "
+                "first guess",
             )
-            for misfit in involved
         )
-    )
+    return SpecError(tuple(problems))

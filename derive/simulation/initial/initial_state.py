@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from derive.mechanics.prescribed_motion import drive_speed
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
@@ -17,7 +16,8 @@ from derive.simulation.equilibrium import Equilibrium, equilibrium
 from derive.simulation.errors import ExcessiveDeformation, MovingDrives
 from derive.simulation.initial.assembler import Assembler
 from derive.simulation.initial.assembly import EXACT, Assembly, assemble
-from derive.simulation.initial.contradictions import InitialValue, Misfit
+from derive.simulation.initial.conflicts import drive_rates, position_conflict, velocity_conflict
+from derive.simulation.initial.contradictions import Conflict, InitialValue, Misfit
 from derive.simulation.initial.deflection_remainders import deflection_remainders
 from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_velocities import velocities
@@ -25,7 +25,6 @@ from derive.simulation.initial.kinematics import Kinematics
 from derive.simulation.initial.targets import Strength, Target, targets
 from derive.simulation.observables.beams import beam_bodies, half_length, relative_deflection
 from derive.simulation.observables.motion import SceneMotion, si_value, transformed
-from derive.simulation.time_derivatives import derivatives_at
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
 
 MAX_DEFLECTION = 0.3
@@ -90,7 +89,13 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     assembler = Assembler(native, constants, 0.0, scene_size(scene))
     every = targets(scene, native)
     positions = [target for target in every if not target.rate]
-    assembly = assemble(assembler, guess, positions, lambda q: _check_deflections(scene, native, constants, q))
+    assembly = assemble(
+        assembler,
+        guess,
+        positions,
+        lambda q: _check_deflections(scene, native, constants, q),
+        lambda q, given: position_conflict(scene, assembler, guess, q, given),
+    )
     balance = None
     if scene.start is not None:
         _check_rest(scene, native, constants)
@@ -98,7 +103,12 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
         assembly = _moved(assembler, assembly, balance, positions)
     q = assembly.q
     momentum = _momentum(scene, assembler.kinematics(q, moving=True))
-    result = velocities(assembler, q, [target for target in every if target.rate], momentum)
+    rates = [target for target in every if target.rate]
+
+    def conflict(v: Vector, given: Sequence[Target]) -> Conflict:
+        return velocity_conflict(scene, assembler, q, v, given)
+
+    result = velocities(assembler, q, rates, momentum, conflict)
     check_constraints(native, constants, 0.0, q)
     values = _values(assembler, q, result.v, every, (*assembly.misfits, *result.misfits))
     errors, changed = (assembly.error, result.error), (assembly.deformed, result.deforming)
@@ -147,19 +157,8 @@ def _check_deflections(scene: Scene, native: NativeScene, k: Vector, q: Vector) 
 def _check_rest(scene: Scene, native: NativeScene, k: Vector) -> None:
     """Raise MovingDrives if drives have a speed or an acceleration at t = 0, so that there is no static equilibrium."""
     moving = []
-    inputs = np.asarray(native.own_at(0.0, k))[native.nk - len(native.inputs) :].tolist()
     for drive in scene.drives:
-        rates: Sequence[float]
-        if drive.motion is not None and drive.motion.kind == "input":
-            value = native.inputs.index(drive.motion.name)
-            rates = inputs[value + 1 : value + 3]
-        elif drive.motion is not None:
-            rates = derivatives_at(drive.motion, 0.0, f"drives.{drive.name}.motion")[1:]
-        else:
-            speed = drive_speed(drive)
-            assert speed is not None, "a drive has a speed or a motion"
-            rates = derivatives_at(speed, 0.0, f"drives.{drive.name}.speed")[:2]
-        if any(rate != 0.0 for rate in rates):
+        if any(rate != 0.0 for rate in drive_rates(native, k, drive)):
             moving.append(drive.name)
     if moving:
         raise MovingDrives(moving)

@@ -6,7 +6,7 @@ energy of all motions with these velocities (Kelvin's theorem).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +21,7 @@ from derive.simulation.constraints.scaling import SINGULAR, in_mass_metric, mass
 from derive.simulation.errors import InconsistentInitialState
 from derive.simulation.initial.assembler import Assembler
 from derive.simulation.initial.assembly import EXACT, ROUNDING
-from derive.simulation.initial.contradictions import Misfit, contradiction
+from derive.simulation.initial.contradictions import Conflict, Misfit, contradiction
 from derive.simulation.initial.targets import Strength, Target
 
 INDEPENDENT = 1e-9
@@ -39,11 +39,18 @@ class Velocities:
     deforming: bool
 
 
-def velocities(assembler: Assembler, q: Vector, targets: Sequence[Target], momentum: Vector) -> Velocities:
+def velocities(
+    assembler: Assembler,
+    q: Vector,
+    targets: Sequence[Target],
+    momentum: Vector,
+    conflict: Callable[[Vector, Sequence[Target]], Conflict],
+) -> Velocities:
     """The velocities in the configuration q (nq,) that keep the given targets; guesses come next, then least energy.
 
     momentum: the generalised momentum (nv,) at v = 0, which bodies on moving supports have: the kinetic energy is
-    1/2 v . M v + momentum . v and a constant. Bodies deform only if the constraints cannot be met otherwise.
+    1/2 v . M v + momentum . v and a constant. Bodies deform only if the constraints cannot be met otherwise. conflict:
+    what of the joints, drives and given targets contradicts each other, near velocities (nv,).
 
     Raises SpecError with the given values that contradict each other by more than rounding, InconsistentInitialState
     with the constraints that cannot be met.
@@ -52,7 +59,7 @@ def velocities(assembler: Assembler, q: Vector, targets: Sequence[Target], momen
     given = [target for target in targets if target.strength is Strength.GIVEN]
     amplitudes = coordinates_with(native, Role.AMPLITUDE)
     amplitudes[[target.amplitude for target in targets if target.amplitude is not None]] = False
-    missed: list[tuple[Misfit, ...]] = []
+    missed: list[tuple[tuple[Misfit, ...], Vector]] = []
     v = np.zeros(native.nv)
     for free in (~amplitudes, np.ones_like(amplitudes)) if np.any(amplitudes) else (~amplitudes,):
         problem = _Linear(assembler, q, free, momentum)
@@ -64,11 +71,13 @@ def velocities(assembler: Assembler, q: Vector, targets: Sequence[Target], momen
         if max_norm(np.array([misfit.relative for misfit in misfits])) <= ROUNDING:
             corrected = tuple(misfit for misfit in misfits if abs(misfit.relative) > EXACT)
             return Velocities(v, corrected, error, bool(np.all(free)) and bool(np.any(amplitudes)))
-        missed.append(misfits)
+        missed.append((misfits, v))
     if missed:
-        raise contradiction(min(missed, key=lambda of: max(abs(misfit.relative) for misfit in of)), "velocities")
+        misfits, v = min(missed, key=lambda of: max(abs(misfit.relative) for misfit in of[0]))
+        raise contradiction(misfits, "velocities", conflict(v, given))
     check_constraints(native, k, t, q)
-    raise InconsistentInitialState("velocities", unmet_constraints(native, native.constraint_rates(t, q, v, k)), t)
+    unmet = unmet_constraints(native, native.constraint_rates(t, q, v, k))
+    raise InconsistentInitialState("velocities", unmet, t, conflict(v, given).text)
 
 
 class _Linear:

@@ -126,6 +126,10 @@ class Kinematics:
         """The coordinate number j."""
         return Linear(float(self.q[j]), np.eye(len(self.q))[j], 0.0)
 
+    def chained(self, gradient: Vector) -> Vector:
+        """The derivatives of a scalar as those of a `Linear`, from those by the coordinates (nq,)."""
+        return gradient
+
     def constant(self, value: float) -> Linear:
         """A constant."""
         return Linear(value, np.zeros_like(self.q), 0.0)
