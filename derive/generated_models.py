@@ -53,7 +53,12 @@ def generated(spec: Specification) -> Generated:
 
 
 def generated_explicit(scene: Scene) -> Generated:
-    """The model of a scene with what explicit integration calls, and its C, likewise."""
+    """The model of a scene with what explicit integration calls, and its C, likewise.
+
+    It is complete if the scene starts in equilibrium, which is found with the iteration matrix.
+    """
+    if scene.start is not None:
+        return generated(scene)
     return _kept("explicit model", scene, lambda: _made_explicit(scene))
 
 

@@ -104,7 +104,7 @@ class Simulations:
         show_progress(f"{title}: deriving the equations ...")
         try:
             with lines_of(self._options.spec):
-                run = prepared(spec, self._options.integrator, self._options.step)
+                run = prepared(spec, self._options.integrator, self._options.step, complete=False)
         finally:
             show_progress()
         return TitledRun(self._options.spec, title, run)

@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 
 from derive.artifacts import File
 from derive.errors import Problem, SpecError, quoted
-from derive.generated_models import generated
+from derive.generated_models import generated, generated_explicit
 from derive.ir.model import Model
 from derive.runtime.integrators.watch import Watch
 from derive.runtime.native_body import NativeBody
@@ -46,13 +46,19 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
     size: float
     """The size of what is simulated, m."""
 
-    def __init__(self, spec: Scene | NodalBody, integrator: str, step: float | None) -> None:
-        """Arguments as for `simulate`; the specification has a `simulation`. Raises SpecError, UnknownNameError."""
+    def __init__(self, spec: Scene | NodalBody, integrator: str, step: float | None, complete: bool = True) -> None:
+        """Arguments as for `simulate`; the specification has a `simulation`. Raises SpecError, UnknownNameError.
+
+        complete: with all functions of the model; otherwise, a scene for the adaptive method has those that it calls.
+        """
         assert spec.simulation is not None, "simulation_settings makes it"
         self.spec, self.settings = spec, RunSettings(spec.simulation, integrator, step)
         self._compile = INTEGRATORS[integrator]
         self._monitored = self._with_monitors(spec)
-        self.complete_model, self.files = generated(self._monitored)
+        if isinstance(self._monitored, Scene) and integrator == "adaptive" and not complete:
+            self.complete_model, self.files = generated_explicit(self._monitored)
+        else:
+            self.complete_model, self.files = generated(self._monitored)
         self.model = self._without_monitors(self.complete_model)
         columns = self._columns()
         self.units = dict(columns)

@@ -39,12 +39,13 @@ class SceneRun(PreparedRun[NativeScene, InitialState, Trajectory]):
         integrator: str,
         step: float | None,
         inputs: Mapping[str, InputFunction],
+        complete: bool = True,
     ) -> None:
         self.inputs = dict(inputs)
         self.scene = with_functions(scene, self.inputs)
         self.breaks, self.size = breaks(self.scene), scene_size(self.scene)
         check_drives(self.scene)
-        super().__init__(self.scene, integrator, step)
+        super().__init__(self.scene, integrator, step, complete)
 
     def _with_monitors(self, spec: Scene | NodalBody) -> Scene:
         return with_monitors(self.scene)

@@ -103,13 +103,16 @@ def prepared(
     integrator: str = "adaptive",
     step: float | None = None,
     inputs: Mapping[str, InputFunction] | None = None,
+    complete: bool = True,
 ) -> SceneRun | BodyRun:
     """The simulation of a scene or a body with a `simulation`, checked and ready to run; arguments as for `simulate`.
+
+    complete: whether its model has all functions, or those that the integrator calls, in half the time.
 
     Raises SpecError, UnknownNameError, SimulationError.
     """
     if isinstance(spec, Scene):
-        return SceneRun(spec, integrator, step, inputs or {})
+        return SceneRun(spec, integrator, step, inputs or {}, complete)
     if inputs:
         raise SimulationError(NO_INPUTS)
     return BodyRun(spec, integrator, step)

@@ -92,8 +92,7 @@ def compiled(scene: Scene, model: LadderModel, monitored: bool = True, explicit:
     """
     changed = model_scene(scene, model)
     complete = with_monitors(changed) if monitored else changed
-    at_once = explicit and scene.start is None  # an equilibrium is found with the iteration matrix
-    code, files = generated_explicit(complete) if at_once else generated(complete)
+    code, files = generated_explicit(complete) if explicit else generated(complete)
     native = load_scene(files, RUN_FLAGS if monitored else QUICK_FLAGS)
     k, own = native.setup(), len(code.outputs) - len(complete.outputs) + len(changed.outputs)
     columns = replace(code, outputs=code.outputs[:own])

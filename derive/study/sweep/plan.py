@@ -178,7 +178,7 @@ class _Models:
                 )
             self._numbers[key] = len(self.codes)
             self._progress(f"{scene.name}: deriving and compiling model {len(self.codes) + 1}")
-            run = SceneRun(scene, "adaptive", None, {})
+            run = SceneRun(scene, "adaptive", None, {}, complete=False)
             name, library = model_library(run.files, RUN_FLAGS)
             initial = initial_parameters(run.scene, run.complete_model)
             self.runs.append(run)
