@@ -16,7 +16,7 @@ from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.earlier_run import EarlierRun
 from derive.simulation.integration.integrator import Integrator, Settings
-from derive.simulation.integration.registry import INTEGRATORS
+from derive.simulation.integration.registry import EXPLICIT, INTEGRATORS
 from derive.simulation.integration.solution import Progress, Solution
 from derive.simulation.output_times import output_times
 from derive.simulation.stop_condition import StateColumn, stop_condition, stop_event
@@ -49,13 +49,13 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
     def __init__(self, spec: Scene | NodalBody, integrator: str, step: float | None, complete: bool = True) -> None:
         """Arguments as for `simulate`; the specification has a `simulation`. Raises SpecError, UnknownNameError.
 
-        complete: with all functions of the model; otherwise, a scene for the adaptive method has those that it calls.
+        complete: with all functions of the model; otherwise, a scene for an explicit one has those that it calls.
         """
         assert spec.simulation is not None, "simulation_settings makes it"
         self.spec, self.settings = spec, RunSettings(spec.simulation, integrator, step)
         self._compile = INTEGRATORS[integrator]
         self._monitored = self._with_monitors(spec)
-        if isinstance(self._monitored, Scene) and integrator == "adaptive" and not complete:
+        if isinstance(self._monitored, Scene) and integrator in EXPLICIT and not complete:
             self.complete_model, self.files = generated_explicit(self._monitored)
         else:
             self.complete_model, self.files = generated(self._monitored)

@@ -26,6 +26,7 @@ REFUSALS: dict[str, str] = {
     r"is not that of a rigid rotation of the whole scene": "the stability is that of steady motions",
     r"no motion is steady, since these functions of time never come to rest": "stability is that of a steady motion",
     r"loops have no derivatives by parameters": "the message names the lowering that has them",
+    r"needs a reference whose own error is a third of it": "no model that is tried is accurate enough",
     r"there is no beam here": "there is no flexible body whose models could differ",
     r"a simulation needs its value; write one, such as": "an input without a function can be exported, not simulated",
     r"the floating-frame body of Exudyn is one in space": "the interface is for bodies given by their nodes",

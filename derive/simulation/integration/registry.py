@@ -93,3 +93,6 @@ INTEGRATORS: Registry[Compile] = Registry(
 of SciPy, which call Python at each step ("scipy" is another name of dop853); IDA of SUNDIALS through scikit-sundae; the
 C integrators of `templates/host` that are compiled with the model: the classical Runge-Kutta method, the
 generalised-alpha method, and IDA without Python between its steps."""
+
+EXPLICIT = frozenset(("adaptive", "dop853", "scipy", "rk45", "rk4"))
+"""Those that call accelerations alone, and no function of implicit methods."""
