@@ -61,7 +61,7 @@ def physics(scene: CorpusScene, path: Path) -> Iterator[Finding]:
         yield from _energy_balance(state)
         if kept:
             yield from _newton(state)
-    yield from disagreements(run.files, native, motion.k, states[len(states) // 2])
+    yield from disagreements(run, native, motion.k, states[len(states) // 2])
 
 
 def with_outputs(tables: Table, kept: bool) -> Table:

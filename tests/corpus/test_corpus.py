@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from corpus.commands import Finding, Outcome, findings
 from corpus.generator import corpus_scene
+from corpus.python_kernels import TOLERANCE
 from corpus.refusals import REFUSALS, refusal
 from corpus.scene_check import check_scene, quick_compiler
+from corpus.summed_terms import Summed, of_function, worst
 
 SAMPLE = (1, 21, 23)
 """A few scenes of different linkages, which take about 5 s each."""
@@ -74,3 +78,13 @@ def test_refusals_are_patterns_with_reasons() -> None:
     assert all(reason and pattern for pattern, reason in REFUSALS.items())
     assert refusal("scene.toml:3: bodies: there is no beam here, and nothing to choose")
     assert refusal("the program has failed") is None
+
+
+def test_terms_are_summed_through_cancellation_and_functions() -> None:
+    a, b = Summed(1e8, 1e8), Summed(-1e8, 1e8)
+    assert a + b == Summed(0.0, 2e8) and (a + b) * 3 == Summed(0.0, 6e8) and 1 - a / a == Summed(0.0, 2.0)
+    turned = of_function(math.sin, Summed(0.5, 10.0))
+    assert turned.size == pytest.approx(math.sin(0.5) + 10 * math.cos(0.5), rel=1e-5)
+    assert worst([1.0, 0.0], [1.0, 1e-7], np.array([1.0, 1e8])) == pytest.approx(1e-15)
+    assert worst([1.0], [1.0 + 1e-13], np.array([1.0])) > TOLERANCE
+    assert worst([math.nan], [1.0], np.array([1.0])) == worst([0.0], [1e-300], np.array([0.0])) == math.inf
