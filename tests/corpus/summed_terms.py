@@ -122,6 +122,7 @@ def _table(spline: Callable[[Any, int], Any]) -> Callable[[Any, int], Summed]:
 def worst(by_python: Sequence[float], by_c: Sequence[float], sizes: np.ndarray) -> float:
     """The largest difference, relative to the terms; infinite where nothing is added up and yet they differ."""
     differences = np.abs(np.ravel(by_python) - np.ravel(by_c))
+    if np.any(np.isnan(differences)):
+        return math.inf
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.where(differences > 0, differences / sizes, 0.0)
-    return float(np.max(ratios, initial=0.0)) if not np.any(np.isnan(ratios)) else math.inf
+        return float(np.max(np.where(differences > 0, differences / sizes, 0.0), initial=0.0))
