@@ -19,6 +19,7 @@ import pytest
 import derive
 from conftest import QUICK, ROOT
 from derive import cache, generated_models
+from derive.backends.model_files import fingerprint
 from derive.cli.main import main
 from derive.generated_models import generated
 from derive.runtime import loading
@@ -312,3 +313,19 @@ def test_the_command(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPat
     for name in ("swing.csv", "swing.html"):
         texts = {(tmp_path / out / "swing" / name).read_bytes() for out in "abc"}
         assert len(texts) == 1, name
+
+
+def test_bodies_of_other_numbers_have_models_of_their_own() -> None:
+    """Also where the numbers come from one file, as those that Python has replaced, or from none."""
+    block = derive.read(ROOT / "scenes/block.toml")
+    assert isinstance(block, derive.NodalBody)
+    stiff = block.data.modal_stiffness
+    assert stiff is not None
+    soft = replace(block, data=replace(block.data, stiffness=None, modal_stiffness=1e-4 * stiff))
+    heavy = replace(block, data=replace(block.data, mass=2 * block.data.mass))
+    assert len({fingerprint(body) for body in (block, soft, heavy, replace(block, data=replace(block.data)))}) == 3
+    pairs = [(body, generated(body)[1]) for body in (block, soft)]
+    texts = [{file.path: file.text for file in files} for _, files in pairs]
+    assert texts[0]["block/block.c"] != texts[1]["block/block.c"]
+    for body, text in zip((block, soft), texts, strict=True):
+        assert text == {file.path: file.text for file in derive.model_files(derive.lower(derive.derive(body)), body)}

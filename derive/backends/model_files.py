@@ -18,7 +18,7 @@ from derive.backends.protocol import Backend
 from derive.backends.python.module import PythonBackend
 from derive.ir.model import Model
 from derive.registry import Registry
-from derive.spec.model.body import DisplacementOrder, NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, PlanarBeam, SymbolicBody
 from derive.spec.model.scene import BeamBody, Scene, Specification, check_specification
 from derive.spec.model.time_function import Spline, TimeFunction
 from derive.version import VERSION
@@ -69,13 +69,32 @@ def specification(spec: Specification) -> dict[str, object]:
     if isinstance(spec, NodalBody):
         data = spec.data
         modes = 0 if data.modes is None else len(data.modes)
-        fields["data"] = {"nodes": len(data.positions), "modes": modes, "sha256": data.sha256}
+        hashes = {"sha256": data.sha256, "numbers_sha256": _numbers_sha256(data)}
+        fields["data"] = {"nodes": len(data.positions), "modes": modes, **hashes}
     aside = ("simulation", "plots") if isinstance(spec, Scene) else ALONE  # what the model does not depend on
     fields = {name: value for name, value in fields.items() if name not in aside}
     if isinstance(spec, Scene):
         fields = {name: value for name, value in fields.items() if value or name not in ("inputs", "outputs")}
     plain = json.loads(json.dumps(fields, default=_exact))
     return {"kind": KINDS[type(spec)], **{key: value for key, value in plain.items() if value is not None}}
+
+
+def _numbers_sha256(data: NodeData) -> str:
+    """The SHA-256 of all numbers of nodes, which may be others than those of the files that they came from.
+
+    Those of a sparse matrix are its shape, its columns, where its rows begin, and its values.
+    """
+    digest = hashlib.sha256()
+    for field in dataclasses.fields(data):
+        value = getattr(data, field.name)
+        if value is None or isinstance(value, str):
+            continue
+        sparse = hasattr(value, "indptr")
+        parts = (value.indices, value.indptr, value.data) if sparse else (value,)
+        digest.update(f"{field.name} {value.shape} ".encode())
+        for part in parts:
+            digest.update(part.astype("<f8" if part.dtype.kind == "f" else "<i8").tobytes())
+    return digest.hexdigest()
 
 
 def _exact(value: object) -> object:

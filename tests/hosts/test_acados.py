@@ -29,8 +29,7 @@ MODELS = {
     "pushed": lambda: parse(PUSHED),
     "steered": lambda: parse(STEERED),
     "looked_up": looked_up,
-    # Exudyn, in another test of the same process, would take functions of this one for those of its own "block"
-    "slab": lambda: replace(derive.read(ROOT / "scenes/block.toml"), name="slab", lowering="flat"),
+    "block": lambda: replace(derive.read(ROOT / "scenes/block.toml"), lowering="flat"),
 }
 """A force, a prescribed motion, a table, a body in space."""
 

@@ -189,7 +189,8 @@ class NodeData:
 
     positions (nodes, 3); mass (nodes, nodes), the symmetric matrix m of M = m (x) I3, diagonal if lumped;
     stiffness (3 nodes, 3 nodes) with the three displacements of a node together; modes (N, nodes, 3);
-    modal_stiffness (N, N), of U = 1/2 alpha K alpha. `sha256` is that of the files the numbers came from.
+    modal_stiffness (N, N), of U = 1/2 alpha K alpha. `sha256` is that of the files the numbers came from,
+    which does not change where `dataclasses.replace` puts other numbers in.
 
     K0t (3, N, N), K0r (3, N, N), K0omega (6, N, N) and K0F (K, 3, N, N) are the geometric stiffness matrices of the
     modes under unit loads, K0F under forces at the nodes `K0F_nodes` (K,), see `derive.reduction.second_order`.
