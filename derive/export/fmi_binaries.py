@@ -85,6 +85,7 @@ def _crossed(unit: str, sources: Mapping[str, str], folder: Path, target: Platfo
         raise CompilerError("binaries for other platforms need Zig: `pip install tisserand[compiler]`")
     library = f"{unit}.{target.ending}"  # Windows and macOS keep this name in the file, which must not have a folder
     flags = ["-target", target.target, *FMU_FLAGS, "-s", "-shared", "-fPIC", "-o", library]
+    flags += ["-Wl,-Bsymbolic"] if target.ending == "so" else []
     flags += [f"-Wl,-install_name,@rpath/{library}"] if target.ending == "dylib" else []
     key = cache.key("library", "ziglang", version("ziglang"), *flags, *(f"{n}\0{text}" for n, text in sources.items()))
     data = cache.read(key)

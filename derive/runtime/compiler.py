@@ -27,6 +27,10 @@ ESSENTIAL = (WITHOUT_BATCHES, f"-D{OptionalPart.REDUCED_FORMS.value}")
 RUN_FLAGS = (*FLAGS, *ESSENTIAL)
 
 
+OWN_SYMBOLS = () if sys.platform in ("darwin", "win32", "cygwin") else ("-Wl,-Bsymbolic",)
+"""For the linker of ELF: a library calls its own functions even if another one, which the process has opened for all to
+see, has functions of the same names, such as another model of the same name. Other systems do so by themselves."""
+
 VECTORS = {
     "avx512f avx512dq avx512vl": ("-mavx512f", "-mavx512dq", "-mavx512vl", "-mprefer-vector-width=512"),
     "avx2": ("-mavx2",),
@@ -115,7 +119,7 @@ def compile_shared(
     sources: Sequence[Path], library: Path, flags: Sequence[str] = FLAGS, link: Sequence[str] = ()
 ) -> Path:
     """Compile C files into a shared library. Raises CompilerError with what the compiler said."""
-    compile_c(sources, library, [*flags, "-shared", "-fPIC"], link)
+    compile_c(sources, library, [*flags, "-shared", "-fPIC", *OWN_SYMBOLS], link)
     return library
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from derive import cache
 from derive.artifacts import File, write
 from derive.runtime.compiled_model import Native
-from derive.runtime.compiler import FLAGS, compile_shared, compiler_identity
+from derive.runtime.compiler import FLAGS, OWN_SYMBOLS, compile_shared, compiler_identity
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_scene import NativeScene
 
@@ -86,7 +86,7 @@ def _compiled(sources: Sequence[Path], folder: Path, flags: Sequence[str], link:
 def _key(sources: Sequence[Path], folder: Path, flags: Sequence[str]) -> str:
     """The name of a library in the cache."""
     compiled = [str(path.relative_to(folder)) for path in sources]
-    used = [flag.replace(str(folder), ".") for flag in flags]
+    used = [flag.replace(str(folder), ".") for flag in (*flags, *OWN_SYMBOLS)]
     parts = [platform.machine(), compiler_identity(), json.dumps([used, compiled])]
     for path in sorted(folder.glob("**/*.[ch]")):
         parts += [str(path.relative_to(folder)), path.read_text()]

@@ -64,7 +64,13 @@ def host_of(name: str) -> HostModel:
 @cache
 def exported(name: str, folder: Path) -> tuple[ModuleType, Path]:
     """The module of a model and its shared library, compiled without warnings."""
-    derive.write(exported_files(host_of(name), "exudyn", INTERFACES["exudyn"]), folder)
+    return compiled(host_of(name), folder)
+
+
+def compiled(host: HostModel, folder: Path) -> tuple[ModuleType, Path]:
+    """The same of any model."""
+    name = host.name
+    derive.write(exported_files(host, "exudyn", INTERFACES["exudyn"]), folder)
     own, library = folder / f"{name}-exudyn", folder / f"{name}.so"
     run(program("gcc"), *WARNINGS, "-O2", "-shared", "-fPIC", *own.glob("*.c"), "-o", library, "-lm")
     found = importlib.util.spec_from_file_location(f"{name}_exudyn", own / f"{name}_exudyn.py")

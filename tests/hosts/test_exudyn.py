@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import sys
 from dataclasses import replace
 from importlib.metadata import version
@@ -11,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exudyn_systems import LADEN, MODELS, added, exported, host_of, solved
+from exudyn_systems import LADEN, MODELS, added, compiled, exported, host_of, solved
 from host_models import PUSHED, STEERED
 from programs import package, run
 
@@ -102,6 +103,23 @@ def test_jacobian_is_that_of_the_force(name: str, exu: ModuleType, folder: Path)
             slope = (ends[0] - ends[1]) / (2 * h)
             rounding = 1e-15 * np.max(np.abs(ends)) / h
             assert np.max(np.abs(matrix[:, j] - slope)) < 1e-6 * np.max(np.abs(matrix)) + 10 * rounding
+
+
+def test_a_model_of_the_same_name_lends_no_functions(exu: ModuleType, tmp_path: Path) -> None:
+    """The library of another one is open for all to see in this process."""
+    masses = []
+    for mass in ("0.5", "2.0"):
+        host = derive.host_model(
+            parse(PUSHED.replace('"pushed"', '"pushed_twin"').replace("mass = 0.5", f"mass = {mass}"))
+        )
+        module, library = compiled(host, tmp_path / mass)
+        body = module.add(exu.SystemContainer().AddSystem(), library)
+        native = derive.load(host.files)
+        q, v = (np.array([x.start for x in part]) for part in (host.coordinates, host.velocities))
+        M = native.mass_pattern.dense(native.mass(q, native.with_inputs(native.setup(), host.held_inputs)))
+        masses.append((body._mass(None, 0.0, 0, q, v).copy(), M))
+        ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
+    assert all(np.allclose(*pair, rtol=1e-14) for pair in masses) and not np.allclose(masses[0][1], masses[1][1])
 
 
 def test_inputs_parameters_and_outputs(exu: ModuleType, folder: Path) -> None:
