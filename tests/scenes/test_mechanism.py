@@ -49,6 +49,7 @@ def test_equal_bodies_are_one_kind_whatever_their_numbers():
 def test_equations_are_derived_once_for_each_kind(monkeypatch: pytest.MonkeyPatch):
     calls = []
     derived = module.derive_body
+    module._kind.cache_clear()
     monkeypatch.setattr(module, "derive_body", lambda body: calls.append(body) or derived(body))
     scene = derive.read(SCENES / "crank_slider_3.toml")
     rods = tuple(replace(b, pieces=9) if isinstance(b, derive.BeamBody) else b for b in scene.bodies)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import sympy as sp
 
@@ -13,7 +14,7 @@ from derive.mechanics.expansion import constants_of
 from derive.mechanics.motion.material_points import marker
 from derive.mechanics.multibody.bodies.body_type import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
-from derive.mechanics.multibody.kinds import BodyInstance, BodyKind
+from derive.mechanics.multibody.kinds import KEPT, BodyInstance, BodyKind
 from derive.mechanics.multibody.point_motion import PointMotion, point_motion
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, identity, owned
@@ -60,6 +61,32 @@ def instance_equations(instance: BodyInstance, kind: BodyKind, repeated: bool) -
 
     `repeated`: an earlier instance has the same group and kind, so that its vanished terms are already listed.
     """
+    return _equations(_Request(_key(instance, kind), repeated, instance, kind))
+
+
+@dataclass(frozen=True)
+class _Request:
+    """Equations that are asked for; `key` has all that they depend on, and is hashable."""
+
+    key: Hashable
+    repeated: bool
+    instance: BodyInstance = field(compare=False)
+    kind: BodyKind = field(compare=False)
+
+
+def _key(instance: BodyInstance, kind: BodyKind) -> Hashable:
+    component, coordinates = instance.component, instance.coordinates
+    return (
+        *(component.name, component.group, component.body, tuple(component.sections.items()), component.markers),
+        *(component.specified, coordinates.coordinates, coordinates.rows, tuple(coordinates.values.items())),
+        *(tuple(tuple(weights.items()) for weights in coordinates.weights), coordinates.definitions),
+        *(coordinates.reason, instance.complete, kind.body),
+    )
+
+
+@lru_cache(KEPT)
+def _equations(request: _Request) -> InstanceEquations:
+    instance, kind, repeated = request.instance, request.kind, request.repeated
     component, coordinates, equations = instance.component, instance.coordinates, kind.equations.expanded()
     moved = _moved(instance, kind)
     change = moved.change

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import sympy as sp
@@ -20,6 +21,9 @@ from derive.mechanics.terms import ModelConstant
 from derive.spec.model.forces import SceneForce
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import Joint
+
+KEPT = 32
+"""Kinds, and instances, whose equations are kept in a process: studies derive many mechanisms with the same bodies."""
 
 
 @dataclass(frozen=True)
@@ -113,8 +117,13 @@ class BodyKinds:
         for number, kind in enumerate(self.kinds):
             if kind.body == form:
                 return number
-        self.kinds.append(BodyKind(form, derive_body(form)))
+        self.kinds.append(_kind(form))
         return len(self.kinds) - 1
+
+
+@lru_cache(KEPT)
+def _kind(form: Body) -> BodyKind:
+    return BodyKind(form, derive_body(form))
 
 
 def _without_values(body: Body) -> Body:
