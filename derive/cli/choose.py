@@ -14,6 +14,7 @@ from derive.simulation.observables.beams import beam_bodies
 from derive.spec.toml.read import parse, with_lines
 from derive.study.accuracy.reference import compared_plot
 from derive.study.choice.choice_text import choice_data, choice_text
+from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.screening import screening
 from derive.study.choice.search import Choice, choose
 from derive.study.choice.written_specification import WrittenSpecification, chosen_specification
@@ -38,8 +39,9 @@ def run(options: argparse.Namespace) -> int:
         if not beam_bodies(scene):
             raise SpecError((Problem("bodies", "there is no beam here, and nothing to choose"),))
         plots = [compared_plot(scene, name) for name in dict.fromkeys(options.plot or [None])]
-        screened = screening(scene)
-        choice = choose(scene, plots, options.error, show_progress, show_result)
+        runs = ModelRuns(scene, plots, show_progress)
+        screened = screening(runs)
+        choice = choose(runs, options.error, show_result)
     except SpecError as error:
         raise with_lines(error, options.spec) from None
     finally:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,17 +14,17 @@ from conftest import ROOT
 from derive.cli.main import main
 from derive.simulation.observables.plots import PlotCurve
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.plots import ColumnCurves, Deflection
+from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse, read
-from derive.study.accuracy.measurement import CompiledLadderModel, Line, Point, compiled
-from derive.study.accuracy.models import LadderModel, LadderRange, Shapes, mixed
-from derive.study.accuracy.predicted_cost import PredictedCost, fastest_rate
+from derive.study.accuracy.measurement import Line, Point
+from derive.study.accuracy.models import LadderModel, Shapes, mixed
+from derive.study.accuracy.predicted_cost import fastest_rate
 from derive.study.accuracy.reference import rms_difference
-from derive.study.choice import search
+from derive.study.choice import one_beam, search
 from derive.study.choice import trusted_reference as references
-from derive.study.choice.beam_shares import BeamShare, combinations
 from derive.study.choice.choice_text import choice_text, neighbours
+from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.screening import screening
 from derive.study.choice.search import Choice, choose
 from derive.study.choice.trusted_reference import Agreement, NotConverged, TrustedReference, trusted_reference
@@ -80,9 +81,9 @@ def made(name: str, stiffness: float, start: str, joints: str, duration: float, 
 @pytest.fixture
 def small_references(monkeypatch: pytest.MonkeyPatch) -> None:
     """References of two beams with three shapes, which is enough here, and an end with the first model that is good."""
-    small = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED, "mean", 2)
-    monkeypatch.setattr(references, "_refinements", lambda: (small,))
-    monkeypatch.setattr(search, "BEYOND", 0)
+    monkeypatch.setattr(references, "MOST_BEAMS", 2)
+    monkeypatch.setattr(references, "MOST_SHAPES", 3)
+    monkeypatch.setattr(one_beam, "BEYOND", 0)
 
 
 def label(choice: Choice) -> str:
@@ -94,14 +95,20 @@ def label(choice: Choice) -> str:
 def quiet(_: str) -> None: ...
 
 
+def runs_of(scene: Scene, plots: Sequence[Plot] = ()) -> ModelRuns:
+    """The runs for some plots of a scene, for all without."""
+    return ModelRuns(scene, plots or scene.plots, quiet)
+
+
 @pytest.mark.long
 def test_the_sag_of_a_beam_needs_one_shape(small_references: None) -> None:
     """It swings about its sag, 0.4 % of its length: a half sine wave is right to 0.4 %, whatever its order."""
     scene = made("sag", 1.0, "{ position = [0.5, 0] }", ON_PINS, 0.6, ACROSS)
-    choice = choose(scene, scene.plots[:1], 0.02, quiet)
+    runs = runs_of(scene)
+    (one,) = screening(runs)
+    choice = choose(runs, 0.02)
     assert label(choice) == "1 sine, first" and choice.reference.error < 0.02 / 3
     assert choice.tried[0].model.label == "rigid"
-    (one,) = screening(scene)
     text = choice_text(scene.name, "it", (one,), choice)
     assert "rigid" in text and "Chosen: 1 sine, first" in text
     assert one.frequency == pytest.approx(np.pi**2, rel=4e-4)  # pi^2 sqrt(EI/(m l^3)); of P2 to P4, 3e-4 high
@@ -117,7 +124,7 @@ def test_all_plots_that_are_asked_for_have_to_be_accurate(small_references: None
     assert rms_difference((exact, PlotCurve("a", x, 0 * x, None)), (exact, exact)) is None
     scene = made("sag", 1.0, "{ position = [0.5, 0] }", ON_PINS, 0.6, ACROSS)
     far = replace(scene.plots[0], name="far")
-    choice = choose(scene, (scene.plots[0], far), 0.02, quiet)
+    choice = choose(runs_of(scene, (scene.plots[0], far)), 0.02)
     assert label(choice) == "1 sine, first" and [plot.name for plot in choice.reference.plots] == ["it", "far"]
 
 
@@ -126,7 +133,7 @@ def test_a_stiff_slow_pendulum_needs_no_flexibility(small_references: None) -> N
     pin = '[ground.markers]\nleft = [0, 0]\n[joints.pin]\nkind = "revolute"\nbetween = ["ground.left", "rod.left"]\n'
     joints = pin + '[scene]\ngravity = [0, -10]\n[outputs]\nend = { kind = "position", marker = "rod.right" }'
     scene = made("stiff", 1e4, "{ position = [0.5, 0] }", joints, 1.0, 'y = ["end_1"]')
-    choice = choose(scene, scene.plots[:1], 0.01, quiet)
+    choice = choose(runs_of(scene), 0.01)
     assert label(choice) == "rigid"
 
 
@@ -134,10 +141,10 @@ def test_a_stiff_slow_pendulum_needs_no_flexibility(small_references: None) -> N
 def test_a_fast_spin_needs_second_order(small_references: None) -> None:
     knock = '[forces.knock]\nat = "rod.middle"\ncomponents = [0, "0.2/(1 + (5*t)^2)^2"]\n'
     scene = made("spin", 1.0, "{ spin = 12 }", knock, 0.5, ACROSS)
-    choice = choose(scene, scene.plots[:1], 0.07, quiet)
+    choice = choose(runs_of(scene), 0.07)
     assert label(choice).endswith("truncated")
     tried = {line.model.label: line for line in choice.tried}
-    first = tried["1 beam, P2, first"]
+    first = tried[label(choice).replace("truncated", "first")]
     assert first.warning is not None and min(p.rms for p in first.points) > 0.07
 
 
@@ -155,38 +162,32 @@ def set_a() -> tuple[Scene, TrustedReference]:
 def test_set_a(set_a: tuple[Scene, TrustedReference], monkeypatch: pytest.MonkeyPatch) -> None:
     """One shape of second order at 1 and at 5 %, one sine of first order at 15 %, and nothing at 0.01 %."""
     scene, known = set_a
-    (one,) = screening(scene)
+    runs = runs_of(scene)
+    (one,) = screening(runs)
     assert one.axial == pytest.approx(0.227, abs=1e-3)  # what a run with P2 to P5 sees
     assert "axial force up to 23 % of its buckling load" in one.text
-    ready: dict[LadderModel, CompiledLadderModel] = {}
-
-    def once(scene: Scene, model: LadderModel) -> CompiledLadderModel:
-        if model not in ready:
-            ready[model] = compiled(scene, model)
-        return ready[model]
-
-    monkeypatch.setattr(search, "compiled", once)
-    monkeypatch.setattr(search, "_more_of_one_beam", lambda: ())
+    monkeypatch.setattr(one_beam, "beam_candidates", lambda *_: (RIGID, SINE, FINE))
     monkeypatch.setattr(search, "trusted_reference", lambda *_: known)
-    monkeypatch.setattr(search, "TRIED", LadderRange(("first", "truncated"), ("mean",), (1, 3), (), (1,)))
-    found = {error: choose(scene, known.plots, error, quiet) for error in (0.01, 0.05, 0.15, 1e-4)}
+    found = {error: choose(runs, error) for error in (0.01, 0.05, 0.15, 1e-4)}
     assert [label(found[error]) for error in (0.01, 0.05, 0.15)] == ["1 sine, truncated"] * 2 + ["1 sine, first"]
     assert found[1e-4].chosen is None
     text = choice_text("a", "deflection", (), found[1e-4])
     assert "No model that was tried has an error of at most 0.01 %" in text and "The best is 1 beam, P2 to P4" in text
-    steps = neighbours(found[0.01])
+    monkeypatch.setattr(search, "trusted_reference", lambda *_: replace(known, errors=((FINE, 8e-4),)))
+    steps = neighbours(choose(runs, 0.01))  # what the reference has needed is compiled, and shows what more costs
     assert [one.model.label for one, _ in steps["step up"]][-1] == "1 beam, P2 to P4, truncated"
 
 
 @pytest.mark.long
 def test_a_reference_that_has_not_converged_is_not_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = made("sag", 1.0, "{ position = [0.5, 0] }", ON_PINS, 0.6, ACROSS)
-    small = (LadderModel(Shapes.POLYNOMIALS, 2, DisplacementOrder.TRUNCATED, "mean", 2),)
-    monkeypatch.setattr(references, "_refinements", lambda: small)
+    monkeypatch.setattr(references, "FIRST", replace(PARABOLA, count=2, pieces=2))
+    monkeypatch.setattr(references, "MOST_BEAMS", 2)
+    monkeypatch.setattr(references, "MOST_SHAPES", 2)
     with pytest.raises(
         NotConverged, match=r"is so accurate: 2 beams, P2, P3, truncated differs by .* from that with fewer shapes"
     ):
-        trusted_reference(scene, scene.plots[:1], 1e-3, quiet, quiet)
+        trusted_reference(runs_of(scene), 1e-3, quiet)
 
 
 @pytest.mark.parametrize(
@@ -226,18 +227,18 @@ def test_the_command(
 ) -> None:  # fmt: skip
     """It writes what `build` accepts, and never overwrites anything."""
     monkeypatch.setattr(search, "trusted_reference", lambda *_: set_a[1])
-    monkeypatch.setattr(search, "TRIED", LadderRange(("truncated",), ("mean",), (1,), (), (1,)))
+    monkeypatch.setattr(one_beam, "beam_candidates", lambda *_: (RIGID, PARABOLA, SINE))
+    monkeypatch.setattr(one_beam, "_try_first_order", lambda *_: None)
     out = tmp_path / "chosen.toml"
     assert main(["choose", str(SCENE), "--error", "0.05", "--out", str(out), "--json"]) == 0
     text = capsys.readouterr()
     found = json.loads(text.out)
-    assert "model 3: 1 sine, truncated: 0.2" in text.err  # a line for each model where standard error is no terminal
+    assert "model 2: 1 sine, truncated: 0.2" in text.err  # a line for each model where standard error is no terminal
     assert found["chosen"]["model"] == "1 sine, truncated" and found["specification"] == str(out)
     assert main(["build", str(out), "--out", str(tmp_path)]) == 0
     before = out.read_bytes()
     assert main(["choose", str(SCENE), "--out", str(out)]) == 2
     assert "exists, and is not overwritten" in capsys.readouterr().err and out.read_bytes() == before
-    monkeypatch.setattr(search, "_more_of_one_beam", lambda: ())
     assert main(["choose", str(SCENE), "--error", "1e-4", "--out", str(tmp_path / "none.toml")]) == 1
     assert "No model that was tried" in capsys.readouterr().out and not (tmp_path / "none.toml").exists()
 
@@ -292,13 +293,11 @@ def two() -> Scene:
 
 
 @pytest.mark.long
-def test_each_beam_has_a_model_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_beam_has_a_model_of_its_own() -> None:
     """A stiff beam above a soft one: the upper one is rigid, the lower one bends; and what is claimed is true."""
-    small = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED, "mean", 2)
-    monkeypatch.setattr(references, "_refinements", lambda: (small,))
     scene = parse(TWO.replace(', deflection_rate = "0.3*xi^2 - 0.1"', ""))
     assert isinstance(scene, Scene)
-    choice = choose(scene, scene.plots[2:], 0.1, quiet)
+    choice = choose(runs_of(scene, scene.plots[2:]), 0.1)
     assert choice.chosen is not None
     line, point = choice.chosen
     assert line.model.of("upper") == RIGID and line.model.of("lower").shapes is not Shapes.RIGID
@@ -307,30 +306,6 @@ def test_each_beam_has_a_model_of_its_own(monkeypatch: pytest.MonkeyPatch) -> No
     assert shares["upper", Shapes.RIGID] < 0.02 < shares["lower", Shapes.RIGID]  # type: ignore[operator]
     text = choice_text(scene.name, ["deflection"], (), choice)
     assert "Shares of the beams in the error" in text and "Chosen: upper: rigid; lower: " in text
-
-
-def test_combinations_are_within_the_error_and_go_from_cheap_to_dear() -> None:
-    scene = two()
-    shares = (
-        BeamShare("upper", RIGID, 0.006),
-        BeamShare("upper", SINE, 0.002),
-        BeamShare("upper", PARABOLA, None, "it fails"),
-        BeamShare("lower", RIGID, 0.5),
-        BeamShare("lower", SINE, 0.008),
-        BeamShare("lower", PARABOLA, 0.009),  # dearer than one sine, and worse
-    )
-    cost = PredictedCost(scene)
-    models = [of.model for of in combinations(scene, FINE, shares, 0.01, cost)]
-    pairs = [(model.of("upper"), model.of("lower")) for model in models]
-    assert pairs[0] == (RIGID, SINE)  # 0.6 and 0.8 % are 1 %
-    assert pairs.index((RIGID, FINE)) < pairs.index((SINE, FINE)) < pairs.index((FINE, FINE))
-    assert all(RIGID != lower != PARABOLA != upper for upper, lower in pairs) and len(pairs) == 6
-    assert [of.operations for of in combinations(scene, FINE, shares, 0.01, cost)] == sorted(
-        cost.operations(model) for model in models
-    )
-    assert (RIGID, SINE) not in [
-        (of.model.of("upper"), of.model.of("lower")) for of in combinations(scene, FINE, shares, 0.0099, cost)
-    ]
 
 
 def test_stiffness_is_predicted_from_the_fastest_vibration() -> None:

@@ -91,7 +91,7 @@ class LadderRun:
                 continue
             if predicted > DEARER * min(p.operations for p in line.points if p.rms <= self._known.error):
                 return f"dearer than {line.label}, whose error of {percent(line.best)} is within that of the reference"
-        fewer = [line for line in self.lines if line.points and _kind(line.model) == _kind(model)]
+        fewer = [line for line in self.lines if line.points and line.model.kind == model.kind]
         fewer = sorted((line for line in fewer if line.model.count < model.count), key=lambda line: line.model.count)
         if len(fewer) < 3 or abs(fewer[-1].best - fewer[-3].best) > STAGNANT * fewer[-1].best:
             return ""  # one shape more may be odd where an even one is missing: two have to change nothing
@@ -112,8 +112,3 @@ class LadderRun:
             return Line(model, 0, (), failure=first_line(error))
         self.ready[model] = of
         return measured(of, self._known.plots, self._tolerances)
-
-
-def _kind(model: LadderModel) -> tuple[object, ...]:
-    """What models have in common that differ in the number of shapes."""
-    return model.shapes, model.order, model.frame, model.pieces

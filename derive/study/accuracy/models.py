@@ -82,6 +82,11 @@ class LadderModel:
         return self.pieces * (3 * (self.count > 0) + self.count)
 
     @property
+    def kind(self) -> tuple[object, ...]:
+        """What models have in common of which one has the shapes of the other and more."""
+        return self.shapes, self.order, self.frame, self.pieces
+
+    @property
     def label(self) -> str:
         """The model in a few words: 2 beams, P2 to P4, full; crank: rigid; rod: 1 sine, first."""
         if self.beams:

@@ -28,16 +28,18 @@ PER_COORDINATE = 100.0
 """Operations of an evaluation, with its part of factorisations and projections, per coordinate of the bodies."""
 HELD = 0.4
 """The operations over those that follow so from a free beam, before any are measured: joints slow vibrations down."""
+RIGID = 3
+"""The coordinates of a rigid body."""
 POINTS = 24
 """Those of the quadrature of products of shape functions."""
 
 
 def fastest_rate(scene: Scene, model: LadderModel) -> float:
     """The fastest vibration of the beams of a scene that are modelled so, or the fastest decay, rad/s; 0 if rigid."""
-    return max((_rate(body, model.of(body.name)) for body in beam_bodies(scene)), default=0.0)
+    return max((beam_rate(body, model.of(body.name)) for body in beam_bodies(scene)), default=0.0)
 
 
-def _rate(body: BeamBody, model: LadderModel) -> float:
+def beam_rate(body: BeamBody, model: LadderModel) -> float:
     """That of a free piece of a beam, and with damping in proportion to the stiffness of its decay."""
     if model.shapes is Shapes.RIGID:
         return 0.0
@@ -47,6 +49,11 @@ def _rate(body: BeamBody, model: LadderModel) -> float:
     stiffness, damping = si_value(beam.beam.bending_stiffness), beam.beam.damping
     frequency = _dimensionless(beam.beam.deflection) * float(np.sqrt(stiffness / (mass * length**3)))
     return max(frequency, frequency**2 * (si_value(damping.stiffness) if damping else 0.0))
+
+
+def beam_coordinates(model: LadderModel) -> int:
+    """The coordinates of a beam that is modelled so, without joints."""
+    return max(RIGID, model.size)
 
 
 @cache
@@ -73,23 +80,27 @@ class PredictedCost:
         if not line.points:
             return
         measured = min(point.operations for point in line.points)
-        if (stiff := self._stiff(line.model)) > measured / 10:
+        stiff = self._stiff(fastest_rate(self._scene, line.model), self.coordinates(line.model))
+        if stiff > measured / 10:
             self._ratios.append(measured / stiff)
         each = min(point.evaluations for point in line.points)
         self._least = min(self._least, each) if self._least else each
 
     def operations(self, model: LadderModel) -> float:
         """Operations of a run, about."""
-        stiff = self._stiff(model) * (median(self._ratios) if self._ratios else HELD)
-        return max(stiff, self._least * PER_COORDINATE * self.coordinates(model))
+        return self.operations_of(fastest_rate(self._scene, model), self.coordinates(model))
 
-    def _stiff(self, model: LadderModel) -> float:
+    def operations_of(self, rate: float, coordinates: int) -> float:
+        """Operations of a run with so many coordinates and a fastest vibration or decay of that rate (rad/s), about."""
+        stiff = self._stiff(rate, coordinates) * (median(self._ratios) if self._ratios else HELD)
+        return max(stiff, self._least * PER_COORDINATE * coordinates)
+
+    def _stiff(self, rate: float, coordinates: int) -> float:
         """Operations of a run whose steps the fastest vibration bounds."""
-        evaluations = PER_RADIAN * fastest_rate(self._scene, model) * self._duration
-        return evaluations * PER_COORDINATE * self.coordinates(model)
+        return PER_RADIAN * rate * self._duration * PER_COORDINATE * coordinates
 
     def coordinates(self, model: LadderModel) -> int:
         """The coordinates of all bodies, without joints."""
         beams = beam_bodies(self._scene)
-        own = [max(3, model.of(beam.name).size) for beam in beams]
-        return sum(own) + 3 * (len(self._scene.bodies) - len(beams))
+        own = [beam_coordinates(model.of(beam.name)) for beam in beams]
+        return sum(own) + RIGID * (len(self._scene.bodies) - len(beams))

@@ -1,38 +1,30 @@
 """What each beam adds to the error of a scene: one beam at a time is coarsened, and all others stay fine.
 
-From these shares follow combinations that should be accurate enough, which the search then runs: shares of independent
-errors add up as squares, and what they do in truth is measured.
+Rigid beams come first: their shares show which beams matter, and how much of the error is left for those. Shares of
+independent errors add up as squares; what combinations do in truth is measured, see `combinations`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import product
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.simulation.observables.beams import beam_bodies
-from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.measurement import compiled, motion
-from derive.study.accuracy.models import FAMILIES, LadderModel, Shapes, mixed
+from derive.study.accuracy.models import LadderModel, Shapes, mixed
 from derive.study.accuracy.predicted_cost import PredictedCost
-from derive.study.accuracy.reference import Curves, bare_plots, curves_of, rms_difference
+from derive.study.accuracy.reference import rms_difference
+from derive.study.choice.beam_candidates import beam_candidates, cannot_do
+from derive.study.choice.model_runs import ModelRuns
 
 TOLERANCE = 1e-6
 """That of the runs that are compared."""
 SMALL = 3.0
-"""The error that is asked for over the number of beams, over a share that is small."""
-ENOUGH = 2
-"""Models with small shares that are tried for each beam."""
-STAGNANT = 0.7
-"""The share over that with two shapes less of the same kind, from which on more of them are not tried."""
-COMBINATIONS = 10_000
-"""Combinations that are looked at, at most."""
+"""The error that is asked for over the share of a rigid beam and the root of the number of beams, if it stays rigid."""
 
 Progress = Callable[[str], None]
 
@@ -47,106 +39,70 @@ class BeamShare:
     failure: str = ""
 
 
-def beam_options() -> tuple[LadderModel, ...]:
-    """The models that are tried for a beam, from few coordinates to many; first order comes later, see the search."""
-    order = DisplacementOrder.TRUNCATED
-    models = [LadderModel(Shapes.RIGID)]
-    for shapes, most in ((Shapes.SINES, 3), (Shapes.CLAMPED_FREE, 2)):
-        models += [LadderModel(shapes, n, order, FAMILIES[shapes][1].kind) for n in range(1, most + 1)]
-    models += [LadderModel(Shapes.POLYNOMIALS, n, order) for n in range(1, 5)]
-    models += [LadderModel(Shapes.POLYNOMIALS, n, order, "mean", 2) for n in (2, 3)]
-    return tuple(sorted(models, key=lambda m: m.size))
+class BeamShares:
+    """The shares of the beams in the error, as they are measured; the others are those of the model `base`.
 
-
-def beam_shares(
-    scene: Scene, base: LadderModel, plots: Sequence[Plot], error: float, progress: Progress, report: Progress
-) -> tuple[BeamShare, ...]:
-    """The shares of the beams in the error; the others are those of the model `base`. Raises TisserandError.
-
-    The models of a beam are tried from few coordinates to many, until some have small shares. progress: takes what is
-    being done; report: takes what came of it.
+    report: takes what came of a measurement. Raises TisserandError where the base cannot be run.
     """
-    bare = tuple(one for plot in plots for one in bare_plots(plot))
-    scene = replace(scene, plots=tuple(plots))
-    beams = beam_bodies(scene)
 
-    def curves(model: LadderModel) -> Curves:
-        return curves_of(bare, motion(compiled(scene, model, monitored=False), TOLERANCE))
+    def __init__(self, runs: ModelRuns, base: LadderModel, cost: PredictedCost, report: Progress) -> None:
+        self.base, self.known = base, list[BeamShare]()
+        self._runs, self._report = runs, report
+        self._fine = runs.curves(base, TOLERANCE)
+        beams = beam_bodies(runs.scene)
+        self._left = {beam.name: list(beam_candidates(runs.scene, beam, cost)) for beam in beams}
 
-    fine = curves(base)
-    result: list[BeamShare] = []
-    for beam in beams:
-        small, families = 0, dict[tuple[Shapes, int], list[float]]()
-        for option in beam_options():
-            if small >= ENOUGH:
-                break
-            family = families.setdefault((option.shapes, option.pieces), [])
-            if option.size >= base.of(beam.name).size or _stagnant(family):
-                continue
-            progress(f"share of {beam.name}: {option.label} ...")
-            try:
-                share = rms_difference(fine, curves(replaced(scene, base, {beam.name: option})))
-            except TisserandError as failure:
-                result.append(BeamShare(beam.name, option, None, first_line(failure)))
-                report(f"share of {beam.name}: {option.label}: {first_line(failure)}")
-                continue
-            assert share is not None, "the reference does not vanish"
-            report(f"share of {beam.name}: {option.label}: {percent(share)}")
-            family.append(share)
-            small += share <= error / SMALL / len(beams)
-            result.append(BeamShare(beam.name, option, share))
-    return tuple(result)
+    @property
+    def beams(self) -> tuple[str, ...]:
+        """The names of the beams."""
+        return tuple(self._left)
 
+    def of(self, beam: str) -> list[BeamShare]:
+        """The shares of a beam that have been measured, and can be."""
+        return [share for share in self.known if share.beam == beam and share.share is not None]
 
-def _stagnant(shares: Sequence[float]) -> bool:
-    """Whether the last two shapes have not helped: one of them may be odd where an even one is missing."""
-    return len(shares) > 2 and shares[-1] > STAGNANT * shares[-3]
+    def exhausted(self, beam: str) -> bool:
+        """Whether there is nothing more to try for a beam."""
+        return not self._left[beam]
+
+    def targets(self, error: float) -> dict[str, float]:
+        """What each beam may add to an error, by its share as a rigid body, which is measured."""
+        for beam in self.beams:
+            self._try_next(beam)
+        rigid = {share.beam: share.share for share in self.known if share.model.shapes is Shapes.RIGID}
+        small = error / SMALL / np.sqrt(len(rigid))
+        settled = [share for share in rigid.values() if share is not None and share <= small]
+        left = np.sqrt(error**2 - np.square(settled).sum())
+        each = float(left / np.sqrt(max(1, len(rigid) - len(settled))))
+        return {beam: small if share in settled else each for beam, share in rigid.items()}
+
+    def refine(self, beam: str, target: float, without: Iterable[LadderModel] = ()) -> None:
+        """Try models of a beam until the share of one is within a target; those in `without` do not count."""
+        while not any(of.share is not None and of.share <= target and of.model not in without for of in self.of(beam)):
+            errors = {of.model: of.share for of in self.of(beam) if of.share is not None}
+            self._left[beam] = [m for m in self._left[beam] if not cannot_do(m, errors, target)]
+            if not self._left[beam]:
+                return
+            self._try_next(beam)
+
+    def _try_next(self, beam: str) -> None:
+        """Measure the share of the next model of a beam."""
+        option = self._left[beam].pop(0)
+        if option.size >= self.base.of(beam).size:
+            return
+        self._runs.progress(f"share of {beam}: {option.label} ...")
+        try:
+            changed = replaced(self._runs.scene, self.base, {beam: option})
+            share = rms_difference(self._fine, self._runs.curves(changed, TOLERANCE))
+        except TisserandError as failure:
+            self.known.append(BeamShare(beam, option, None, first_line(failure)))
+            self._report(f"share of {beam}: {option.label}: {first_line(failure)}")
+            return
+        assert share is not None, "the reference does not vanish"
+        self._report(f"share of {beam}: {option.label}: {percent(share)}")
+        self.known.append(BeamShare(beam, option, share))
 
 
 def replaced(scene: Scene, base: LadderModel, models: dict[str, LadderModel]) -> LadderModel:
     """The model in which some beams are modelled otherwise."""
     return mixed({beam.name: models.get(beam.name) or base.of(beam.name) for beam in beam_bodies(scene)})
-
-
-@dataclass(frozen=True)
-class BeamCombination:
-    """A model whose beams are modelled each on its own, and the error and the operations that it should have."""
-
-    model: LadderModel
-    error: float
-    operations: float
-
-
-def combinations(
-    scene: Scene, base: LadderModel, shares: Sequence[BeamShare], budget: float, cost: PredictedCost
-) -> tuple[BeamCombination, ...]:
-    """The combinations whose error should be within a budget, from cheap to dear."""
-    names = [beam.name for beam in beam_bodies(scene)]
-    most = max(2, int(COMBINATIONS ** (1 / len(names))))
-    options = [tuple(_worthwhile(scene, name, base, shares, budget, cost))[:most] for name in names]
-    result = []
-    for chosen in product(*options):
-        error = float(np.sqrt(sum((of.share or 0.0) ** 2 for of in chosen)))
-        if error <= budget:
-            model = mixed({of.beam: of.model for of in chosen})
-            result.append(BeamCombination(model, error, cost.operations(model)))
-    return tuple(sorted(result, key=lambda of: (of.operations, of.error)))
-
-
-def _worthwhile(
-    scene: Scene, name: str, base: LadderModel, shares: Sequence[BeamShare], budget: float, cost: PredictedCost
-) -> Iterator[BeamShare]:
-    """The models of a beam within the budget, from cheap to dear, each with a smaller share than all cheaper ones."""
-    rigid = LadderModel(Shapes.RIGID)
-    known = [BeamShare(name, base.of(name), 0.0)]
-    known += [of for of in shares if of.beam == name and of.share is not None and of.share <= budget]
-
-    def price(of: BeamShare) -> float:
-        others = {beam.name: rigid for beam in beam_bodies(scene)}
-        return cost.operations(mixed({**others, name: of.model}))
-
-    best = np.inf
-    for of in sorted(known, key=lambda of: (price(of), of.share)):
-        if of.share is not None and of.share < best:
-            best = of.share
-            yield of

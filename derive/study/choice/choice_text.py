@@ -10,7 +10,8 @@ from derive.percentages import percent
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.table import cheapest
 from derive.study.choice.screening import Screening
-from derive.study.choice.search import Choice, accurate, implied_error
+from derive.study.choice.search import Choice
+from derive.study.choice.trials import accurate, implied_error
 
 STEPS = 2
 """Cheaper and more accurate models beside the chosen one."""

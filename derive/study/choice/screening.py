@@ -3,7 +3,7 @@
 The beams are taken as rigid. Their accelerations a across the axis, less those of free fall, are the inertia loads that
 would bend them; a beam whose lowest frequency w is high against those of its loads bends by about 4/pi a/w^2, as half a
 sine wave does. The frequency is that of the beam as its joints hold it. The axial force, in the shape of that
-vibration, is what the monitors of a run with three polynomials of first order have seen.
+vibration, is what the monitors of a run with three polynomials have seen.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from derive.simulation.observables.motion import si_value
 from derive.simulation.validity.held_beam import lowest_mode
 from derive.simulation.validity.monitors import Cause
 from derive.simulation.validity.piece_shapes import PieceShapes
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.ports import SceneOutput
@@ -28,11 +29,14 @@ from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import value_at
 from derive.study.accuracy.measurement import compiled, motion
 from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.choice.model_runs import ModelRuns
 
 TOLERANCE = 1e-6
 """That of the runs that are looked at."""
 SPEEDS = 1001
 """The times of a simulation at which the largest speed of a drive is looked for."""
+FLEXIBLE = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED)
+"""The model with flexible beams that is looked at, which references need as well."""
 MODAL = 4 / np.pi
 """The part of a uniform load that bends a beam into half a sine wave, as an amplitude."""
 
@@ -69,10 +73,11 @@ class Screening:
         return f"{self.beam}: {'; '.join(parts)}"
 
 
-def screening(scene: Scene) -> tuple[Screening, ...]:
+def screening(runs: ModelRuns) -> tuple[Screening, ...]:
     """What each beam has to bear."""
+    scene = runs.scene
     beams = [body for body in scene.bodies if isinstance(body, BeamBody)]
-    frequencies, axial = _flexible(scene, beams)
+    frequencies, axial = _flexible(runs, beams)
     driving = _driving(scene)
     accelerations = _accelerations(scene, beams)
     result = []
@@ -87,11 +92,11 @@ def screening(scene: Scene) -> tuple[Screening, ...]:
     return tuple(result)
 
 
-def _flexible(scene: Scene, beams: list[BeamBody]) -> tuple[dict[str, float], dict[str, float]]:
-    """By the names of beams, of three polynomials of first order: the lowest frequencies, rad/s, and the axial forces
-    over the loads under which they buckle; without those that are not found."""
+def _flexible(runs: ModelRuns, beams: list[BeamBody]) -> tuple[dict[str, float], dict[str, float]]:
+    """By the names of beams, of three polynomials: the lowest frequencies, rad/s, and the axial forces over the loads
+    under which they buckle; without those that are not found."""
     try:
-        flexible = compiled(scene, LadderModel(Shapes.POLYNOMIALS, 3))
+        flexible = runs.compiled(FLEXIBLE)
     except TisserandError:
         return {}, {}
     try:

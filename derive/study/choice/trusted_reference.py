@@ -1,32 +1,40 @@
 """The reference of a search: a model of second order, refined until it agrees with others in each direction.
 
 The directions are fewer beams, fewer shapes, nothing truncated, and larger steps: agreement within one family would
-prove nothing.
+prove nothing. Which direction is refined depends on the differences alone, and not on the error that is asked for, so
+that a search for a larger error goes through the same models and ends with one of them.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
+from derive.simulation.observables.motion import si_value
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
-from derive.spec.model.scene import Scene
-from derive.study.accuracy.measurement import CompiledLadderModel, compiled, motion
+from derive.spec.model.scene import BeamBody, Scene
 from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.accuracy.predicted_cost import PredictedCost
-from derive.study.accuracy.reference import Curves, bare_plots, curves_of, rms_difference, with_curve
+from derive.study.accuracy.reference import Curves, rms_difference, with_curve
+from derive.study.choice.model_runs import ModelRuns
 from derive.terminal import duration_text
 
 FINE, COARSE = 1e-10, 1e-8
 """Tolerances of the reference, and of the run that shows the error of its steps."""
 SHARE = 1 / 3
 """The error of a reference over the error that is asked for, at most."""
-SIZES = ((2, 3), (2, 4), (3, 4), (4, 4), (5, 5))
-"""Beams of each rod, and shapes of each beam, of ever finer references."""
+FIRST = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED, "mean", 2)
+"""The reference that is tried first."""
+MOST_BEAMS, MOST_SHAPES = 5, 5
+"""Beams of each rod, and shapes of each beam, of the finest references."""
+CHEAPER = 1.5
+"""The difference with fewer beams over that with fewer shapes above which beams are added: shapes are cheaper."""
 FULL_SHAPES = 2
 """Shapes of the models in which nothing is truncated: what truncation leaves out is in the lowest shapes."""
 LONGEST = 120.0
@@ -47,13 +55,15 @@ class Agreement:
 class TrustedReference:
     """Plots with the curves of the finest model, and how far coarser models differ from it; `model` is that model.
 
-    errors: those of the models that have run, rms over the peak, in the order in which they did.
+    truncation: what truncation changes in models with one beam. errors: those of the models that have run, rms over the
+    peak, in the order in which they did.
     """
 
     plots: tuple[Plot, ...]
     model: LadderModel
     agreements: tuple[Agreement, ...]
     errors: tuple[tuple[LadderModel, float], ...] = ()
+    truncation: float = 0.0
 
     @property
     def error(self) -> float:
@@ -65,118 +75,156 @@ class NotConverged(TisserandError):
     """No reference agrees with coarser models closely enough for the error that is asked for."""
 
 
-def trusted_reference(
-    scene: Scene, plots: Sequence[Plot], error: float, progress: Progress, report: Progress
-) -> TrustedReference:
+def trusted_reference(runs: ModelRuns, error: float, report: Progress) -> TrustedReference:
     """A reference whose own error is at most a third of `error`. Raises NotConverged.
 
-    progress: takes what is being done; report: takes a line on each comparison.
+    report: takes a line on each comparison.
     """
-    runs = _Runs(scene, plots, progress, report)
-    models = _refinements()
-    known: TrustedReference | None = None
+    references = _References(runs, report)
+    model: LadderModel | None = FIRST
     further = ""
-    for model in models:
-        if known is not None and (seconds := runs.predicted_seconds(model, known.model)) > LONGEST:
+    while model is not None:
+        if references.made and (seconds := references.predicted_seconds(model)) > LONGEST:
             further = f"; {model.label} would need {duration_text(seconds)} for a run"
             break
         try:
-            known = runs.reference(model, math.inf if model == models[-1] else SHARE * error)
+            known = references.add(model)
+            if known.error <= SHARE * error:
+                known = references.with_larger_steps(known)
         except TisserandError as failure:
-            if known is None or isinstance(failure, NotConverged):
+            if not references.made or isinstance(failure, NotConverged):
                 raise NotConverged(f"the reference cannot be made: {first_line(failure)}") from failure
             further = f"; {model.label} cannot be run: {first_line(failure)}"
             break
         if known.error <= SHARE * error:
             return known
-    assert known is not None
-    larger = f"an error of more than {percent(known.error / SHARE)}, or " if known.error < SHARE else ""
-    worst = max(known.agreements, key=lambda a: a.difference)
-    raise NotConverged(
-        f"an error of {percent(error)} needs a reference whose own error is a third of it at most, and none that was "
-        f"run is so accurate: {known.model.label} differs by {percent(worst.difference)} from that with {worst.label}"
-        f"{further}. "
-        f"Ask for {larger}a shorter time"
-    )
+        model = references.finer(known)
+    raise NotConverged(_without_reference(references, error, further))
 
 
-def _refinements() -> tuple[LadderModel, ...]:
-    order = DisplacementOrder.TRUNCATED
-    return tuple(LadderModel(Shapes.POLYNOMIALS, count, order, "mean", pieces) for pieces, count in SIZES)
-
-
-@dataclass(frozen=True)
-class _Check:
-    """What a reference has to agree with in one direction: two models, of which the coarser has a tolerance."""
-
-    label: str
-    finer: LadderModel
-    coarser: LadderModel
-    tolerance: float = FINE
-
-
-def _checks(model: LadderModel) -> tuple[_Check, ...]:
-    """Fewer beams, fewer shapes, larger steps; what truncation leaves out is largest where there are fewer beams.
-
-    The dearest comes last: a model in which nothing is truncated takes a minute to derive.
-    """
-    fewer = replace(model, pieces=model.pieces - 1)
-    few = replace(fewer, count=min(fewer.count, FULL_SHAPES))
+def _without_reference(references: _References, error: float, further: str) -> str:
+    """Why there is no reference, and the least error for which there is one, of those that have been made."""
+    best = references.best
+    worst = max(best.agreements, key=lambda a: a.difference)
+    possible = rounded_up(best.error / SHARE)
+    larger = f"an error of {percent(possible)} or more, or " if possible < 1 else ""
     return (
-        _Check("fewer beams", model, fewer),
-        _Check("fewer shapes", model, replace(model, count=model.count - 1)),
-        _Check("larger steps", model, model, COARSE),
-        _Check("nothing truncated", few, replace(few, order=DisplacementOrder.FULL)),
+        f"an error of {percent(error)} needs a reference whose own error is a third of it at most, and none that was "
+        f"run is so accurate: {best.model.label} differs by {percent(worst.difference)} from that with {worst.label}"
+        f"{further}. Ask for {larger}a shorter time"
     )
 
 
-class _Runs:
-    """The runs of the models of a scene that references need, each of which is made once."""
+def rounded_up(ratio: float) -> float:
+    """The least ratio of two digits (in percent, without decimals from 10 % on) that is larger."""
+    digit = 10.0 ** min(math.floor(math.log10(ratio)) - 1, -2)
+    return math.ceil(ratio / digit * (1 + 1e-9)) * digit
 
-    def __init__(self, scene: Scene, plots: Sequence[Plot], progress: Progress, report: Progress) -> None:
-        self._names = ", ".join(plot.name for plot in plots)
-        self._bare = tuple(one for plot in plots for one in bare_plots(plot))
-        self._scene, self._progress, self._report = replace(scene, plots=tuple(plots)), progress, report
-        self._compiled: dict[LadderModel, CompiledLadderModel] = {}
-        self._curves: dict[tuple[LadderModel, float], Curves] = {}
-        self._seconds: dict[LadderModel, float] = {}
 
-    def reference(self, model: LadderModel, enough: float) -> TrustedReference:
-        """A model as the reference; checks are left out beyond the first that is not met, since `enough` is not."""
-        finest = self._curve(model)
-        agreements: list[Agreement] = []
-        for check in _checks(model):
-            difference = self._difference(self._curve(check.finer), self._curve(check.coarser, check.tolerance))
-            agreements.append(Agreement(f"{check.label}: {check.coarser.label}", difference))
-            self._report(f"reference: {model.label}: {percent(difference)} from {agreements[-1].label}")
-            if difference > enough:
+class _References:
+    """The references that have been made of a scene, from coarse to fine."""
+
+    def __init__(self, runs: ModelRuns, report: Progress) -> None:
+        self._runs, self._report = runs, report
+        comparable = _without_rotary_inertia(runs.scene)
+        self._full_runs = runs if comparable == runs.scene else ModelRuns(comparable, comparable.plots, runs.progress)
+        self._truncation: dict[int, Agreement] = {}
+        self._cost = PredictedCost(runs.scene)
+        self._complete: dict[LadderModel, TrustedReference] = {}
+        self.made: list[TrustedReference] = []
+
+    def add(self, model: LadderModel) -> TrustedReference:
+        """A model as the reference, without a comparison with larger steps, which tell no direction."""
+        fewer_beams = replace(model, pieces=model.pieces - 1)
+        fewer_shapes = replace(model, count=model.count - 1)
+        agreements = [self._agreement(model, "fewer beams", fewer_beams)]
+        agreements.append(self._agreement(model, "fewer shapes", fewer_shapes))
+        full = self._full(model, max(a.difference for a in agreements))
+        curves = self._runs.curves(model, FINE)
+        plots = (with_curve(plot, model.label, of) for plot, of in zip(self._runs.bare, curves, strict=True))
+        truncation = self._truncation[1].difference
+        made = TrustedReference(tuple(plots), model, (*agreements, full), tuple(self._errors(curves)), truncation)
+        self.made.append(made)
+        return made
+
+    def with_larger_steps(self, known: TrustedReference) -> TrustedReference:
+        """A reference that is compared with larger steps as well."""
+        model = known.model
+        if model not in self._complete:
+            steps = self._agreement(model, "larger steps", model, COARSE)
+            self._complete[model] = replace(known, agreements=(*known.agreements, steps))
+        return self._complete[model]
+
+    @property
+    def best(self) -> TrustedReference:
+        """The reference with the least error, of those that can be compared with larger steps."""
+        for known in self.made:
+            with suppress(TisserandError):
+                self.with_larger_steps(known)
+        return min(self._complete.values() or self.made, key=lambda known: known.error)
+
+    def finer(self, known: TrustedReference) -> LadderModel | None:
+        """The next model, refined in the direction that differs most; None where there is none."""
+        beams, shapes, truncation = (a.difference for a in known.agreements[:3])
+        more_shapes = replace(known.model, count=known.model.count + 1)
+        more_beams = replace(known.model, pieces=known.model.pieces + 1)
+        finer = [more_shapes, more_beams]
+        if max(beams, truncation) > CHEAPER * shapes:
+            finer.reverse()
+        return next((m for m in finer if m.pieces <= MOST_BEAMS and m.count <= MOST_SHAPES), None)
+
+    def predicted_seconds(self, model: LadderModel) -> float:
+        """How long a run of a model takes, about, from that of the finest that is known."""
+        known = self.made[-1].model
+        return self._runs.seconds(known) * self._cost.operations(model) / self._cost.operations(known)
+
+    def _full(self, model: LadderModel, enough: float) -> Agreement:
+        """How much truncation leaves out: it is largest where there are few beams, which are tried first.
+
+        More of them, which take long to derive, are tried where the difference is larger than one in another direction.
+        """
+        for pieces in range(1, model.pieces):
+            if pieces not in self._truncation:
+                few = replace(model, pieces=pieces, count=FULL_SHAPES)
+                full = replace(few, order=DisplacementOrder.FULL)
+                curves = (self._full_runs.curves(of, FINE) for of in (few, full))
+                label = f"nothing truncated: {full.label}"
+                if self._full_runs is not self._runs:
+                    label += ", without the rotary inertia of attached masses"
+                self._truncation[pieces] = self._compared(label, model, *curves)
+            if self._truncation[pieces].difference <= enough:
                 break
-        made = tuple(with_curve(plot, model.label, of) for plot, of in zip(self._bare, finest, strict=True))
-        errors = [
-            (other, self._difference(finest, curves))
-            for (other, tolerance), curves in self._curves.items()
-            if tolerance == FINE
-        ]
-        return TrustedReference(made, model, tuple(agreements), tuple(errors))
+        return self._truncation[pieces]
 
-    def predicted_seconds(self, model: LadderModel, known: LadderModel) -> float:
-        """How long a run of a model takes, about, from that of one that is known."""
-        cost = PredictedCost(self._scene)
-        return self._seconds[known] * cost.operations(model) / cost.operations(known)
+    def _agreement(self, model: LadderModel, label: str, other: LadderModel, tolerance: float = FINE) -> Agreement:
+        curves = self._runs.curves(model, FINE), self._runs.curves(other, tolerance)
+        return self._compared(f"{label}: {other.label}", model, *curves)
+
+    def _compared(self, label: str, model: LadderModel, finer: Curves, coarser: Curves) -> Agreement:
+        result = Agreement(label, self._difference(finer, coarser))
+        self._report(f"reference: {model.label}: {percent(result.difference)} from {label}")
+        return result
+
+    def _errors(self, finest: Curves) -> list[tuple[LadderModel, float]]:
+        known = self._runs.run_with(FINE)
+        return [(model, self._difference(finest, curves)) for model, curves in known.items()]
 
     def _difference(self, finer: Curves, coarser: Curves) -> float:
         difference = rms_difference(finer, coarser)
         if difference is None:
-            text = f"{self._names}: a curve vanishes all the time, so that there is no error of it to be small"
+            names = ", ".join(dict.fromkeys(plot.name for plot in self._runs.bare))
+            text = f"{names}: a curve vanishes all the time, so that there is no error of it to be small"
             raise NotConverged(text)
         return difference
 
-    def _curve(self, model: LadderModel, tolerance: float = FINE) -> Curves:
-        if model not in self._compiled:
-            self._progress(f"reference: {model.label} ...")
-            self._compiled[model] = compiled(self._scene, model, monitored=False)
-        if (model, tolerance) not in self._curves:
-            moved = motion(self._compiled[model], tolerance)
-            self._seconds[model] = moved.solution.cost.seconds
-            self._curves[model, tolerance] = curves_of(self._bare, moved)
-        return self._curves[model, tolerance]
+
+def _without_rotary_inertia(scene: Scene) -> Scene:
+    """The scene without what a full model cannot have: rotary inertia of masses attached to a beam that stretches."""
+    return replace(scene, bodies=tuple(_lean(body) if isinstance(body, BeamBody) else body for body in scene.bodies))
+
+
+def _lean(body: BeamBody) -> BeamBody:
+    if body.beam.axial is None or not any(si_value(mass.inertia) for mass in body.beam.masses):
+        return body
+    masses = tuple(replace(mass, inertia=Fraction(0)) for mass in body.beam.masses)
+    return replace(body, beam=replace(body.beam, masses=masses))

@@ -1,0 +1,67 @@
+"""The models that a search derives and runs: each of them once, whatever asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from derive.simulation.observables.beams import beam_bodies
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.plots import Plot
+from derive.spec.model.scene import Scene
+from derive.study.accuracy.measurement import CompiledLadderModel, compiled, motion
+from derive.study.accuracy.models import LadderModel
+from derive.study.accuracy.reference import Curves, bare_plots, curves_of
+
+Progress = Callable[[str], None]
+
+
+class ModelRuns:
+    """The models of a scene, compiled, and the curves of its plots in their runs.
+
+    scene: with the plots that are compared; bare: a plot for each curve of them. ready: the models with monitors.
+    progress: takes what is being done.
+    """
+
+    def __init__(self, scene: Scene, plots: Sequence[Plot], progress: Progress) -> None:
+        self.bare = tuple(bare for plot in plots for bare in bare_plots(plot))
+        self.scene, self.progress = replace(scene, plots=tuple(plots)), progress
+        self.lone = len(beam_bodies(scene)) == 1
+        self.ready: dict[LadderModel, CompiledLadderModel] = {}
+        self._unwatched: dict[LadderModel, CompiledLadderModel] = {}
+        self._curves: dict[tuple[LadderModel, float], Curves] = {}
+        self._seconds: dict[LadderModel, float] = {}
+
+    def compiled(self, model: LadderModel, monitored: bool = True) -> CompiledLadderModel:
+        """A model that is ready to run, with monitors or, if they are not needed, perhaps without.
+
+        Raises SpecError, SimulationError, CompilerError.
+        """
+        if model in self.ready:
+            return self.ready[model]
+        if monitored or self._is_candidate(model):
+            self.ready[model] = compiled(self.scene, model)
+            return self.ready[model]
+        if model not in self._unwatched:
+            self._unwatched[model] = compiled(self.scene, model, monitored=False)
+        return self._unwatched[model]
+
+    def curves(self, model: LadderModel, tolerance: float) -> Curves:
+        """The curves of a run of a model, likewise; its time is kept."""
+        if (model, tolerance) not in self._curves:
+            moved = motion(self.compiled(model, monitored=False), tolerance)
+            self._seconds[model] = moved.solution.cost.seconds
+            self._curves[model, tolerance] = curves_of(self.bare, moved)
+        return self._curves[model, tolerance]
+
+    def seconds(self, model: LadderModel) -> float:
+        """The time of the last run of a model that `curves` has made."""
+        return self._seconds[model]
+
+    def run_with(self, tolerance: float) -> dict[LadderModel, Curves]:
+        """The curves of the models that `curves` has run with a tolerance, in the order in which they have been."""
+        return {model: curves for (model, of), curves in self._curves.items() if of == tolerance}
+
+    def _is_candidate(self, model: LadderModel) -> bool:
+        """Whether a model of a lone beam may well be tried, so that one with monitors serves both."""
+        return self.lone and model.pieces == 1 and model.order is not DisplacementOrder.FULL

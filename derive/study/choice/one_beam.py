@@ -1,0 +1,71 @@
+"""The models of a scene with one beam, which are tried from cheap to dear."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from derive.simulation.observables.beams import beam_bodies
+from derive.spec.model.body import DisplacementOrder
+from derive.study.accuracy.models import LadderModel
+from derive.study.choice.beam_candidates import Errors, beam_candidates, candidate_order, cannot_do
+from derive.study.choice.trials import Trials, usable
+
+NEAR = 1.5
+"""Predicted operations over those of a model that is good, up to which a model may yet be cheaper."""
+SIMPLER = 0.5
+"""The operations of a model of first order over those of second order, at least."""
+BEYOND = 2
+"""Models that are accurate enough and tried beyond the first one: what more accuracy would cost."""
+
+
+def try_one_beam(trials: Trials) -> None:
+    """Run models of second order until one is accurate enough, then those of first order that may be cheaper.
+
+    What the runs for the reference have shown to be too far from it is left out.
+    """
+    (beam,) = beam_bodies(trials.runs.scene)
+    errors = dict(trials.known.errors)
+    order = candidate_order(trials.runs.scene, beam, trials.cost)
+    models = beam_candidates(trials.runs.scene, beam, trials.cost)
+    while left := [m for m in (*models, *_with_all_terms(errors, trials)) if _is_worth_it(m, errors, trials)]:
+        model = min(left, key=order)
+        best = min((trials.cost.operations(line.model) for line in trials.good), default=math.inf)
+        if trials.cost.operations(model) > NEAR * best:
+            break
+        line = trials.run(model)
+        if line.points:
+            errors[model] = line.best
+    _try_first_order(trials, beam.name)
+
+
+def try_more_accurate(trials: Trials) -> None:
+    """Run models that the reference has needed and that are more accurate than the good ones: what that costs.
+
+    They are compiled already.
+    """
+    errors, good = dict(trials.known.errors), trials.good
+    least = min((line.best for line in good), default=0.0)
+    ready = [m for m in trials.runs.ready if m not in trials and usable(m) and errors.get(m, math.inf) < least]
+    for model in sorted(ready, key=trials.cost.operations)[: max(0, BEYOND + 1 - len(good))]:
+        trials.run(model)
+
+
+def _is_worth_it(model: LadderModel, errors: Errors, trials: Trials) -> bool:
+    """Whether a model has not been tried, and no run shows that it is not accurate enough."""
+    too_far = model in errors and errors[model] > trials.budget
+    return not (model in trials or too_far or cannot_do(model, errors, trials.budget))
+
+
+def _with_all_terms(errors: Errors, trials: Trials) -> list[LadderModel]:
+    """The models in one piece whose error truncation may be the reason of, with nothing truncated."""
+    limited = [m for m, error in errors.items() if m.pieces == 1 and m.size and trials.is_limited(error)]
+    return [replace(m, order=DisplacementOrder.FULL) for m in limited if m.order is DisplacementOrder.TRUNCATED]
+
+
+def _try_first_order(trials: Trials, beam: str) -> None:
+    for line in trials.good:
+        if trials.operations(line) * SIMPLER > trials.operations(trials.good[0]):
+            return
+        if line.model.order is DisplacementOrder.TRUNCATED:
+            trials.run(trials.with_order(line.model, DisplacementOrder.FIRST_ORDER, [beam]))

@@ -1,0 +1,106 @@
+"""The models of a scene with several beams: each gets one of its own, and combinations are run from cheap to dear."""
+
+from __future__ import annotations
+
+from derive.spec.model.body import DisplacementOrder
+from derive.study.accuracy.models import LadderModel
+from derive.study.choice.beam_shares import BeamShare, BeamShares
+from derive.study.choice.combinations import combinations
+from derive.study.choice.trials import Trials, implied_error
+
+COMBINED = 8
+"""Combinations that are run without success, at most."""
+ROUNDS = (1.0, 1 / 3, 1 / 10)
+"""What a beam may add to the error over its part of it, in one round of measurements of shares after the other."""
+BEYOND = 1
+"""Combinations that are run beyond the first good one: what more accuracy would cost."""
+
+
+def try_several_beams(trials: Trials, base: LadderModel) -> tuple[BeamShare, ...]:
+    """Run combinations until some are good, then with first order; returns the shares of the beams in the error.
+
+    base: the model of the beams whose shares are not measured. It is taken for a beam where nothing else will do.
+    """
+    shares = BeamShares(trials.runs, base, trials.cost, trials.report)
+    combined = _Combined(trials, shares)
+    targets = shares.targets(trials.budget)
+    for part in ROUNDS:
+        combined.refine({beam: part * target for beam, target in targets.items()})
+        if combined.enough:
+            break
+    if not trials.good:
+        combined.allow_base()
+    if trials.good:
+        _try_first_order(trials)
+    return tuple(shares.known)
+
+
+class _Combined:
+    """The combinations that have been run, and the models of beams of which a monitor warned."""
+
+    def __init__(self, trials: Trials, shares: BeamShares) -> None:
+        self._trials, self._shares = trials, shares
+        self._doubtful: set[tuple[str, LadderModel]] = set()
+        self._failures = 0
+
+    @property
+    def enough(self) -> bool:
+        """Whether a combination is good, or too many are not."""
+        return bool(self._trials.good) or self._failures >= COMBINED
+
+    def refine(self, targets: dict[str, float]) -> None:
+        """Measure shares until each beam has a model within its target, and run what follows."""
+        while not self.enough:
+            for beam, target in targets.items():
+                self._shares.refine(beam, target, [model for name, model in self._doubtful if name == beam])
+            if not self._run_next({beam: self._sure(beam) for beam in self._shares.beams}):
+                return
+        for _ in range(BEYOND):
+            self._run_next({beam: self._sure(beam) for beam in self._shares.beams})
+
+    def allow_base(self) -> None:
+        """Run combinations with the model of the base for some beams, or for all."""
+        base = self._shares.base
+        options = {beam: [*self._sure(beam), BeamShare(beam, base.of(beam), 0.0)] for beam in self._shares.beams}
+        while not self.enough and self._run_next(options):
+            options = {beam: [of for of in known if self._is_sure(of)] for beam, known in options.items()}
+        if not self._trials.good:
+            self._trials.run(base)
+
+    def _run_next(self, options: dict[str, list[BeamShare]]) -> bool:
+        """Run the cheapest combination that has not been; False if there is none."""
+        trials = self._trials
+        for combination in combinations(trials.runs.scene, options, trials.budget, trials.cost):
+            model = combination.model
+            if model in trials:
+                continue
+            line = trials.run(model)
+            self._failures += not trials.is_good(line)
+            if line.warning is not None and implied_error(line) > trials.error:
+                self._doubtful.add((line.warning.beam, model.of(line.warning.beam)))
+            return True
+        return False
+
+    def _sure(self, beam: str) -> list[BeamShare]:
+        return [share for share in self._shares.of(beam) if self._is_sure(share)]
+
+    def _is_sure(self, share: BeamShare) -> bool:
+        return (share.beam, share.model) not in self._doubtful
+
+
+def _try_first_order(trials: Trials) -> None:
+    """Make the beams of the cheapest good model first-order ones: all of them, and else one after the other."""
+    best = trials.good[0].model
+    second = trials.flexible(best)
+    if not second:
+        return
+    if trials.is_good(trials.run(_first_order(trials, best, *second))) or len(second) == 1:
+        return
+    for name in second:
+        simpler = _first_order(trials, best, name)
+        if trials.is_good(trials.run(simpler)):
+            best = simpler
+
+
+def _first_order(trials: Trials, model: LadderModel, *names: str) -> LadderModel:
+    return trials.with_order(model, DisplacementOrder.FIRST_ORDER, names)

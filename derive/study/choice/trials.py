@@ -1,0 +1,121 @@
+"""The models that a search has tried: their errors against the reference, and whether these are small enough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+
+from derive.errors import TisserandError, first_line
+from derive.simulation.observables.beams import beam_bodies
+from derive.spec.model.body import DisplacementOrder
+from derive.study.accuracy.measurement import Line, Point, measured, retimed
+from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.accuracy.predicted_cost import PredictedCost
+from derive.study.choice.beam_shares import replaced
+from derive.study.choice.model_runs import ModelRuns
+from derive.study.choice.trusted_reference import TrustedReference
+
+TOLERANCES = (1e-3, 1e-5, 1e-7)
+LIMITED = 2.0
+"""The error of a model over what truncation changes, up to which truncation may be the reason of the error."""
+RUNS = 5
+"""Measurements of the time of each run."""
+
+Progress = Callable[[str], None]
+
+
+def accurate(line: Line, point: Point, error: float, of_reference: float) -> bool:
+    """Whether a run is within an error, that of the reference included, and its monitors imply no larger one."""
+    return not line.failure and point.rms + of_reference <= error and implied_error(line) <= error
+
+
+def implied_error(line: Line) -> float:
+    """The error that the monitors of a model imply; 0 if none warns."""
+    return line.warning.error if line.warning else 0.0
+
+
+def usable(model: LadderModel) -> bool:
+    """Whether a model of the reference is one to work with: a model in which nothing is truncated costs far more."""
+    return model.order is not DisplacementOrder.FULL
+
+
+class Trials:
+    """The models that have been tried, for an error that is asked for.
+
+    budget: the error that a model may have beside that of the reference. report: takes what came of each model.
+    """
+
+    def __init__(
+        self, runs: ModelRuns, known: TrustedReference, error: float, report: Progress = lambda _: None
+    ) -> None:
+        self.runs, self.known, self.error, self.report = runs, known, error, report
+        self.budget = error - known.error
+        self.cost = PredictedCost(runs.scene)
+        self._lines: dict[LadderModel, Line] = {}
+
+    @property
+    def lines(self) -> tuple[Line, ...]:
+        """The models in the order in which they were tried."""
+        return tuple(self._lines.values())
+
+    def __contains__(self, model: LadderModel) -> bool:
+        return model in self._lines
+
+    @property
+    def good(self) -> list[Line]:
+        """The models that are accurate enough, from cheap to dear."""
+        return sorted(filter(self.is_good, self._lines.values()), key=self.operations)
+
+    def is_good(self, line: Line) -> bool:
+        """Whether a model is accurate enough."""
+        return self._point(line) is not None
+
+    def run(self, model: LadderModel) -> Line:
+        """The line of a model, which is derived and run unless it has been."""
+        if model not in self._lines:
+            self._lines[model] = line = self._line(model)
+            self.cost.add(line)
+            self.report(f"model {len(self._lines)}: {model.label}: {line.outcome}")
+        return self._lines[model]
+
+    def run_until_good(self, models: Iterable[LadderModel]) -> None:
+        """Run models from cheap to dear until one is good."""
+        for model in sorted(models, key=self.cost.operations):
+            if self.is_good(self.run(model)):
+                return
+
+    def is_limited(self, error: float) -> bool:
+        """Whether truncation may be the reason why a model with this error is not accurate enough."""
+        return self.budget < error <= LIMITED * self.known.truncation
+
+    def timed(self) -> tuple[Line, ...]:
+        """The lines with the times of repeated runs."""
+        return tuple(retimed(self.lines, self.runs.ready, RUNS, lambda _: None))
+
+    def operations(self, line: Line) -> int:
+        """The operations of the cheapest run of a good model."""
+        point = self._point(line)
+        assert point is not None
+        return point.operations
+
+    def flexible(self, model: LadderModel) -> list[str]:
+        """The names of the beams that a model does not take as rigid."""
+        beams = beam_bodies(self.runs.scene)
+        return [beam.name for beam in beams if model.of(beam.name).shapes is not Shapes.RIGID]
+
+    def with_order(self, model: LadderModel, order: DisplacementOrder, names: Sequence[str]) -> LadderModel:
+        """The model with another order of displacements of some beams."""
+        return replaced(self.runs.scene, model, {name: replace(model.of(name), order=order) for name in names})
+
+    def _line(self, model: LadderModel) -> Line:
+        self.runs.progress(f"model {len(self._lines) + 1}: {model.label} ...")
+        try:
+            of = self.runs.compiled(model)
+        except TisserandError as error:
+            return Line(model, 0, (), failure=first_line(error))
+        return measured(of, self.known.plots, TOLERANCES)
+
+    def _point(self, line: Line) -> Point | None:
+        """The cheapest run of a model that is accurate enough."""
+        good = (p for p in line.points if accurate(line, p, self.error, self.known.error))
+        return min(good, key=lambda p: p.operations, default=None)

@@ -1,0 +1,364 @@
+"""The search of `tisserand choose` with errors that are made up: which models it runs, and what it claims."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise, product
+
+import numpy as np
+import pytest
+
+from derive.simulation.observables.beams import beam_bodies
+from derive.simulation.observables.plots import PlotCurve
+from derive.simulation.validity.monitors import Cause, Monitor
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.plots import ColumnCurves, Plot
+from derive.spec.model.scene import Scene
+from derive.spec.toml.read import parse
+from derive.study.accuracy.measurement import CompiledLadderModel, Line, Point
+from derive.study.accuracy.models import LadderModel, Shapes, mixed
+from derive.study.accuracy.predicted_cost import PredictedCost
+from derive.study.accuracy.reference import Curves
+from derive.study.choice import trials, trusted_reference
+from derive.study.choice.beam_candidates import beam_candidates, cannot_do, suits
+from derive.study.choice.beam_shares import BeamShare, BeamShares
+from derive.study.choice.combinations import combinations
+from derive.study.choice.model_runs import ModelRuns
+from derive.study.choice.one_beam import try_one_beam
+from derive.study.choice.several_beams import try_several_beams
+from derive.study.choice.trials import Trials
+from derive.study.choice.trusted_reference import COARSE, FINE, Agreement, NotConverged, TrustedReference
+
+RIGID = LadderModel(Shapes.RIGID)
+TRUNCATED, FULL, FIRST = DisplacementOrder.TRUNCATED, DisplacementOrder.FULL, DisplacementOrder.FIRST_ORDER
+
+
+def sines(count: int, order: DisplacementOrder = TRUNCATED) -> LadderModel:
+    return LadderModel(Shapes.SINES, count, order, "chord")
+
+
+def clamped(count: int) -> LadderModel:
+    return LadderModel(Shapes.CLAMPED_FREE, count, TRUNCATED, "tangent")
+
+
+def polynomials(count: int, pieces: int = 1, order: DisplacementOrder = TRUNCATED) -> LadderModel:
+    return LadderModel(Shapes.POLYNOMIALS, count, order, "mean", pieces)
+
+
+BASE = polynomials(4)
+
+
+def chain(beams: int) -> Scene:
+    """A chain of beams between pins."""
+    lines = ["ground.markers = { pin = [0, 0] }"]
+    for n in range(beams):
+        before = "ground.pin" if n == 0 else f"b{n - 1}.right"
+        lines += [
+            f"[bodies.b{n}]\nmass = 1\nlength = 1\nbending_stiffness = {10 + n}",
+            "markers = { left = -1, middle = 0, right = 1 }",
+            f"start = {{ position = [{n + 0.5}, 0], angle = 0 }}",
+            f'[joints.j{n}]\nkind = "revolute"\nbetween = ["{before}", "b{n}.left"]',
+        ]
+    lines.append("[simulation]\nduration = 1\noutput = 0.01")
+    lines.append('[plots.it]\ndeflection = "b0.middle"\nchord = ["b0.left", "b0.right"]')
+    scene = parse('name = "chain"\n' + "\n".join(lines))
+    assert isinstance(scene, Scene)
+    return scene
+
+
+Errors = Callable[[LadderModel, float], dict[str, float]]
+"""By a model and the tolerance of a run: what each beam adds to the error, by its name; independent of each other."""
+
+
+class MadeUpRuns(ModelRuns):
+    """Runs whose curves have errors that are made up; asked: the models that were run, once each."""
+
+    def __init__(self, scene: Scene, errors: Errors, seconds: Callable[[LadderModel], float] = lambda _: 0.1) -> None:
+        super().__init__(scene, scene.plots, lambda _: None)
+        self.names = [beam.name for beam in beam_bodies(scene)]
+        self.errors, self._time = errors, seconds
+        self.asked: list[LadderModel] = []
+
+    def compiled(self, model: LadderModel, monitored: bool = True) -> CompiledLadderModel:
+        if model not in self.asked:
+            self.asked.append(model)
+        return model  # type: ignore[return-value]
+
+    def curves(self, model: LadderModel, tolerance: float) -> Curves:
+        self.compiled(model)
+        self._seconds[model] = self._time(model)
+        errors = self.errors(model, tolerance)
+        y = np.array([1.0, *(errors[name] for name in self.names)])
+        y[1:] *= np.sqrt(len(y))  # rms
+        self._curves[model, tolerance] = (PlotCurve("it", y, y, None),)
+        return self._curves[model, tolerance]
+
+
+# ---- references ----
+
+
+def converging(model: LadderModel, tolerance: float) -> dict[str, float]:
+    """Shapes and beams help, truncation is worst in one beam, and larger steps change most in many beams."""
+    shapes = 0.2 * 4.0**-model.count / model.pieces**3
+    truncation = 0.004 / model.pieces**2 if model.order is TRUNCATED else 0.0
+    steps = 4e-4 * model.pieces if tolerance == COARSE else 0.0
+    return {"b0": shapes + truncation + steps}
+
+
+def test_a_larger_error_needs_no_other_references() -> None:
+    """From dear to cheap; the first reference needs five models, two of one beam for what truncation leaves out."""
+    asked: dict[float, list[LadderModel]] = {}
+    for error in (0.009, 0.01, 0.03, 0.1):
+        runs = MadeUpRuns(chain(1), converging)
+        known = trusted_reference.trusted_reference(runs, error, lambda _: None)
+        assert known.error <= error / 3 and known.agreements[3].label.startswith("larger steps")
+        asked[error] = runs.asked
+    assert all(set(fewer) <= set(more) for more, fewer in pairwise(asked.values()))
+    few = {polynomials(3, 2), polynomials(3), polynomials(2, 2), polynomials(2), polynomials(2, order=FULL)}
+    assert set(asked[0.1]) == few
+
+
+@pytest.mark.parametrize("slow", [1, 1e6], ids=["at the finest", "where the next one takes too long"])
+def test_the_error_that_a_message_promises_is_confirmed(slow: float) -> None:
+    """It counts all comparisons, also that with larger steps, of a reference that a search for it comes to."""
+
+    def seconds(model: LadderModel) -> float:
+        return 0.1 * (slow if model.pieces > 2 else 1)
+
+    with pytest.raises(NotConverged, match=r"Ask for an error of [\d.]+ % or more") as caught:
+        trusted_reference.trusted_reference(MadeUpRuns(chain(1), converging, seconds), 1e-4, lambda _: None)
+    assert ("would need" in str(caught.value)) == (slow > 1)
+    promised = re.search(r"an error of ([\d.]+) % or more", str(caught.value))
+    assert promised is not None
+    error = float(promised[1]) / 100
+    known = trusted_reference.trusted_reference(MadeUpRuns(chain(1), converging, seconds), error, lambda _: None)
+    assert error / 3.7 < known.error <= error / 3 * (1 + 1e-12)
+
+
+@pytest.mark.parametrize(("ratio", "up"), [(0.00312, 0.0032), (0.14201, 0.15), (0.003, 0.0031), (0.0999, 0.1)])
+def test_a_promised_error_is_rounded_up(ratio: float, up: float) -> None:
+    assert trusted_reference.rounded_up(ratio) == pytest.approx(up)
+
+
+def test_what_differs_most_is_refined_and_full_models_of_two_beams_only_where_truncation_matters() -> None:
+    def of_beams(model: LadderModel, _: float) -> dict[str, float]:
+        return {"b0": 0.2 / model.pieces**3 + (1e-4 if model.order is TRUNCATED else 0.0)}
+
+    def of_truncation(model: LadderModel, _: float) -> dict[str, float]:
+        return {"b0": 0.08 / model.pieces**3 if model.order is TRUNCATED else 0.0}
+
+    for errors, full, truncation in ((of_beams, [1], 1e-4), (of_truncation, [1, 2], 0.08)):
+        runs = MadeUpRuns(chain(1), errors)
+        known = trusted_reference.trusted_reference(runs, 0.07, lambda _: None)
+        assert known.model == polynomials(3, 3) and known.truncation == pytest.approx(truncation)
+        assert [model.pieces for model in runs.asked if model.order is FULL] == full
+        assert max(model.count for model in runs.asked) == 3
+
+
+def test_rotary_inertia_that_a_full_model_cannot_have_does_not_prevent_a_reference() -> None:
+    text = 'axial = { ansatz = ["xi"], stiffness = 1e6 }\nmasses = { tip = { at = 1, mass = 1, inertia = 0.1 } }\n'
+    scene = chain(1)
+    (beam,) = scene.bodies
+    stretching = parse(
+        'name = "a"\n[bodies.b]\nmass = 1\nlength = 1\nbending_stiffness = 1\nmarkers = { left = -1 }\n' + text
+    )
+    assert isinstance(stretching, Scene)
+    lean = trusted_reference._without_rotary_inertia(stretching)
+    assert [mass.inertia for body in beam_bodies(lean) for mass in body.beam.masses] == [0]
+    assert trusted_reference._without_rotary_inertia(scene).bodies == (beam,)
+
+
+# ---- candidates ----
+
+
+def test_shapes_that_suit_the_ends_come_first() -> None:
+    assert suits(sines(1), frozenset()) and not suits(sines(1), frozenset({1}))
+    assert suits(clamped(1), frozenset({-1})) and not suits(clamped(1), frozenset({-1, 1}))
+    assert not suits(polynomials(2), frozenset({-1})) and suits(polynomials(2), frozenset({-1, 1}))
+    assert suits(polynomials(3), frozenset()) and suits(polynomials(2, 2), frozenset()) and suits(RIGID, frozenset())
+    scene = chain(1)
+    models = beam_candidates(scene, beam_bodies(scene)[0], PredictedCost(scene))
+    assert models[:3] == (RIGID, sines(1), sines(2)) and models[-1].shapes is not Shapes.SINES
+    assert models.index(polynomials(3)) < models.index(polynomials(1)) < models.index(clamped(4))
+
+
+def test_errors_of_a_kind_rule_out_others_of_it() -> None:
+    errors = {polynomials(2): 0.2, sines(1): 0.3, sines(2): 0.3, sines(3): 0.25, sines(1, FULL): 0.5}
+    assert cannot_do(polynomials(1), errors, 0.1) and not cannot_do(polynomials(1), errors, 0.15)
+    assert not cannot_do(polynomials(3), errors, 0.1) and not cannot_do(polynomials(1, 2), errors, 0.1)
+    assert cannot_do(sines(4), errors, 0.1)  # two shapes more have not helped
+    assert not cannot_do(sines(4), errors | {sines(3): 0.2}, 0.1) and not cannot_do(sines(2, FULL), errors, 0.1)
+
+
+# ---- trials ----
+
+
+@dataclass
+class MadeUpTrials:
+    """Lines of made-up runs: the error of all beams, and the operations that `PredictedCost` predicts for them."""
+
+    runs: MadeUpRuns
+    implied: Callable[[LadderModel], Monitor | None] = lambda _: None
+
+    def measured(self, of: LadderModel, *_: object) -> Line:
+        rms = float(np.sqrt(sum(e**2 for e in self.runs.errors(of, FINE).values())))
+        operations = int(PredictedCost(self.runs.scene).operations(of) * (1.0 if of.order is not FIRST else 0.8)) + 1
+        return Line(of, 1, (Point(1e-3, rms, rms, (1e-3,) * 3, 10, operations),), self.implied(of))
+
+
+def trials_of(
+    monkeypatch: pytest.MonkeyPatch, runs: MadeUpRuns, error: float, known: TrustedReference, **how: object
+) -> Trials:
+    monkeypatch.setattr(trials, "measured", MadeUpTrials(runs, **how).measured)  # type: ignore[arg-type]
+    return Trials(runs, known, error)
+
+
+def reference_of(*errors: tuple[LadderModel, float], truncation: float = 0.0) -> TrustedReference:
+    return TrustedReference((), BASE, (Agreement("fewer beams", 0.001),), errors, truncation)
+
+
+def test_a_lone_beam_gets_the_cheapest_shapes_and_first_order_where_it_is_good(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Models that the reference has shown to be wrong are not derived, nor any that is predicted to be dearer."""
+
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        return {"b0": {Shapes.SINES: 0.01, Shapes.RIGID: 0.5}.get(model.shapes, 0.2)}
+
+    runs = MadeUpRuns(chain(1), errors)
+    search = trials_of(monkeypatch, runs, 0.1, reference_of((sines(1), 0.2)))
+    try_one_beam(search)
+    assert runs.asked == [RIGID, sines(2), sines(2, FIRST)]
+    assert search.good[0].model == sines(2, FIRST)
+
+
+def test_nothing_is_truncated_where_truncation_limits_the_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        return {"b0": 0.01 if model.order is FULL else 0.12}
+
+    runs = MadeUpRuns(chain(1), errors)
+    search = trials_of(monkeypatch, runs, 0.05, reference_of(truncation=0.1))
+    try_one_beam(search)
+    assert search.good[0].model == sines(1, FULL)
+    assert len(runs.asked) < 8 and not any(model.pieces > 1 for model in runs.asked)
+    small = trials_of(monkeypatch, MadeUpRuns(chain(1), errors), 0.05, reference_of(truncation=0.01))
+    try_one_beam(small)
+    assert not small.good and all(line.model.order is not FULL for line in small.lines)
+
+
+# ---- combinations ----
+
+
+def share_table(scene: Scene, *models: LadderModel, seed: int = 1) -> dict[str, list[BeamShare]]:
+    """Random shares of the beams."""
+    random = np.random.default_rng(seed)
+    names = [beam.name for beam in beam_bodies(scene)]
+    return {name: [BeamShare(name, model, float(10 ** random.uniform(-4, -2))) for model in models] for name in names}
+
+
+def test_combinations_are_the_cheapest_for_their_error() -> None:
+    """Those of all combinations that no other beats in both."""
+    scene = chain(3)
+    cost = PredictedCost(scene)
+    for seed in range(5):
+        shares = share_table(scene, RIGID, sines(1), sines(2), polynomials(3), polynomials(2, 2), seed=seed)
+        found = combinations(scene, shares, 0.01, cost)
+        every = []
+        for chosen in product(*shares.values()):
+            error = float(np.sqrt(sum(of.share**2 for of in chosen)))  # type: ignore[operator]
+            if error <= 0.01:
+                every.append((cost.operations(mixed({of.beam: of.model for of in chosen})), error))
+        best: list[tuple[float, float]] = []
+        for operations, error in sorted(every):
+            if not best or error < best[-1][1]:
+                best.append((operations, error))
+        assert [(of.operations, of.error) for of in found] == [pytest.approx(of) for of in best]
+        assert all(of.operations == pytest.approx(cost.operations(of.model)) for of in found)
+
+
+def test_the_work_for_combinations_is_proportional_to_the_beams(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Thirty beams with eight models each have 8^30 combinations; the errors and the budget are met."""
+    scene = chain(30)
+    models = (RIGID, sines(1), sines(2), sines(3), polynomials(3), polynomials(4), polynomials(2, 2), polynomials(3, 2))
+    found = combinations(scene, share_table(scene, *models), 0.01, PredictedCost(scene))
+    assert 5 < len(found) < 1000
+    assert all(cheap.operations < dear.operations and cheap.error > dear.error for cheap, dear in pairwise(found))
+    assert combinations(scene, share_table(scene, *models), 1e-6, PredictedCost(scene)) == ()
+
+
+def decreasing(matter: dict[str, float]) -> Errors:
+    """Sines halve the error of a rigid beam with each shape, which is 1e-5 where a beam does not matter."""
+
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        return {name: _beam_error(model.of(name), matter.get(name, 1e-5)) for name in matter}
+
+    return errors
+
+
+def _beam_error(model: LadderModel, rigid: float) -> float:
+    if model == BASE:
+        return 0.0
+    wrong = 3.0 if model.order is FIRST else 1.0
+    return rigid if model.shapes is Shapes.RIGID else wrong * rigid / (20 * 2**model.count)
+
+
+@pytest.mark.parametrize("beams", [3, 14, 30])
+def test_the_beams_that_matter_bend(beams: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run for each beam, and few more for those that matter: two of them here."""
+    matter = {f"b{n}": {0: 0.3, 2: 0.5}.get(n, 1e-5) for n in range(beams)}
+    runs = MadeUpRuns(chain(beams), decreasing(matter))
+    search = trials_of(monkeypatch, runs, 0.05, reference_of())
+    shares = try_several_beams(search, BASE)
+    chosen = search.good[0]
+    assert chosen.points[0].rms <= 0.049
+    assert search.flexible(chosen.model) == ["b0", "b2"]
+    assert chosen.model.of("b0") == sines(1, FIRST) and len(shares) <= beams + 4
+    assert len(runs.asked) <= beams + 10
+
+
+def test_a_model_of_a_beam_that_a_monitor_doubts_is_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    matter = {"b0": 0.003, "b1": 1e-5}
+    warning = Monitor("b0", 1, Cause.END_MOMENT, TRUNCATED, 0.3, 0.2, 0.0)
+
+    def implied(model: LadderModel) -> Monitor | None:
+        return warning if model.of("b0").shapes is Shapes.SINES else None
+
+    runs = MadeUpRuns(chain(2), decreasing(matter))
+    search = trials_of(monkeypatch, runs, 0.002, reference_of(), implied=implied)
+    try_several_beams(search, BASE)
+    assert mixed({"b0": sines(1), "b1": RIGID}) in search  # within the error, and doubted
+    assert mixed({"b0": polynomials(3, order=FIRST), "b1": RIGID}) == search.good[0].model
+
+
+def test_a_beam_without_a_good_model_gets_that_of_the_base(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing else is within the error; shares that vanish do not keep the search going."""
+
+    def errors(model: LadderModel, _: float) -> dict[str, float]:
+        return {"b0": 0.0 if model.of("b0") == BASE else 0.4, "b1": 0.0}
+
+    search = trials_of(monkeypatch, MadeUpRuns(chain(2), errors), 0.05, reference_of())
+    try_several_beams(search, BASE)
+    assert search.good[0].model == mixed({"b0": BASE, "b1": RIGID})
+
+
+def test_beams_that_matter_share_what_is_left_of_the_error() -> None:
+    scene = chain(3)
+    shares = BeamShares(
+        MadeUpRuns(scene, decreasing({"b0": 0.3, "b1": 0.001, "b2": 0.5})), BASE, PredictedCost(scene), print
+    )
+    targets = shares.targets(0.03)
+    left = np.sqrt(0.03**2 - 0.001**2)
+    assert targets["b0"] == targets["b2"] == pytest.approx(left / np.sqrt(2))
+    shares.refine("b0", targets["b0"])
+    assert [of.model for of in shares.of("b0")] == [RIGID, sines(1)]
+    shares.refine("b0", targets["b0"], without=[sines(1)])
+    assert shares.of("b0")[-1].model == sines(2)
+
+
+def test_a_plot_of_several_columns_is_a_plot_for_each_of_them() -> None:
+    scene = chain(1)
+    several = Plot("both", ColumnCurves(("b0_phi", "b0_phidot")))
+    runs = ModelRuns(scene, (several,), lambda _: None)
+    assert [plot.quantity for plot in runs.bare] == [ColumnCurves(("b0_phi",)), ColumnCurves(("b0_phidot",))]
+    curves = runs.curves(RIGID, 1e-3)  # the scene with two plots of one name would be refused
+    assert len(curves) == 2 and runs.curves(RIGID, 1e-3) is curves
