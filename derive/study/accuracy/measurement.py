@@ -46,8 +46,11 @@ CALLED = {
 }
 """The functions of a model that an evaluation of each count calls."""
 
-QUICK_FLAGS = (*(flag if flag != "-O2" else "-O1" for flag in FLAGS), *ESSENTIAL)
-"""Of models whose runs are compared and not timed: compilers take two thirds of the time, and runs about the same."""
+QUICK_FLAGS, UNOPTIMISED = (
+    (*(flag if flag != "-O2" else level for flag in FLAGS), *ESSENTIAL) for level in ("-O1", "-O0")
+)
+"""Of models whose runs are compared and not timed: compilers take two thirds of the time, and runs about the same; and
+of those with short runs, which take twice as long then, and compilers a third of the time. The bits are the same."""
 
 SAME = 0.01
 """Errors of runs with two tolerances that differ by less, relatively, are those of the model."""
@@ -83,17 +86,23 @@ class CompiledLadderModel:
         return sum(times * known.get(name, 0) for times, name in called)
 
 
-def compiled(scene: Scene, model: LadderModel, monitored: bool = True, explicit: bool = True) -> CompiledLadderModel:
+def compiled(
+    scene: Scene,
+    model: LadderModel,
+    monitored: bool = True,
+    explicit: bool = True,
+    flags: Sequence[str] = RUN_FLAGS,
+) -> CompiledLadderModel:
     """A model of a ladder, `monitored` with the outputs that watch its validity; `explicit` for `adaptive` alone.
 
-    What is not monitored is not timed either, and compiled with less effort.
+    flags: of the compiler.
 
     Raises SpecError, SimulationError, CompilerError.
     """
     changed = model_scene(scene, model)
     complete = with_monitors(changed) if monitored else changed
     code, files = generated_explicit(complete) if explicit else generated(complete)
-    native = load_scene(files, RUN_FLAGS if monitored else QUICK_FLAGS)
+    native = load_scene(files, flags)
     k, own = native.setup(), len(code.outputs) - len(complete.outputs) + len(changed.outputs)
     columns = replace(code, outputs=code.outputs[:own])
     return CompiledLadderModel(

@@ -13,7 +13,7 @@ from derive.simulation.trajectory import Trajectory
 from derive.spec.model.plots import ColumnCurves, Plot, ReferenceCurve
 from derive.spec.model.scene import Scene
 from derive.spec.parsing.faults import did_you_mean
-from derive.study.accuracy.measurement import Progress, compiled, motion
+from derive.study.accuracy.measurement import QUICK_FLAGS, Progress, compiled, motion
 from derive.study.accuracy.models import refinements
 
 Curves = tuple[PlotCurve, ...]
@@ -69,9 +69,10 @@ def _own(scene: Scene, plot: Plot, progress: Progress, report: Progress) -> Refe
     """The finest of ever finer models; its error is its difference from the one before."""
     bare = bare_plots(plot)
     finest, before, label = Curves(), Curves(), ""
+    made_for = replace(scene, plots=(plot,))
     for model in refinements():
         progress(f"reference: {model.label} ...")
-        moved = motion(compiled(replace(scene, plots=(plot,)), model, monitored=False), TOLERANCE)
+        moved = motion(compiled(made_for, model, monitored=False, flags=QUICK_FLAGS), TOLERANCE)
         before, finest, label = finest, curves_of(bare, moved), model.label
         report(f"reference: {label}: {1e3 * moved.solution.cost.seconds:.3g} ms")
     difference = rms_difference(finest, before)

@@ -1,12 +1,12 @@
 """What each beam adds to the error of a scene: one beam at a time is coarsened, and all others stay fine.
 
-Rigid beams come first: their shares show which beams matter, and how much of the error is left for those. Shares of
-independent errors add up as squares; what combinations do in truth is measured, see `combinations`.
+Rigid beams come first, see `rigid_shares`: their shares show which beams matter, and how much of the error is left for
+those. Shares of independent errors add up as squares; what combinations do in truth is measured, see `combinations`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,15 +42,26 @@ class BeamShare:
 class BeamShares:
     """The shares of the beams in the error, as they are measured; the others are those of the model `base`.
 
-    report: takes what came of a measurement. Raises TisserandError where the base cannot be run.
+    rigid: the shares that are known already. report: takes what came of a measurement. Raises TisserandError where the
+    base cannot be run.
     """
 
-    def __init__(self, runs: ModelRuns, base: LadderModel, cost: PredictedCost, report: Progress) -> None:
-        self.base, self.known = base, list[BeamShare]()
+    def __init__(
+        self,
+        runs: ModelRuns,
+        base: LadderModel,
+        cost: PredictedCost,
+        rigid: Sequence[BeamShare] = (),
+        report: Progress = lambda _: None,
+    ) -> None:
+        self.base, self.known = base, list(rigid)
         self._runs, self._report = runs, report
         self._fine = runs.curves(base, TOLERANCE)
         beams = beam_bodies(runs.scene)
-        self._left = {beam.name: list(beam_candidates(runs.scene, beam, cost)) for beam in beams}
+        flexible = [beam for beam in beams if base.of(beam.name).shapes is not Shapes.RIGID]
+        self._alone = len(flexible) == 1  # a model whose share is measured is a candidate as it is
+        known = {of.beam for of in rigid}
+        self._left = {beam.name: list(beam_candidates(runs.scene, beam, cost))[beam.name in known :] for beam in beams}
 
     @property
     def beams(self) -> tuple[str, ...]:
@@ -66,8 +77,8 @@ class BeamShares:
         return not self._left[beam]
 
     def targets(self, error: float) -> dict[str, float]:
-        """What each beam may add to an error, by its share as a rigid body, which is measured."""
-        for beam in self.beams:
+        """What each beam may add to an error, by its share as a rigid body, which is measured if it is not known."""
+        for beam in set(self.beams) - {of.beam for of in self.known}:
             self._try_next(beam)
         rigid = {share.beam: share.share for share in self.known if share.model.shapes is Shapes.RIGID}
         small = error / SMALL / np.sqrt(len(rigid))
@@ -93,7 +104,7 @@ class BeamShares:
         self._runs.progress(f"share of {beam}: {option.label} ...")
         try:
             changed = replaced(self._runs.scene, self.base, {beam: option})
-            share = rms_difference(self._fine, self._runs.curves(changed, TOLERANCE))
+            share = rms_difference(self._fine, self._runs.curves(changed, TOLERANCE, self._alone))
         except TisserandError as failure:
             self.known.append(BeamShare(beam, option, None, first_line(failure)))
             self._report(f"share of {beam}: {option.label}: {first_line(failure)}")

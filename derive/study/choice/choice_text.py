@@ -9,6 +9,7 @@ from typing import Any
 from derive.percentages import percent
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.table import cheapest
+from derive.study.choice.model_runs import FLEXIBLE
 from derive.study.choice.screening import Screening
 from derive.study.choice.search import Choice
 from derive.study.choice.trials import accurate, implied_error
@@ -40,7 +41,8 @@ def _shares(choice: Choice) -> list[str]:
         return []
     width = max(len(of.model.label) for of in choice.shares)
     names = max(len(of.beam) for of in choice.shares)
-    head = ["", f"Shares of the beams in the error, with the others as {choice.base.label}"]
+    others = choice.base.label if choice.base == FLEXIBLE else f"{choice.base.label} (of rigid ones: {FLEXIBLE.label})"
+    head = ["", f"Shares of the beams in the error, with the others as {others}"]
     return head + [
         f"  {of.beam:{names}}  {of.model.label:{width}}  "
         + (f"fails: {of.failure}" if of.share is None else f"{percent(of.share):>8}")

@@ -9,9 +9,16 @@ from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.measurement import CompiledLadderModel, compiled, motion
-from derive.study.accuracy.models import LadderModel
+from derive.study.accuracy.measurement import QUICK_FLAGS, UNOPTIMISED, CompiledLadderModel, compiled, motion
+from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, bare_plots, curves_of
+
+FLEXIBLE = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED)
+"""The flexible model that is looked at first, and that references need as well."""
+
+SHORT = 1e9
+"""Predicted operations of a run from which on it is worth while to optimise the code of a model that is not timed."""
 
 Progress = Callable[[str], None]
 
@@ -27,6 +34,7 @@ class ModelRuns:
         self.bare = tuple(bare for plot in plots for bare in bare_plots(plot))
         self.scene, self.progress = replace(scene, plots=tuple(plots)), progress
         self.lone = len(beam_bodies(scene)) == 1
+        self._cost = PredictedCost(scene)
         self.ready: dict[LadderModel, CompiledLadderModel] = {}
         self._unwatched: dict[LadderModel, CompiledLadderModel] = {}
         self._curves: dict[tuple[LadderModel, float], Curves] = {}
@@ -43,13 +51,14 @@ class ModelRuns:
             self.ready[model] = compiled(self.scene, model)
             return self.ready[model]
         if model not in self._unwatched:
-            self._unwatched[model] = compiled(self.scene, model, monitored=False)
+            flags = UNOPTIMISED if self._cost.operations(model) < SHORT else QUICK_FLAGS
+            self._unwatched[model] = compiled(self.scene, model, monitored=False, flags=flags)
         return self._unwatched[model]
 
-    def curves(self, model: LadderModel, tolerance: float) -> Curves:
+    def curves(self, model: LadderModel, tolerance: float, monitored: bool = False) -> Curves:
         """The curves of a run of a model, likewise; its time is kept."""
         if (model, tolerance) not in self._curves:
-            moved = motion(self.compiled(model, monitored=False), tolerance)
+            moved = motion(self.compiled(model, monitored), tolerance)
             self._seconds[model] = moved.solution.cost.seconds
             self._curves[model, tolerance] = curves_of(self.bare, moved)
         return self._curves[model, tolerance]
@@ -63,5 +72,6 @@ class ModelRuns:
         return {model: curves for (model, of), curves in self._curves.items() if of == tolerance}
 
     def _is_candidate(self, model: LadderModel) -> bool:
-        """Whether a model of a lone beam may well be tried, so that one with monitors serves both."""
-        return self.lone and model.pieces == 1 and model.order is not DisplacementOrder.FULL
+        """Whether a model may well be tried, so that one with monitors serves both; a rigid one has none."""
+        in_one_piece = self.lone and model.pieces == 1 and model.order is not DisplacementOrder.FULL
+        return in_one_piece or model.shapes is Shapes.RIGID

@@ -21,22 +21,19 @@ from derive.simulation.observables.motion import si_value
 from derive.simulation.validity.held_beam import lowest_mode
 from derive.simulation.validity.monitors import Cause
 from derive.simulation.validity.piece_shapes import PieceShapes
-from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import value_at
-from derive.study.accuracy.measurement import compiled, motion
+from derive.study.accuracy.measurement import UNOPTIMISED, compiled, motion
 from derive.study.accuracy.models import LadderModel, Shapes
-from derive.study.choice.model_runs import ModelRuns
+from derive.study.choice.model_runs import FLEXIBLE, ModelRuns
 
 TOLERANCE = 1e-6
 """That of the runs that are looked at."""
 SPEEDS = 1001
 """The times of a simulation at which the largest speed of a drive is looked for."""
-FLEXIBLE = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED)
-"""The model with flexible beams that is looked at, which references need as well."""
 MODAL = 4 / np.pi
 """The part of a uniform load that bends a beam into half a sine wave, as an amplitude."""
 
@@ -135,7 +132,7 @@ def _accelerations(scene: Scene, beams: list[BeamBody]) -> dict[str, tuple[float
     columns = tuple(column for output in watched for column in output_columns(output))
     watching = replace(scene, outputs=watched, plots=(Plot("screened", ColumnCurves(columns)),))
     try:
-        moved = motion(compiled(watching, LadderModel(Shapes.RIGID), monitored=False), TOLERANCE)
+        moved = motion(compiled(watching, LadderModel(Shapes.RIGID), monitored=False, flags=UNOPTIMISED), TOLERANCE)
     except TisserandError:
         return {}
     fall = np.array([si_value(g) for g in scene.gravity or ()] or [0.0, 0.0])

@@ -19,6 +19,7 @@ from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.one_beam import try_more_accurate, try_one_beam
+from derive.study.choice.rigid_shares import hardly_matter, rigid_shares
 from derive.study.choice.several_beams import try_several_beams
 from derive.study.choice.trials import Trials, accurate, usable
 from derive.study.choice.trusted_reference import SHARE, TrustedReference, trusted_reference
@@ -71,14 +72,15 @@ def choose(runs: ModelRuns, error: float, report: Progress = quiet) -> Choice:
 
     Raises NotConverged, SpecError, SimulationError, CompilerError.
     """
-    known = trusted_reference(runs, error, report)
+    rigid = rigid_shares(runs, error, report)
+    known = trusted_reference(runs, error, report, hardly_matter(rigid, error))
     trials = Trials(runs, known, error, report)
     base, shares = None, tuple[BeamShare, ...]()
     if runs.lone:
         try_one_beam(trials)
     elif not trials.is_good(trials.run(LadderModel(Shapes.RIGID))):  # the answer for a slow motion
         base = _base(known, trials.cost, error)
-        shares = try_several_beams(trials, base)
+        shares = try_several_beams(trials, base, rigid)
     if not trials.good:
         trials.run_until_good(_with_all_terms(trials))
     if not trials.good:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from derive.spec.model.body import DisplacementOrder
 from derive.study.accuracy.models import LadderModel
 from derive.study.choice.beam_shares import BeamShare, BeamShares
@@ -16,12 +18,13 @@ BEYOND = 1
 """Combinations that are run beyond the first good one: what more accuracy would cost."""
 
 
-def try_several_beams(trials: Trials, base: LadderModel) -> tuple[BeamShare, ...]:
+def try_several_beams(trials: Trials, base: LadderModel, rigid: Sequence[BeamShare] = ()) -> tuple[BeamShare, ...]:
     """Run combinations until some are good, then with first order; returns the shares of the beams in the error.
 
     base: the model of the beams whose shares are not measured. It is taken for a beam where nothing else will do.
+    rigid: the shares of rigid beams.
     """
-    shares = BeamShares(trials.runs, base, trials.cost, trials.report)
+    shares = BeamShares(trials.runs, base, trials.cost, rigid, trials.report)
     combined = _Combined(trials, shares)
     targets = shares.targets(trials.budget)
     for part in ROUNDS:

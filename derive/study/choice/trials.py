@@ -36,7 +36,7 @@ def implied_error(line: Line) -> float:
 
 def usable(model: LadderModel) -> bool:
     """Whether a model of the reference is one to work with: a model in which nothing is truncated costs far more."""
-    return model.order is not DisplacementOrder.FULL
+    return all(of.order is not DisplacementOrder.FULL for of in (model, *dict(model.beams).values()))
 
 
 class Trials:

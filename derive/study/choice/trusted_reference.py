@@ -8,20 +8,24 @@ that a search for a larger error goes through the same models and ends with one 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+import numpy as np
+
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
+from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import BeamBody, Scene
-from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.accuracy.models import LadderModel, Shapes, mixed
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, rms_difference, with_curve
+from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.model_runs import ModelRuns
 from derive.terminal import duration_text
 
@@ -55,8 +59,9 @@ class Agreement:
 class TrustedReference:
     """Plots with the curves of the finest model, and how far coarser models differ from it; `model` is that model.
 
-    truncation: what truncation changes in models with one beam. errors: those of the models that have run, rms over the
-    peak, in the order in which they did.
+    agreements: with fewer beams, fewer shapes, nothing truncated, beams that are rigid here, and larger steps.
+    truncation: what truncation changes in models with one beam. errors: those of the models that have run, rms over
+    the peak, in the order in which they did.
     """
 
     plots: tuple[Plot, ...]
@@ -75,12 +80,14 @@ class NotConverged(TisserandError):
     """No reference agrees with coarser models closely enough for the error that is asked for."""
 
 
-def trusted_reference(runs: ModelRuns, error: float, report: Progress) -> TrustedReference:
+def trusted_reference(
+    runs: ModelRuns, error: float, report: Progress, rigid: Sequence[BeamShare] = ()
+) -> TrustedReference:
     """A reference whose own error is at most a third of `error`. Raises NotConverged.
 
-    report: takes a line on each comparison.
+    report: takes a line on each comparison. rigid: the shares of beams that hardly matter, and are rigid.
     """
-    references = _References(runs, report)
+    references = _References(runs, report, rigid)
     model: LadderModel | None = FIRST
     further = ""
     while model is not None:
@@ -98,7 +105,7 @@ def trusted_reference(runs: ModelRuns, error: float, report: Progress) -> Truste
             break
         if known.error <= SHARE * error:
             return known
-        model = references.finer(known)
+        model = references.finer(model)
     raise NotConverged(_without_reference(references, error, further))
 
 
@@ -124,8 +131,11 @@ def rounded_up(ratio: float) -> float:
 class _References:
     """The references that have been made of a scene, from coarse to fine."""
 
-    def __init__(self, runs: ModelRuns, report: Progress) -> None:
+    def __init__(self, runs: ModelRuns, report: Progress, rigid: Sequence[BeamShare]) -> None:
         self._runs, self._report = runs, report
+        self._rigid = {of.beam: of.model for of in rigid}
+        together = float(np.sqrt(sum((of.share or 0.0) ** 2 for of in rigid)))
+        self._flexible = [Agreement(f"{', '.join(self._rigid)} flexible", together)] if rigid else []
         comparable = _without_rotary_inertia(runs.scene)
         self._full_runs = runs if comparable == runs.scene else ModelRuns(comparable, comparable.plots, runs.progress)
         self._truncation: dict[int, Agreement] = {}
@@ -140,10 +150,10 @@ class _References:
         agreements = [self._agreement(model, "fewer beams", fewer_beams)]
         agreements.append(self._agreement(model, "fewer shapes", fewer_shapes))
         full = self._full(model, max(a.difference for a in agreements))
-        curves = self._runs.curves(model, FINE)
-        plots = (with_curve(plot, model.label, of) for plot, of in zip(self._runs.bare, curves, strict=True))
-        truncation = self._truncation[1].difference
-        made = TrustedReference(tuple(plots), model, (*agreements, full), tuple(self._errors(curves)), truncation)
+        curves, mixture = self._curves(self._runs, model, FINE), self._mixture(model)
+        plots = (with_curve(plot, mixture.label, of) for plot, of in zip(self._runs.bare, curves, strict=True))
+        errors, truncation = tuple(self._errors(curves)), self._truncation[1].difference
+        made = TrustedReference(tuple(plots), mixture, (*agreements, full, *self._flexible), errors, truncation)
         self.made.append(made)
         return made
 
@@ -151,7 +161,8 @@ class _References:
         """A reference that is compared with larger steps as well."""
         model = known.model
         if model not in self._complete:
-            steps = self._agreement(model, "larger steps", model, COARSE)
+            curves = self._runs.curves(model, FINE), self._runs.curves(model, COARSE)
+            steps = self._compared(f"larger steps: {model.label}", model, *curves)
             self._complete[model] = replace(known, agreements=(*known.agreements, steps))
         return self._complete[model]
 
@@ -163,11 +174,11 @@ class _References:
                 self.with_larger_steps(known)
         return min(self._complete.values() or self.made, key=lambda known: known.error)
 
-    def finer(self, known: TrustedReference) -> LadderModel | None:
-        """The next model, refined in the direction that differs most; None where there is none."""
-        beams, shapes, truncation = (a.difference for a in known.agreements[:3])
-        more_shapes = replace(known.model, count=known.model.count + 1)
-        more_beams = replace(known.model, pieces=known.model.pieces + 1)
+    def finer(self, model: LadderModel) -> LadderModel | None:
+        """The model after the last one, refined in the direction that differs most; None where there is none."""
+        beams, shapes, truncation = (a.difference for a in self.made[-1].agreements[:3])
+        more_shapes = replace(model, count=model.count + 1)
+        more_beams = replace(model, pieces=model.pieces + 1)
         finer = [more_shapes, more_beams]
         if max(beams, truncation) > CHEAPER * shapes:
             finer.reverse()
@@ -175,8 +186,8 @@ class _References:
 
     def predicted_seconds(self, model: LadderModel) -> float:
         """How long a run of a model takes, about, from that of the finest that is known."""
-        known = self.made[-1].model
-        return self._runs.seconds(known) * self._cost.operations(model) / self._cost.operations(known)
+        known, cost = self.made[-1].model, self._cost
+        return self._runs.seconds(known) * cost.operations(self._mixture(model)) / cost.operations(known)
 
     def _full(self, model: LadderModel, enough: float) -> Agreement:
         """How much truncation leaves out: it is largest where there are few beams, which are tried first.
@@ -187,7 +198,7 @@ class _References:
             if pieces not in self._truncation:
                 few = replace(model, pieces=pieces, count=FULL_SHAPES)
                 full = replace(few, order=DisplacementOrder.FULL)
-                curves = (self._full_runs.curves(of, FINE) for of in (few, full))
+                curves = (self._curves(self._full_runs, of, FINE) for of in (few, full))
                 label = f"nothing truncated: {full.label}"
                 if self._full_runs is not self._runs:
                     label += ", without the rotary inertia of attached masses"
@@ -196,8 +207,15 @@ class _References:
                 break
         return self._truncation[pieces]
 
-    def _agreement(self, model: LadderModel, label: str, other: LadderModel, tolerance: float = FINE) -> Agreement:
-        curves = self._runs.curves(model, FINE), self._runs.curves(other, tolerance)
+    def _mixture(self, model: LadderModel) -> LadderModel:
+        """The model with the beams that hardly matter rigid."""
+        return mixed({beam.name: self._rigid.get(beam.name, model) for beam in beam_bodies(self._runs.scene)})
+
+    def _curves(self, runs: ModelRuns, model: LadderModel, tolerance: float) -> Curves:
+        return runs.curves(self._mixture(model), tolerance)
+
+    def _agreement(self, model: LadderModel, label: str, other: LadderModel) -> Agreement:
+        curves = (self._curves(self._runs, of, FINE) for of in (model, other))
         return self._compared(f"{label}: {other.label}", model, *curves)
 
     def _compared(self, label: str, model: LadderModel, finer: Curves, coarser: Curves) -> Agreement:
