@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -67,9 +68,14 @@ class TitledRun:
         progress = SimulationProgress(self.title, self.run.settings.simulation.duration)
         try:
             with lines_of(self.path):
-                return self.run.trajectory(earlier, progress)
+                return self.run.trajectory(earlier, progress, self._announce)
         finally:
             progress.end()
+
+    def _announce(self, text: str) -> None:
+        """Print what is foreseen before the run, which may take long, or stop there."""
+        show_progress()
+        print(f"{self.title}: note: {text}", file=sys.stderr)
 
 
 @contextmanager

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from derive.mechanics.time_integrals.closed_form import time_integral
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import Drive
@@ -14,6 +16,7 @@ def drive_speed(drive: Drive) -> TimeFunction | None:
     return drive.speed if isinstance(drive.speed, TimeFunction) else None if constant is None else _constant(constant)
 
 
+@lru_cache(maxsize=128)
 def drive_motion(drive: Drive) -> TimeFunction:
     """The rotation (rad) or displacement (m) that a drive prescribes, as a function of t (s).
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Generic, TypeVar
 
 from derive.artifacts import File
@@ -68,13 +69,25 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
             raise SpecError((*problems, *wrong))
         self.plots = (*spec.plots, *self._default_plots())
 
-    def trajectory(self, earlier: EarlierRun | None = None, progress: Progress | None = None) -> Result:
-        """The motion; arguments as for `simulate`. Raises CompilerError, ModelError, SimulationError."""
+    def trajectory(
+        self,
+        earlier: EarlierRun | None = None,
+        progress: Progress | None = None,
+        announce: Callable[[str], None] | None = None,
+    ) -> Result:
+        """The motion; arguments as for `simulate`. Raises CompilerError, ModelError, SimulationError.
+
+        announce: called before the integration with what is foreseen of it, which is among the notes of the result.
+        """
         simulation = self.settings.simulation
         native, integrator = self._compiled(self.files)
         k = native.setup()
         q, v, start = self._start(native, k)
         times = output_times(simulation)
+        foreseen = tuple(self._foreseen(native, k, q)) if earlier is None else ()
+        if announce is not None:
+            for text in foreseen:
+                announce(text)
         if earlier is not None:
             q, v, times = earlier.q, earlier.v, earlier.times(times)
 
@@ -94,7 +107,7 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
         solution = integrator.integrate(k, q, v, times, settings)
         if earlier is not None:
             solution = earlier.continued(self.model, solution)
-        return self._result(native, k, start, solution)
+        return self._result(native, k, start, replace(solution, notes=(*foreseen, *solution.notes)))
 
     def _with_monitors(self, spec: Scene | NodalBody) -> Scene | NodalBody:
         """The specification that is compiled: with outputs that monitor the validity of its model."""
@@ -103,6 +116,10 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
     def _without_monitors(self, model: Model) -> Model:
         """The model without the outputs that monitor its validity."""
         return model
+
+    def _foreseen(self, native: Native, k: Vector, q: Vector) -> Iterable[str]:
+        """Notes on what will happen in a motion from the initial configuration q (nq,)."""
+        return ()
 
     def _watch(self, native: Native, k: Vector, t: float, q: Vector) -> Watch | None:
         """What is looked at after each step of a motion from q (nq,) at t, s."""

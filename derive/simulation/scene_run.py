@@ -11,6 +11,7 @@ from derive.runtime.integrators.watch import Watch
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.drive_jumps import check_drives
+from derive.simulation.drive_obstacle import drive_obstacle
 from derive.simulation.errors import SimulationError
 from derive.simulation.initial.initial_state import InitialState, initial_state, scene_size
 from derive.simulation.inputs import DrivenScene, InputFunction, with_functions
@@ -71,6 +72,10 @@ class SceneRun(PreparedRun[NativeScene, InitialState, Trajectory]):
             native = DrivenScene(native, self.scene, self.inputs)
             compiled = compiled.through_python(native)
         return native, compiled
+
+    def _foreseen(self, native: NativeScene, k: Vector, q: Vector) -> Sequence[str]:
+        obstacle = drive_obstacle(self.scene, native, k, q, self.size)
+        return () if obstacle is None else (str(obstacle),)
 
     def _watch(self, native: NativeScene, k: Vector, t: float, q: Vector) -> Watch | None:
         watched = scene_watch(self.scene, native, k, t, q)

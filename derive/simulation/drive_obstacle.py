@@ -1,0 +1,245 @@
+"""Drives that a linkage cannot follow: whether its joints can be met, with rigid beams, wherever drives move it.
+
+The drives are walked through what they prescribe over a run, from its initial state, and Newton's method closes the
+joints in small steps. What has been passed once is not walked again, since a linkage without other freedom returns to
+where it was.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice, pairwise
+
+import numpy as np
+
+from derive.lowering.redundancy import enumeration
+from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.prescribed_motion import drive_motion
+from derive.roles import Role
+from derive.runtime.native_call import Matrix, Vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, max_norm
+from derive.simulation.constraints.closest_state import PERTURBATIONS, closest_state, perturbed, unmet_constraints
+from derive.simulation.constraints.scaling import SINGULAR
+from derive.simulation.observables.motion import drive_unit
+from derive.spec.model.markers import GROUND
+from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.time_function import value_at
+
+SAMPLES = 250
+"""The times at which the drives are looked at over a run."""
+STEP = 0.15
+"""rad, and part of the size of the scene: the steps in which drives are walked."""
+TURN = 2 * math.pi + STEP
+"""rad: a linkage that a drive has turned by so much is where it was, and can be turned on."""
+MOST_STEPS = 400
+"""The walk ends after so many; it is a look ahead, which must not take long."""
+HALVINGS = 8
+"""How often a step is halved where the joints are not met behind it."""
+BEYOND = (0.03, 0.1, 0.3)
+"""rad, and part of the size: the distances behind an obstacle in which joints must be missed."""
+GAP = 1e-3
+"""Part of the size: what joints are missed by at least; less may be the play of rounded lengths."""
+MET = 1e-7
+"""Part of the size: joints that are missed by no more are met."""
+NEAR = 1.0
+"""rad: bodies that rotate by more in a step have jumped to another way of closing the linkage."""
+NEWTON_STEPS = 10
+BEGUN = 1e-3
+"""rad, and part of the size: what drives have moved before an obstacle, without which rigid beams do not move."""
+
+
+@dataclass(frozen=True)
+class DriveObstacle:
+    """Where the joints of a linkage can no longer be met: the time (s), the drives with their values and units there,
+    and the joints; beams: whether there are beams, which are taken as rigid."""
+
+    t: float
+    drives: tuple[tuple[str, float, str], ...]
+    joints: tuple[str, ...]
+    beams: bool
+
+    def __str__(self) -> str:
+        where = " and ".join(f"{name} = {value:.5g} {unit}" for name, value, unit in self.drives)
+        joints = f"the joint{'s' if len(self.joints) > 1 else ''} {enumeration(self.joints)}"
+        return (
+            f"the linkage cannot be turned through: beyond {where} (t = {self.t:.5g} s) {joints} cannot be met"
+            f"{' with rigid beams' if self.beams else ''}"
+        )
+
+
+def drive_obstacle(scene: Scene, native: NativeScene, k: Vector, q: Vector, size: float) -> DriveObstacle | None:
+    """The first obstacle on the way of the drives over the simulation of a scene, if there is one.
+
+    q (nq,): the initial configuration, whose deformations stay; size: that of the scene, m. Where no rigid motion
+    begins at all, beams are there to be bent by their drives, and nothing is looked for; nor where drives follow
+    run-time inputs, whose functions are called once the integration needs them.
+    """
+    unknown = any(drive.motion is not None and drive.motion.kind == "input" for drive in scene.drives)
+    if not scene.drives or unknown or not native.nlambda or not _has_loop(scene):
+        return None
+    try:
+        return _Walk(scene, native, k, q, size).obstacle()
+    except (ArithmeticError, ValueError):  # numbers that are not finite, on which the integration itself reports
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class _Front:
+    """How far drives have been walked: the time (s), their values u (drives,), the configuration q (nq,), and the
+    change of q per change of u on the way here."""
+
+    t: float
+    u: Vector
+    q: Vector
+    slope: Vector
+
+
+class _Walk:
+    """The walk of the drives of a scene, whose values u count angles in rad and lengths as parts of the size."""
+
+    def __init__(self, scene: Scene, native: NativeScene, k: Vector, q: Vector, size: float) -> None:
+        self.scene, self.native, self.k, self.start, self.size = scene, native, k, q, size
+        self.units = [drive_unit(scene, drive) for drive in scene.drives]
+        self.motions = [drive_motion(drive) for drive in scene.drives]
+        self.scales = np.array([1.0 if unit == "rad" else size for unit in self.units])
+        self.free = ~coordinates_with(native, Role.AMPLITUDE)
+        self.lengths = np.where(coordinates_with(native, Role.ROTATION), 1.0, size)[self.free]
+        G = constraint_matrix(native, 0.0, q, k)[:, self.free] * self.lengths
+        self.movable = int(np.sum(self.free)) > np.linalg.matrix_rank(G, SINGULAR * np.abs(G).max(initial=1.0))
+
+    def obstacle(self) -> DriveObstacle | None:
+        """The first obstacle on the way; None as well where no rigid motion begins."""
+        path = list(islice(self._path(), MOST_STEPS))
+        if not path or not np.all(np.isfinite([u for _, u in path])):
+            return None
+        single = len(self.units) == 1
+        first = self._values(np.zeros(1))[0]
+        fronts: dict[int, _Front | None] = dict.fromkeys((1, -1), _Front(0.0, first, self.start, 0 * self.start))
+        for number, (time, u) in enumerate(path):
+            # A single drive walks on where it has not been yet.
+            sign = 1 if not single or u[0] > first[0] else -1
+            front = fronts[sign]
+            if front is None or single and sign * (u[0] - front.u[0]) <= 0.0:
+                continue
+            moved = self._moved(front, time, u) or self._passed(front, path[number:])
+            if isinstance(moved, DriveObstacle):
+                return moved
+            fronts[sign] = moved
+        return None
+
+    def _path(self) -> Iterator[tuple[float, Vector]]:
+        """Times and values of the drives, from each to the next of which drives move by about a step at most.
+
+        Between two of them a drive moves in one direction.
+        """
+        assert self.scene.simulation is not None
+        times = np.linspace(0.0, self.scene.simulation.duration, SAMPLES + 1)
+        values = self._values(times)
+        last, low, high = values[0], values[0], values[0]
+        for i, (before, after) in enumerate(pairwise(values)):
+            count = math.ceil(max_norm(after - before) / STEP)
+            if count > SAMPLES:
+                return  # so fast that a drive turns through between two samples
+            inner = np.linspace(times[i], times[i + 1], count + 1)[1:]
+            yield from zip(inner[:-1].tolist(), self._values(inner[:-1]), strict=True)
+            last = before if count > 1 else last
+            ahead = values[i + 2] - after if i + 2 < len(values) else 0.0 * after
+            if max_norm(after - last) + max_norm(ahead) > STEP or np.any(ahead * (after - before) <= 0.0):
+                yield float(times[i + 1]), after
+                last = after
+            low, high = np.minimum(low, after), np.maximum(high, after)
+            if len(low) == 1 and high[0] - low[0] > TURN:
+                return
+
+    def _values(self, times: Vector) -> Matrix:
+        """u (n, drives) at times (n,)."""
+        rows = [[value_at(motion, t) for motion in self.motions] for t in times.tolist()]
+        return np.asarray(np.array(rows).reshape(len(rows), len(self.scales)) / self.scales)
+
+    def _moved(self, front: _Front, time: float, u: Vector) -> _Front | None:
+        """The front at a later time, by Newton's method; None if it does not converge next to where the front is."""
+        distance = float(np.linalg.norm(u - front.u))
+        if distance == 0.0:
+            return front
+        q = front.q + distance * front.slope
+        for _ in range(NEWTON_STEPS):
+            g = self.native.constraints(time, q, self.k)
+            error = max_norm(g)
+            if error <= MET * self.size:
+                change = q - front.q
+                if max_norm(change[self.free] / self.lengths) > NEAR:
+                    return None
+                return _Front(time, u, q, change / distance)
+            if not error < self.size:
+                return None
+            rows = constraint_matrix(self.native, time, q, self.k)[:, self.free] * self.lengths
+            q = q.copy()
+            q[self.free] -= self.lengths * np.linalg.lstsq(rows, g, rcond=SINGULAR)[0]
+        return None
+
+    def _passed(self, front: _Front, path: Sequence[tuple[float, Vector]]) -> _Front | DriveObstacle | None:
+        """The front behind a place that Newton's method does not pass, or the obstacle that is there.
+
+        None if the drives turn back before the joints miss each other by more than a small gap.
+        """
+        front = self._nearest(front, path[0][0])
+        for distance in BEYOND:
+            beyond = next(((t, u) for t, u in path if np.linalg.norm(u - front.u) >= distance), None)
+            time, u = beyond or max(path, key=lambda at: float(np.linalg.norm(at[1] - front.u)))
+            states = (closest_state(self.native, self.k, time, start, self.free) for start in self._starts(front.q))
+            missed = []
+            for state in states:
+                if state.converged:
+                    return _Front(time, u, state.q, 0 * state.q)
+                missed.append(state)
+            least = min(missed, key=lambda state: state.error)
+            if least.error > GAP * self.size:
+                return self._described(front, [name for name, _ in unmet_constraints(self.native, least.g)])
+            if beyond is None:
+                break
+        return None
+
+    def _nearest(self, front: _Front, end: float) -> _Front:
+        """The last state next to which the joints can be met, before a time at which they cannot."""
+        for _ in range(HALVINGS):
+            middle = (front.t + end) / 2
+            moved = self._moved(front, middle, self._values(np.array([middle]))[0])
+            if moved is None:
+                end = middle
+            else:
+                front = moved
+        return front
+
+    def _starts(self, q: Vector) -> Iterator[Vector]:
+        """Where closed configurations are looked for: also beside q, where the linkage can move there."""
+        yield q
+        for angle in PERTURBATIONS if self.movable else ():
+            yield perturbed(self.native, q, angle, self.free)
+
+    def _described(self, front: _Front, unmet: Sequence[str]) -> DriveObstacle | None:
+        if np.linalg.norm(front.u - self._values(np.zeros(1))[0]) < BEGUN:
+            return None
+        drives = zip(self.scene.drives, front.u * self.scales, self.units, strict=True)
+        joints = [
+            joint.name
+            for joint in self.scene.joints
+            if any(f"{joint.name}_{multiplier.label}" in unmet for multiplier in JOINTS[joint.kind].multipliers)
+        ]
+        beams = any(isinstance(body, BeamBody) for body in self.scene.bodies)
+        values = tuple((drive.name, float(value), unit) for drive, value, unit in drives)
+        return DriveObstacle(front.t, values, tuple(joints), beams)
+
+
+def _has_loop(scene: Scene) -> bool:
+    """Whether joints connect bodies in a loop; without one, each body follows those that it is connected to."""
+    groups = {name: {name} for name in (GROUND, *(body.name for body in scene.bodies))}
+    for joint in scene.joints:
+        first, second = groups[joint.first.body], groups[joint.second.body]
+        if first is second:
+            return True
+        first |= second
+        groups.update(dict.fromkeys(second, first))
+    return False
