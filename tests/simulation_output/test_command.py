@@ -77,7 +77,7 @@ class Prepared:
         self.spec, self.settings, self.plots, self.asked = scene, RunSettings(scene.simulation), scene.plots, asked
         self.units = simulated(scene).units
 
-    def trajectory(self, earlier: object, progress: object) -> Trajectory:
+    def trajectory(self, earlier: object, progress: object, announce: object) -> Trajectory:
         self.asked.append(self.spec)
         return simulated(self.spec, progress)
 
@@ -86,7 +86,7 @@ class Prepared:
 def quick(monkeypatch: pytest.MonkeyPatch) -> list[Scene]:
     """Scenes that were simulated, quickly."""
     asked: list[Scene] = []
-    monkeypatch.setattr(command, "prepared", lambda scene, *_: Prepared(scene, asked))
+    monkeypatch.setattr(command, "prepared", lambda scene, *_, **__: Prepared(scene, asked))
     return asked
 
 
