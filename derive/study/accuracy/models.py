@@ -21,7 +21,7 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
 from derive.spec.parsing import choices
 from derive.spec.tables.beam_shapes import frame_from
-from derive.study.accuracy.rigid_beam import rigid_beam
+from derive.study.accuracy.rigid_beam import rigid_beam, rigid_loads
 from derive.terminal import beam_count
 
 
@@ -163,7 +163,9 @@ def model_scene(scene: Scene, model: LadderModel) -> Scene:
     """
     bodies = tuple(modelled(body, model.of(body.name)) if isinstance(body, BeamBody) else body for body in scene.bodies)
     plots = tuple(replace(plot, cut=None, pieces=()) for plot in scene.plots)
-    return validated(replace(scene, bodies=bodies, plots=plots, outputs=plotted_outputs(scene)))
+    rigid = (body for body in beam_bodies(scene) if model.of(body.name).shapes is Shapes.RIGID)
+    forces = (*scene.forces, *(force for body in rigid for force in rigid_loads(body)))
+    return validated(replace(scene, bodies=bodies, plots=plots, outputs=plotted_outputs(scene), forces=forces))
 
 
 def plotted_outputs(scene: Scene) -> tuple[SceneOutput, ...]:

@@ -1,23 +1,36 @@
-"""A beam as a rigid body: its mass, its centre and its inertia with what is attached, and its motion at the start."""
+"""A beam as a rigid body: its mass, its centre and its inertia with what is attached, its loads, and its start.
+
+A distributed load does the same work on a rigid body as its resultant at the point that is the mean over the load.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 
 from derive.errors import Problem, SpecError
+from derive.mechanics.bodies.beam_functions import XI
 from derive.mechanics.bodies.deflection_projection import projection
+from derive.mechanics.multibody.bodies.beam_loads import LoadResultant, load_forces, resultants
 from derive.simulation.observables.motion import si_value
+from derive.spec.model.forces import Force
 from derive.spec.model.markers import PointMarker
 from derive.spec.model.scene import BeamBody, RigidBody
 from derive.spec.model.simulation import InitialValues
 
 
 def rigid_beam(body: BeamBody) -> RigidBody:
-    """The beam as a rigid body with its attached masses. Raises SpecError where that is not the whole beam."""
+    """The beam as a rigid body with its attached masses, and with markers for `rigid_loads`.
+
+    Raises SpecError where that is not the whole beam.
+    """
     beam = body.beam
-    if body.loads:
-        raise SpecError((Problem(f"bodies.{body.name}", "a rigid body has no distributed loads"),))
+    for load in body.loads:
+        if load.time.kind == "input":
+            text = f"the factor of the load {load.name} is an input, and no force at a marker is a multiple of one"
+            raise SpecError((Problem(f"bodies.{body.name}", f"as a rigid body it cannot have its loads: {text}"),))
     own, length = (Fraction(str(si_value(q))) for q in (beam.mass, beam.length))
     half = length / 2
     points = [(Fraction(0), own, own * length**2 / 12)]
@@ -27,7 +40,17 @@ def rigid_beam(body: BeamBody) -> RigidBody:
     centre = sum((m * x for x, m, _ in points), Fraction(0)) / mass
     inertia = sum((j + m * (x - centre) ** 2 for x, m, j in points), Fraction(0))
     markers = tuple(PointMarker(m.name, m.at * half, Fraction(0)) for m in beam.markers)
+    markers += tuple(PointMarker(of.point, Fraction(str(of.mean(XI))) * half, Fraction(0)) for of in _whole(body))
     return RigidBody(body.name, mass, inertia, (centre, Fraction(0)), markers, _start(body.start, float(half)))
+
+
+def rigid_loads(body: BeamBody) -> tuple[Force, ...]:
+    """The forces on the rigid body in place of the loads on the beam."""
+    return tuple(load_forces(replace(body, pieces=1), 0, body.name))
+
+
+def _whole(body: BeamBody) -> Iterator[LoadResultant]:
+    return resultants(replace(body, pieces=1), 0)
 
 
 def _start(start: InitialValues, half: float) -> InitialValues:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, MutableMapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import tomlkit
 
+from derive.mechanics.multibody.bodies.beam_loads import resultants
 from derive.mechanics.multibody.keys import KeyType
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.simulation.observables.beams import beam_bodies
@@ -26,6 +27,7 @@ from derive.study.accuracy.models import (
     modelled,
     start_remainders,
 )
+from derive.study.accuracy.rigid_beam import rigid_loads
 
 BEAM_KEYS = ("ansatz", "frame", "orthogonal", "ends", "order", "terms", "pieces")
 """The keys of a beam that say how it is modelled."""
@@ -48,6 +50,8 @@ def chosen_specification(
     name = f"{scene.name}_chosen"
     document["name"] = name
     for beam in beam_bodies(scene):
+        if model.of(beam.name).shapes is Shapes.RIGID:
+            _carry_loads(document, beam)
         _model_beam(document["bodies"][beam.name], beam, model.of(beam.name))
     simulation: Any = document["simulation"]
     simulation["tolerance"] = tolerance
@@ -119,6 +123,20 @@ def _model_beam(table: MutableMapping[str, Any], beam: BeamBody, model: LadderMo
         table["terms"] = "full" if model.order is DisplacementOrder.FULL else "truncated"
     if model.pieces > 1:
         table["pieces"] = model.pieces
+
+
+def _carry_loads(document: MutableMapping[str, Any], beam: BeamBody) -> None:
+    """Forces on a rigid body in place of the loads on a beam, whose factors are written as they were."""
+    loads = document["bodies"][beam.name].pop("loads", {})
+    for force, of in zip(rigid_loads(beam), resultants(replace(beam, pieces=1), 0), strict=True):
+        total = float(of.density.integral() / 2) * si_value(beam.beam.length)
+        factor = loads[of.load.name].get("time", 1)
+        component = f"{total!r}*({factor})" if isinstance(factor, str) else total * factor
+        table = tomlkit.table()
+        table.update({"at": str(force.at), "components": [0, component] if of.component else [component, 0]})
+        if of.load.frame != "inertial":
+            table["frame"] = of.load.frame
+        document.setdefault("forces", tomlkit.table(is_super_table=True))[force.name] = table
 
 
 def _make_rigid(table: MutableMapping[str, Any], body: RigidBody) -> None:

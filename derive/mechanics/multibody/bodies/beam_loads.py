@@ -25,7 +25,7 @@ from derive.spec.model.time_function import TimeFunction
 
 
 @dataclass(frozen=True)
-class _Resultant:
+class LoadResultant:
     """A load with a resultant on a piece: the name of its point, the component (0 or 1), and p(xi) of the piece."""
 
     point: str
@@ -33,8 +33,13 @@ class _Resultant:
     load: DistributedLoad
     density: BeamFunction
 
+    def mean(self, of: BeamFunction) -> sp.Rational:
+        """The mean of a function of xi over the load."""
+        return rational((self.density * of).integral() / self.density.integral())
 
-def _resultants(body: BeamBody, piece: int) -> Iterator[_Resultant]:
+
+def resultants(body: BeamBody, piece: int) -> Iterator[LoadResultant]:
+    """The loads on a piece of a rod, counted from 0: one or two with a resultant for each component."""
     n = body.pieces
     for load in body.loads:
         for component, of_rod in enumerate(load.force):
@@ -43,7 +48,7 @@ def _resultants(body: BeamBody, piece: int) -> Iterator[_Resultant]:
                 continue
             parts = [density] if density.integral() else [density + ONE, -ONE]
             for part, of_part in enumerate(parts):
-                yield _Resultant(point_name(load.name, component, part, piece), component, load, of_part)
+                yield LoadResultant(point_name(load.name, component, part, piece), component, load, of_part)
 
 
 def point_name(load: str, component: int, part: int, piece: int) -> str:
@@ -59,20 +64,16 @@ def point_names(load: str, pieces: int) -> set[str]:
 def load_points(body: BeamBody, piece: int) -> dict[str, CrossSection]:
     """The points of a piece of a rod, counted from 0, at which the resultants of its loads act; they turn with Q."""
     result = {}
-    for r in _resultants(body, piece):
-
-        def mean(of: BeamFunction, density: BeamFunction = r.density) -> sp.Rational:
-            return rational((density * of).integral() / density.integral())
-
+    for r in resultants(body, piece):
         docs = (f"point of load {r.load.name}", f"mean position of load {r.load.name}")
-        point = point_that_sees(r.point, docs, body.beam, body.pieces, mean, "the load is symmetric")
+        point = point_that_sees(r.point, docs, body.beam, body.pieces, r.mean, "the load is symmetric")
         result[r.point] = CrossSection(point)
     return result
 
 
 def load_forces(body: BeamBody, piece: int, name: str) -> Iterator[Force]:
     """The resultants of the loads on a piece, which is called `name`."""
-    for r in _resultants(body, piece):
+    for r in resultants(body, piece):
         total = r.density.integral() / (2 * body.pieces)
         force = TimeFunction("mul", (TimeFunction("mul", (_number(total), _quantity(body.beam.length))), r.load.time))
         zero = _number(Fraction(0))
