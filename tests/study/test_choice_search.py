@@ -126,20 +126,34 @@ def test_a_larger_error_needs_no_other_references() -> None:
 
 
 @pytest.mark.parametrize("slow", [1, 1e6], ids=["at the finest", "where the next one takes too long"])
-def test_the_error_that_a_message_promises_is_confirmed(slow: float) -> None:
-    """It counts all comparisons, also that with larger steps, of a reference that a search for it comes to."""
+@pytest.mark.parametrize("beams", [1, 2])
+def test_the_error_that_a_message_promises_is_confirmed(slow: float, beams: int) -> None:
+    """It counts all comparisons, also that with larger steps, of a reference that a search for it comes to.
+
+    A second beam is rigid where the larger error allows it.
+    """
 
     def seconds(model: LadderModel) -> float:
-        return 0.1 * (slow if model.pieces > 2 else 1)
+        return 0.1 * (slow if model.of("b0").pieces > 2 else 1)
+
+    def errors(model: LadderModel, tolerance: float) -> dict[str, float]:
+        first = converging(model.of("b0"), tolerance) if model.of("b0") != RIGID else {"b0": 0.5}
+        return {**first, "b1": 2e-4 if model.of("b1") == RIGID else 0.0}
+
+    def searched(error: float) -> TrustedReference:
+        runs = MadeUpRuns(chain(beams), errors, seconds)
+        rigid = hardly_matter(rigid_shares(runs, error, lambda _: None), error)
+        assert bool(rigid) == (beams > 1 and error > 1e-3)
+        return trusted_reference.trusted_reference(runs, error, lambda _: None, rigid)
 
     with pytest.raises(NotConverged, match=r"Ask for an error of [\d.]+ % or more") as caught:
-        trusted_reference.trusted_reference(MadeUpRuns(chain(1), converging, seconds), 1e-4, lambda _: None)
+        searched(1e-4)
     assert ("would need" in str(caught.value)) == (slow > 1)
     promised = re.search(r"an error of ([\d.]+) % or more", str(caught.value))
     assert promised is not None
     error = float(promised[1]) / 100
-    known = trusted_reference.trusted_reference(MadeUpRuns(chain(1), converging, seconds), error, lambda _: None)
-    assert error / 3.7 < known.error <= error / 3 * (1 + 1e-12)
+    known = searched(error)
+    assert error / (3.7 if beams == 1 else 6) < known.error <= error / 3 * (1 + 1e-12)
 
 
 @pytest.mark.parametrize(("ratio", "up"), [(0.00312, 0.0032), (0.14201, 0.15), (0.003, 0.0031), (0.0999, 0.1)])

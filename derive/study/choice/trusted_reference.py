@@ -27,6 +27,7 @@ from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, rms_difference, with_curve
 from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.model_runs import ModelRuns
+from derive.study.choice.rigid_shares import MATTERS
 from derive.terminal import duration_text
 
 FINE, COARSE = 1e-10, 1e-8
@@ -113,7 +114,7 @@ def _without_reference(references: _References, error: float, further: str) -> s
     """Why there is no reference, and the least error for which there is one, of those that have been made."""
     best = references.best
     worst = max(best.agreements, key=lambda a: a.difference)
-    possible = rounded_up(best.error / SHARE)
+    possible = rounded_up(best.error / references.share)
     larger = f"an error of {percent(possible)} or more, or " if possible < 1 else ""
     return (
         f"an error of {percent(error)} needs a reference whose own error is a third of it at most, and none that was "
@@ -165,6 +166,14 @@ class _References:
             steps = self._compared(f"larger steps: {model.label}", model, *curves)
             self._complete[model] = replace(known, agreements=(*known.agreements, steps))
         return self._complete[model]
+
+    @property
+    def share(self) -> float:
+        """The error of a reference over a larger one that may be asked for: more beams may be rigid then.
+
+        Each difference of two models changes by twice their share at most.
+        """
+        return SHARE if self._runs.lone else SHARE - 2 / MATTERS
 
     @property
     def best(self) -> TrustedReference:
