@@ -108,7 +108,8 @@ def _work(seeds: list[int], store: Path) -> None:
     with tempfile.TemporaryDirectory(prefix="corpus-cache-") as folder:
         os.environ["XDG_CACHE_HOME"] = folder
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads are for larger matrices, and other jobs run
-        os.environ.setdefault("ZIG_GLOBAL_CACHE_DIR", str(Path(tempfile.gettempdir()) / "corpus-zig"))
+        for variable in ("ZIG_GLOBAL_CACHE_DIR", "MPLCONFIGDIR"):  # caches of others, which blocks share
+            os.environ.setdefault(variable, str(Path(tempfile.gettempdir()) / f"corpus-{variable.lower()}"))
         from corpus.scene_check import check_scene, quick_compiler
 
         os.environ["CC"] = quick_compiler(Path(folder))
