@@ -110,6 +110,8 @@ def _work(seeds: list[int], store: Path) -> None:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads are for larger matrices, and other jobs run
         for variable in ("ZIG_GLOBAL_CACHE_DIR", "MPLCONFIGDIR"):  # caches of others, which blocks share
             os.environ.setdefault(variable, str(Path(tempfile.gettempdir()) / f"corpus-{variable.lower()}"))
+        import matplotlib.font_manager  # noqa: F401  # tells of its cache while it builds that, and then no more
+
         from corpus.scene_check import check_scene, quick_compiler
 
         os.environ["CC"] = quick_compiler(Path(folder))
