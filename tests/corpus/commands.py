@@ -288,10 +288,11 @@ def findings(scene: CorpusScene, outcome: Outcome, folder: Path) -> Iterator[Fin
         return
     if outcome.code == 0:
         reports = outcome.arguments[0] in ("study", "choose")  # which write a line for each model
-        if outcome.error and not (reports and "Warning" not in outcome.error):
-            yield Finding(
-                name, f"standard error after success: {general(outcome.error.splitlines()[0])}", outcome.error
-            )
+        unexpected = [
+            line for line in outcome.error.splitlines() if ": note: the linkage cannot be turned through" not in line
+        ]
+        if unexpected and not (reports and "Warning" not in outcome.error):
+            yield Finding(name, f"standard error after success: {general(unexpected[0])}", outcome.error)
         if not outcome.out.strip():
             yield Finding(name, "no output after success", "")
         yield from _wrong_files(name, outcome, folder)
