@@ -24,6 +24,8 @@ from corpus.commands import Finding, parameters
 from corpus.draft import Table
 from corpus.generator import CorpusScene
 from corpus.python_kernels import disagreements
+from corpus.summed_terms import summed_terms
+from derive.ir.model import Model
 from derive.simulation.scene_run import SceneRun
 from derive.simulation.simulate import prepared
 from derive.spec.model.markers import GROUND
@@ -60,7 +62,7 @@ def physics(scene: CorpusScene, path: Path) -> Iterator[Finding]:
     for state in states:
         yield from _energy_balance(state)
         if kept:
-            yield from _newton(state)
+            yield from _newton(state, run.complete_model)
     yield from disagreements(run, native, motion.k, states[len(states) // 2])
 
 
@@ -157,9 +159,13 @@ def _energy_balance(state: State) -> Iterator[Finding]:
 # ---- Newton's law ----
 
 
-def _newton(state: State) -> Iterator[Finding]:
-    """The rates of linear and angular momentum are the forces and torques from outside."""
-    rate, rounding = state.rate(lambda s: state.native.momentum(*state.after(s)[1:], state.k))
+def _newton(state: State, model: Model) -> Iterator[Finding]:
+    """The rates of linear and angular momentum are the forces and torques from outside.
+
+    The momenta of bodies that push each other off cancel, and their rounding errors do not.
+    """
+    rate, error = state.rate(lambda s: state.native.momentum(*state.after(s)[1:], state.k))
+    rounding = error + 4e-15 * summed_terms(model, "momentum", state.q, state.v, state.k) / state.step
     forces = [force for force in _forces(state) if force is not None]
     if len(forces) < len([*_forces(state)]):
         return

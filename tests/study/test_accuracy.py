@@ -327,6 +327,15 @@ def test_a_reference_of_its_own_knows_its_error(crank_slider: Scene, monkeypatch
         ("slider_s",),
         ("rod_phi",),
     ]
+    undamped = replace(crank_slider, outputs=(SceneOutput("lost", "power"),))
+    curves_with_zero = replace(several, quantity=ColumnCurves(("slider_s", "lost_dissipated")))
+    lines: list[str] = []
+    kept = reference(undamped, curves_with_zero, None, True, lambda _: None, lines.append)
+    assert len(kept.plots) == 1 and kept.error is not None and kept.error < 0.01
+    assert lines[-1] == "reference: lost_dissipated vanishes all the time; it is not compared"
+    nothing = replace(several, quantity=ColumnCurves(("lost_dissipated",)))
+    with pytest.raises(SpecError, match="vanishes all the time"):
+        reference(undamped, nothing, None, True, lambda _: None)
     file = reference(crank_slider, crank_slider.plots[0], 1e-3, False, lambda _: None)
     assert (file.source, file.error) == ("crank_slider_A.csv", 1e-3)
 

@@ -78,8 +78,7 @@ def _own(scene: Scene, plot: Plot, progress: Progress, report: Progress) -> Refe
     difference = rms_difference(finest, before)
     if difference is None:
         raise SpecError((Problem(f"plots.{plot.name}", "it vanishes all the time, so that no error of it is known"),))
-    made = tuple(with_curve(plot, label, curve) for plot, curve in zip(bare, finest, strict=True))
-    return Reference(made, f"own run, {label}", difference)
+    return Reference(reference_plots(bare, label, finest, report), f"own run, {label}", difference)
 
 
 def bare_plots(plot: Plot) -> tuple[Plot, ...]:
@@ -95,16 +94,33 @@ def curves_of(bare: Sequence[Plot], moved: Trajectory) -> Curves:
     return tuple(curve for plot in bare for curve in plot_curves(plot, moved, ""))
 
 
-def with_curve(bare: Plot, label: str, curve: PlotCurve) -> Plot:
-    """A plot with a curve as its reference, which the label describes."""
+def reference_plots(bare: Sequence[Plot], label: str, curves: Curves, report: Progress) -> tuple[Plot, ...]:
+    """Plots of one curve each with their curves as references, which the label describes.
+
+    A curve that vanishes has no relative error, and is left out, of which report takes a line.
+    """
+    plots = []
+    for plot, curve in zip(bare, curves, strict=True):
+        if np.any(curve.y):
+            plots.append(_with_curve(plot, label, curve))
+        else:
+            report(f"reference: {curve.label} vanishes all the time; it is not compared")
+    return tuple(plots)
+
+
+def _with_curve(bare: Plot, label: str, curve: PlotCurve) -> Plot:
     rows = tuple(zip(map(float, curve.x), map(float, curve.y), strict=True))
     return replace(bare, reference=ReferenceCurve(label, "", "", rows))
 
 
 def rms_difference(finer: Curves, coarser: Curves) -> float | None:
-    """The largest root mean square difference of two curves over the peak of the finer; None where one vanishes."""
-    peaks = [float(np.abs(curve.y).max()) for curve in finer]
-    if not all(peaks):
+    """The largest root mean square difference of two curves over the peak of the finer.
+
+    Curves that vanish in both are not compared; None where all do, or one of the finer alone.
+    """
+    pairs = [(fine.y, coarse.y) for fine, coarse in zip(finer, coarser, strict=True) if np.any((fine.y, coarse.y))]
+    peaks = [float(np.abs(fine).max()) for fine, _ in pairs]
+    if not pairs or not all(peaks):
         return None
-    pairs = zip(finer, coarser, peaks, strict=True)
-    return max(float(np.sqrt(np.mean((fine.y - coarse.y) ** 2)) / peak) for fine, coarse, peak in pairs)
+    differences = [float(np.sqrt(np.mean((fine - coarse) ** 2))) for fine, coarse in pairs]
+    return max(difference / peak for difference, peak in zip(differences, peaks, strict=True))

@@ -24,7 +24,7 @@ from derive.spec.model.plots import Plot
 from derive.spec.model.scene import BeamBody, Scene
 from derive.study.accuracy.models import LadderModel, Shapes, mixed
 from derive.study.accuracy.predicted_cost import PredictedCost
-from derive.study.accuracy.reference import Curves, rms_difference, with_curve
+from derive.study.accuracy.reference import Curves, reference_plots, rms_difference
 from derive.study.choice.beam_shares import BeamShare
 from derive.study.choice.model_runs import ModelRuns
 from derive.study.choice.rigid_shares import MATTERS
@@ -152,9 +152,10 @@ class _References:
         agreements.append(self._agreement(model, "fewer shapes", fewer_shapes))
         full = self._full(model, max(a.difference for a in agreements))
         curves, mixture = self._curves(self._runs, model, FINE), self._mixture(model)
-        plots = (with_curve(plot, mixture.label, of) for plot, of in zip(self._runs.bare, curves, strict=True))
+        report = (lambda _: None) if self.made else self._report  # each reference leaves out the same
+        plots = reference_plots(self._runs.bare, mixture.label, curves, report)
         errors, truncation = tuple(self._errors(curves)), self._truncation[1].difference
-        made = TrustedReference(tuple(plots), mixture, (*agreements, full, *self._flexible), errors, truncation)
+        made = TrustedReference(plots, mixture, (*agreements, full, *self._flexible), errors, truncation)
         self.made.append(made)
         return made
 
