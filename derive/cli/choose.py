@@ -10,6 +10,7 @@ from pathlib import Path
 from derive.artifacts import File, check_folder
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError, TisserandError
+from derive.simulation.inputs import with_functions
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.toml.read import parse, with_lines
 from derive.study.accuracy.reference import compared_plot
@@ -39,7 +40,7 @@ def run(options: argparse.Namespace) -> int:
         if not beam_bodies(scene):
             raise SpecError((Problem("bodies", "there is no beam here, and nothing to choose"),))
         plots = [compared_plot(scene, name) for name in dict.fromkeys(options.plot or [None])]
-        runs = ModelRuns(scene, plots, show_progress)
+        runs = ModelRuns(with_functions(scene, {}), plots, show_progress)
         screened = screening(runs)
         choice = choose(runs, options.error, show_result)
     except SpecError as error:

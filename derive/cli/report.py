@@ -14,6 +14,7 @@ from derive.cli.specifications import build_all, in_file_order
 from derive.errors import TisserandError
 from derive.report.document.page import Page
 from derive.simulation.initial.initial_state import InitialState, initial_state
+from derive.simulation.linear.run_time_inputs import constants
 from derive.spec.model.scene import Scene
 from derive.terminal import show_progress
 
@@ -96,7 +97,8 @@ def _initial_state(scene: Scene, files: Sequence[File]) -> InitialState | str:
     from derive.runtime.loading import load_scene
 
     try:
-        return initial_state(scene, load_scene(files, (*QUICK, *ESSENTIAL)))
+        native = load_scene(files, (*QUICK, *ESSENTIAL))
+        return initial_state(scene, native, constants(scene, native, 0.0))
     except TisserandError as error:
         return str(error)
 

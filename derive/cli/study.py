@@ -11,6 +11,7 @@ from derive.cli import accuracy, methods, stability
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError
 from derive.lowering.elimination_orders import EliminationRule
+from derive.simulation.inputs import with_functions
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import with_lines
@@ -24,6 +25,7 @@ from derive.study.variants import variant
 from derive.terminal import show_progress
 
 FRAMES = "frames"
+STABILITY = stability.NAME
 EXPECTED_SIZE = 100_000
 """About what the chart of frames needs, in bytes."""
 
@@ -32,6 +34,10 @@ def run(options: argparse.Namespace) -> int:
     """Run the study that is asked for, a key of `STUDIES`."""
     scene = _scene(options.spec)
     try:
+        if (
+            options.study != STABILITY
+        ):  # which puts the values of inputs in their place itself, zero where there is none
+            scene = with_functions(scene, {})
         return STUDIES[options.study](scene, options)
     except SpecError as error:
         raise (with_lines(error, options.spec) if error.source is None else error) from None
@@ -86,5 +92,5 @@ STUDIES = {
     "pivots": _pivots,
     "accuracy": accuracy.run,
     "methods": methods.run,
-    "stability": stability.run,
+    STABILITY: stability.run,
 }

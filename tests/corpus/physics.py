@@ -36,6 +36,8 @@ ROWS = 4
 """The states of a motion in which the laws are checked."""
 LIMIT = 1e-7
 """The largest error of a balance, relative to the sum of the magnitudes in it."""
+REST = 1e-15
+"""The power of a scene in which nothing moves, W, but for rounding errors."""
 
 Vector = np.ndarray
 
@@ -148,7 +150,7 @@ def _energy_balance(state: State) -> Iterator[Finding]:
     powers = [now[f"corpus_power_{kind}"] for kind in ("loads", "drives", "dissipated")]
     error = abs(rates.sum() - sum(powers))
     scale = np.abs(rates).sum() + np.abs(powers).sum()
-    if not error <= LIMIT * scale + rounding.sum():
+    if not error <= LIMIT * scale + rounding.sum() + REST:
         text = f"t = {state.t:g}: energies {rates} W, powers {powers} W, error {error / scale:.2g}"
         yield Finding("physics", "the rate of the energy is not the sum of the powers", text)
     total = sum(now[f"corpus_energy_{kind}"] for kind in kinds)

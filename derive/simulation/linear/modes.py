@@ -14,7 +14,6 @@ from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import FLAGS, WITHOUT_BATCHES
 from derive.runtime.loading import load, load_scene
 from derive.runtime.native_call import Vector
-from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
 from derive.simulation.equilibrium import Equilibrium
 from derive.simulation.errors import MovingDrives, NoEquilibrium, SimulationError
@@ -22,7 +21,7 @@ from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.solution import Progress
 from derive.simulation.linear.eigenmodes import Mode, eigenmodes
 from derive.simulation.linear.linearisation import Linearisation, linearise
-from derive.simulation.linear.run_time_inputs import input_values, scene_with_values
+from derive.simulation.linear.run_time_inputs import constants, scene_with_values
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.simulate import prepared, simulation_settings
 from derive.simulation.trajectory import Trajectory
@@ -148,9 +147,9 @@ def _of_scene(scene: Scene, at: float | None, progress: Progress | None) -> _Sta
         motion = _motion(scene_with_values(scene), at, progress)
         t, q, v = float(motion.t[-1]), motion.q[-1], motion.v[-1]
         native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))  # simulations leave out what is needed here
-        return _State(native, _with_inputs(scene, native, native.setup(), t), t, q, v)
+        return _State(native, constants(scene, native, t), t, q, v)
     native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))
-    k = _with_inputs(scene, native, native.setup(), 0.0)
+    k = constants(scene, native, 0.0)
     if at is not None:
         start = initial_state(scene, native, k)
         return _State(native, k, start.t, start.q, start.v)
@@ -164,8 +163,3 @@ def _of_scene(scene: Scene, at: float | None, progress: Progress | None) -> _Sta
         raise SimulationError(f"{error} {ADVICE}") from None
     assert balance is not None
     return _State(native, k, balance.t, balance.q, np.zeros(native.nv), balance)
-
-
-def _with_inputs(scene: Scene, native: NativeScene, k: Vector, t: float) -> Vector:
-    """The constants k (nk,) with the run-time inputs at t (s) behind them."""
-    return native.with_inputs(k, [number for numbers in input_values(scene, t) for number in numbers])

@@ -6,6 +6,8 @@ import math
 from dataclasses import replace
 
 from derive.errors import Problem, SpecError
+from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.inputs import with_functions
 from derive.simulation.time_derivatives import derivatives_at
 from derive.spec.model.scene import Scene
@@ -19,6 +21,11 @@ def scene_with_values(scene: Scene) -> Scene:
     """A scene without run-time inputs: in their places are the functions of the specification, or zero."""
     inputs = tuple(replace(value, function=value.function or ZERO) for value in scene.inputs)
     return with_functions(replace(scene, inputs=inputs), {})
+
+
+def constants(scene: Scene, native: NativeScene, t: float) -> Vector:
+    """The constants k of a compiled scene, with the values of its run-time inputs at t (s) behind them (nk + nu,)."""
+    return native.with_inputs(native.setup(), [number for numbers in input_values(scene, t) for number in numbers])
 
 
 def input_values(scene: Scene, t: float) -> tuple[tuple[float, ...], ...]:
