@@ -54,6 +54,9 @@ class Summed:
     def __rmul__(self, other: Any) -> Summed:
         return summed(other) * self
 
+    def __rtruediv__(self, other: Any) -> Summed:
+        return summed(other) / self
+
     def __neg__(self) -> Summed:
         return Summed(-self.value, self.size)
 

@@ -87,6 +87,8 @@ def value(expr: Expr, known: dict[str, float]) -> float:
         (X - Y, Operation(Operator.SUB, (ScalarRef("x"), ScalarRef("y")))),
         (2 * X, Operation(Operator.MUL, (num(2), ScalarRef("x")))),
         (sp.cos(X), Operation(Operator.COS, (ScalarRef("x"),))),
+        (sp.cos(1), ScalarRef("cos_1")),
+        (sp.sqrt(2), ScalarRef("sqrt_2")),
         (sp.sin(X - X), num(0)),
         (C * X, Operation(Operator.MUL, (ScalarRef("c"), ScalarRef("x")))),
     ],

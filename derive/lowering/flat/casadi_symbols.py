@@ -125,9 +125,26 @@ class Symbols:
             return self._product(expr)
         if isinstance(expr, Lookup):
             return self._table_value(expr)
+        if isinstance(expr, SmoothStep):
+            return self._smooth_step(expr)
         if type(expr) in CALLS:
-            return CALLS[type(expr)](*map(self, expr.args))
+            return self.call(CALLS[type(expr)], *map(self, expr.args))
         raise TypeError(f"no lowering for {expr.func.__name__}: {expr}")
+
+    def call(self, function: Callable[..., ca.SX], *args: ca.SX) -> ca.SX:
+        """The value of a function; CasADi would evaluate and round one of numbers alone, as cos(1) is."""
+        first, *others = args
+        if all(arg.is_constant() for arg in args):
+            first = self._exact(Fraction(int(first)))
+        return function(first, *others)
+
+    def _smooth_step(self, expr: SmoothStep) -> ca.SX:
+        """A smooth step from x0 to x1, or a derivative of it, by which CasADi must not round 1 / (x1 - x0)."""
+        x, x0, x1, order = expr.args
+        width = x1 - x0
+        value = self._exact(Fraction(int(width.p), int(width.q))) if width.is_Rational else self(width)
+        s = ca.fmin(ca.fmax((self(x) - self(x0)) / value, 0), 1)
+        return _smooth_polynomial(s, value, int(order))
 
     def _table_value(self, expr: Lookup) -> ca.SX:
         """A look-up in a table, which CasADi knows as a symbol; its argument depends on t and constants alone."""
@@ -184,7 +201,7 @@ class Symbols:
             if not (2 * exponent).is_Integer:
                 raise TypeError(f"no lowering for the power {base}**{exponent}")
             above = first if base in self.early else last
-            value = self(base) if exponent.is_Integer else ca.sqrt(self(base))
+            value = self(base) if exponent.is_Integer else self.call(ca.sqrt, self(base))
             (above if exponent > 0 else below).extend(
                 [value] * abs(int(exponent if exponent.is_Integer else 2 * exponent))
             )
@@ -229,11 +246,9 @@ def _argument(expr: sp.Expr) -> Expr:
     raise TypeError(f"no lowering for {expr.func.__name__} in the argument of a table: {expr}")
 
 
-def _smooth_step(x: ca.SX, x0: ca.SX, x1: ca.SX, order: ca.SX) -> ca.SX:
+def _smooth_polynomial(s: ca.SX, width: ca.SX, order: int) -> ca.SX:
     """A derivative of the polynomial of degree five; s is constant outside, where the derivatives vanish."""
-    width = x1 - x0
-    s = ca.fmin(ca.fmax((x - x0) / width, 0), 1)
-    match int(order):
+    match order:
         case 0:
             return s * s * s * (10 + s * (6 * s - 15))
         case 1:
@@ -260,7 +275,6 @@ CALLS: dict[type[sp.Expr], Callable[..., ca.SX]] = {
     Minimum: ca.fmin,
     Maximum: ca.fmax,
     Select: lambda a, b, x, y: ca.if_else(a < b, x, y),
-    SmoothStep: _smooth_step,
 }
 """The functions of expressions."""
 

@@ -16,7 +16,12 @@ from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.schedule import NamedValue, OutputValue, RequiredValue, Step, schedule
 from derive.roles import Source
 
-UNARY: dict[Operator, Callable[[ca.SX], ca.SX]] = {
+
+def _when(condition: ca.SX, value: ca.SX) -> ca.SX:
+    return ca.if_else(condition, value, 0)
+
+
+FUNCTIONS: dict[Operator, Callable[..., ca.SX]] = {
     Operator.NEG: lambda a: -a,
     Operator.SIN: ca.sin,
     Operator.COS: ca.cos,
@@ -26,8 +31,6 @@ UNARY: dict[Operator, Callable[[ca.SX], ca.SX]] = {
     Operator.TANH: ca.tanh,
     Operator.SIGN: ca.sign,
     Operator.NOT: ca.logic_not,
-}
-BINARY: dict[Operator, Callable[[ca.SX, ca.SX], ca.SX]] = {
     Operator.ADD: operator.add,
     Operator.SUB: operator.sub,
     Operator.MUL: operator.mul,
@@ -37,7 +40,7 @@ BINARY: dict[Operator, Callable[[ca.SX, ca.SX], ca.SX]] = {
     Operator.MAX: ca.fmax,
     Operator.LESS: operator.lt,
     Operator.NOT_GREATER: operator.le,
-    Operator.WHEN: lambda condition, value: ca.if_else(condition, value, 0),
+    Operator.WHEN: _when,
 }
 
 
@@ -126,7 +129,7 @@ def _casadi(expr: Expr, values: dict[str, ca.SX], symbols: Symbols) -> ca.SX:
         return values[expr.name]
     assert isinstance(expr, Operation), "setup has no loops here"
     args = [_casadi(a, values, symbols) for a in expr.args]
-    return UNARY[expr.kind](args[0]) if expr.kind in UNARY else BINARY[expr.kind](*args)
+    return symbols.call(FUNCTIONS[expr.kind], *args)
 
 
 def _text(expr: Expr) -> str:
