@@ -143,11 +143,7 @@ def _inputs(scene: Scene, model: Model) -> tuple[HostVariable, ...]:
 
 def _scalars(variables: Sequence[Variable], values: Sequence[float] | None) -> tuple[HostVariable, ...]:
     """The elements of variables with their values; those of an array are numbered from 1, as in the descriptor."""
-    elements = [
-        (f"{variable.name}{k}" if variable.size > 1 else variable.name, variable)
-        for variable in variables
-        for k in range(1, variable.size + 1)
-    ]
+    elements = [(name, variable) for variable in variables for name in variable.elements]
     starts = [None] * len(elements) if values is None else values
     return tuple(
         HostVariable(name, "" if variable.unit == "1" else variable.unit, variable.doc, start)

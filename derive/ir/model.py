@@ -152,6 +152,19 @@ class Variable:
     size: int = 1
     role: Role | None = None
 
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """The names of its values."""
+        return element_names(self.name, self.size)
+
+
+def element_names(name: str, size: int) -> tuple[str, ...]:
+    """The names of the values of a variable; those of an array are numbered from 1, as straight-line code has them."""
+    if size == 1:
+        return (name,)
+    stem = name.removesuffix("dot")
+    return tuple(f"{stem}{k}{name[len(stem) :]}" for k in range(1, size + 1))
+
 
 @dataclass(frozen=True)
 class Zero:

@@ -42,7 +42,7 @@ def equations_html(equations: Equations) -> str:
 def model_html(model: Model) -> str:
     """What a model is, its operations, and the pattern of its mass matrix."""
     pattern = model.pattern("mass", "M")
-    names = tuple(f"{r.name}{k}" if r.size > 1 else r.name for r in model.equations for k in range(1, r.size + 1))
+    names = tuple(name for row in model.equations for name in row.elements)
     entries = frozenset(pattern.entries) | {(j, i) for i, j in pattern.entries}
     drawn = picture(MassPattern(names, entries, {}), reasons=False)
     functions = "".join(

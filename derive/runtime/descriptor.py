@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from typing import Any
 
+from derive.ir.model import element_names
 from derive.ir.patterns import Pattern
 from derive.roles import Role
 
@@ -144,8 +145,7 @@ def names_of(variables: Any, count: int) -> tuple[str, ...]:
     """Names of variables; the elements of an array are numbered from 1."""
     names: list[str] = []
     for i in range(count):
-        name, size = variables[i].name.decode(), variables[i].size
-        names += [name] if size == 1 else [f"{name}{k}" for k in range(1, size + 1)]
+        names += element_names(variables[i].name.decode(), variables[i].size)
     return tuple(names)
 
 

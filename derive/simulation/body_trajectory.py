@@ -26,7 +26,9 @@ def energy_names(model: Model) -> tuple[str, ...]:
 
 def body_column_units(model: Model) -> list[tuple[str, str]]:
     """The names of the columns of a trajectory of a body, with their units, before it is computed."""
-    variables = [(x.name, "" if x.unit == "1" else x.unit) for x in (*model.coordinates, *model.velocities)]
+    variables = [
+        (name, "" if x.unit == "1" else x.unit) for x in (*model.coordinates, *model.velocities) for name in x.elements
+    ]
     return [("t", "s"), *variables, *((name, "J") for name in energy_names(model))]
 
 

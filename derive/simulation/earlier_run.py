@@ -45,7 +45,9 @@ class EarlierRun:
 
     def continued(self, model: Model, solution: Solution) -> Solution:
         """The earlier rows and those of a solution that begins with the last state."""
-        q, v = (self._matrix([x.name for x in each]) for each in (model.coordinates, model.velocities))
+        q, v = (
+            self._matrix([name for x in each for name in x.elements]) for each in (model.coordinates, model.velocities)
+        )
         lam = self._matrix([f"lambda_{x.name}" for x in model.multipliers])
         return replace(
             solution,

@@ -57,7 +57,7 @@ def _count(model: Model) -> str:
 
 def _names(model: Model) -> list[str]:
     """The names of the rows; those of many shapes are numbered."""
-    return [f"{row.name}{k}" if row.size > 1 else row.name for row in model.equations for k in range(1, row.size + 1)]
+    return [name for row in model.equations for name in row.elements]
 
 
 def _caption(model: Model) -> str:

@@ -506,7 +506,7 @@ motion = "A*exp(-(t - 1/2)^2)*tanh(t) + step(t, 0.2, 3*Te)/3 + abs(sin(t) - 2)"
 
 [drives.servo]
 joint = "crank"
-motion = "log(2 + t)*atan2(t, 1 + A*t) + max(t/3, piecewise(t < 1, t^2, 2*t - 1), Te*step(A*t, 0, 3)) - min(t, abs(-A*t))"
+motion = "log(2+t)*atan2(t, 1 + A*t) + max(t/3, piecewise(t < 1, t^2, 2*t - 1), Te*step(A*t, 0, 3)) - min(t, abs(-A*t))"
 
 [forces.f]
 at = "bob.end"

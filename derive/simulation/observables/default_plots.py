@@ -28,7 +28,10 @@ def default_plots(scene: Scene, model: Model) -> tuple[Plot, ...]:
     """One plot over the time for each output that no plot shows; without outputs and plots, those of coordinates."""
     if scene.outputs or scene.plots:
         return tuple(_plot(_free_name(output, scene), output_columns(output)) for output in _unplotted(scene))
-    quantities = ((name, [c.name for c in model.coordinates if c.role in roles]) for name, roles in COORDINATES.items())
+    quantities = (
+        (name, [x for c in model.coordinates if c.role in roles for x in c.elements])
+        for name, roles in COORDINATES.items()
+    )
     return tuple(_plot(name, columns) for name, columns in quantities if columns)
 
 
@@ -36,7 +39,7 @@ def body_plots(body: NodalBody, model: Model) -> tuple[Plot, ...]:
     """Without plots of its own, those of what describes the motion of a body in space, over the time."""
     if body.plots:
         return ()
-    names = {role: [x.name for x in model.coordinates if x.role is role] for role in Role}
+    names = {role: [name for x in model.coordinates if x.role is role for name in x.elements] for role in Role}
     quantities = {
         "position": names[Role.TRANSLATION],
         "rotation": names[Role.QUATERNION],
