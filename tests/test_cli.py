@@ -306,3 +306,23 @@ def test_compare_shows_the_first_rows_of_a_large_body(tmp_path: Path, capsys: py
     output = capsys.readouterr().out
     assert "the first 14 of 36 rows and columns" in output
     assert "222 of 1296 structural non-zeros" in output and "222 of 1296" in picture.read_text()
+
+
+def test_a_spring_whose_ends_would_coincide_is_stretched_for_comparison(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    spec = tmp_path / "hung.toml"
+    spec.write_text("""
+name = "hung"
+ground.markers = { o = [0, 0] }
+[bodies.bob]
+mass = 2
+inertia = 0.1
+markers = { centre = [0, 0] }
+[springs.s]
+between = ["ground.o", "bob.centre"]
+stiffness = 10
+""")
+    assert main(["compare", str(spec), "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)
+    assert found["q"] == pytest.approx([0.1, 0.2, 0.5]) and found["force"] == pytest.approx([-1, -2, 0])

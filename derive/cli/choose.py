@@ -68,8 +68,8 @@ def _written(spec: Path, target: Path, choice: Choice) -> WrittenSpecification:
     line, point = choice.chosen
     source = spec.read_text(encoding="utf-8-sig")
     written = chosen_specification(source, spec, target, read_scene(spec), line.model, point.tolerance)
+    target.parent.mkdir(parents=True, exist_ok=True)  # the files beside the specification are found from there
     parse(written.text, str(target))
-    target.parent.mkdir(parents=True, exist_ok=True)
     with target.open("x", encoding="utf-8") as file:  # another process may have made it meanwhile
         file.write(written.text)
     return written

@@ -239,7 +239,7 @@ def test_the_command(
     monkeypatch.setattr(search, "trusted_reference", lambda *_: set_a[1])
     monkeypatch.setattr(one_beam, "beam_candidates", lambda *_: (RIGID, PARABOLA, SINE))
     monkeypatch.setattr(one_beam, "_try_first_order", lambda *_: None)
-    out = tmp_path / "chosen.toml"
+    out = tmp_path / "new" / "chosen.toml"  # the scene refers to a file
     assert main(["choose", str(SCENE), "--error", "0.05", "--out", str(out), "--json"]) == 0
     text = capsys.readouterr()
     found = json.loads(text.out)
