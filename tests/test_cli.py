@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -322,7 +323,10 @@ markers = { centre = [0, 0] }
 [springs.s]
 between = ["ground.o", "bob.centre"]
 stiffness = 10
+rest = 1
 """)
     assert main(["compare", str(spec), "--json"]) == 0
     (found,) = json.loads(capsys.readouterr().out)
-    assert found["q"] == pytest.approx([0.1, 0.2, 0.5]) and found["force"] == pytest.approx([-1, -2, 0])
+    pull = 10 * (1 - math.hypot(0.1, 0.2)) / math.hypot(0.1, 0.2)
+    assert found["q"] == pytest.approx([0.1, 0.2, 0.5])
+    assert found["force"] == pytest.approx([-0.1 * pull, -0.2 * pull, 0])

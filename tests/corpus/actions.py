@@ -250,12 +250,14 @@ def _motion(draft: Draft, form: str) -> None:
     draws = draft.draws
     bodies = draft.section("bodies")
     for bar in draft.bars.values():
-        joints = [joint for joint in draft.joints.values() if any(m.split(".")[0] == bar.name for m in joint.between)]
+        names = [name for name, of in draft.joints.items() if any(m.split(".")[0] == bar.name for m in of.between)]
+        joints = [draft.joints[name] for name in names]
+        driven = any(drive["joint"] in names for drive in draft.section("drives").values())
         start = bodies[bar.name].get("start", {})
         if not joints and draws.chance(0.8):
             start["spin"] = _speed(draft, True)
             start["velocity"] = [_speed(draft, False), _speed(draft, False)]
-        if bar.beam and _bends(draft, bar, joints) and draws.chance(0.4):
+        if bar.beam and _bends(draft, bar, joints) and draws.chance(0.4) and not driven:
             size = rounded(bar.length * draws.scale(1e-4, 5e-3), 2)
             start[draws.choice(["deflection", "deflection_rate"])] = f"{size:g}*(1 - xi^2)"
         if start:

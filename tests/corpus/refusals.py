@@ -14,6 +14,7 @@ REFUSALS: dict[str, str] = {
     r"a ladder compares a plot; add one": "a ladder of models is compared by a plot",
     r"this ends each run at its own; leave `until` out": "models are compared over the same time",
     r"integrates scenes; for the body \w+ choose": "integrators of scenes do not take bodies in space",
+    r'there is no column or plot "\w+_phi"': "the corpus guesses one; this beam is carried by a drive",
     r"all numbers of this body are parameters": "a symbolic body has nothing to simulate",
     r"in the frame \w+: .* shapes do not fulfil": "a study of frames needs shapes that fit both",
     r"in the frame \w+: the ansatz is empty after the conditions": "likewise",
