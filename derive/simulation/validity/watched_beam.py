@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
 
+from derive.mechanics.multibody.bodies.beam import piece_of, place_in_piece
 from derive.runtime.integrators.watch import Watch, Watched, WatchedQuantity
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
@@ -22,10 +24,13 @@ from derive.simulation.validity.beam_line import PLACES, deflections_along, plac
 from derive.simulation.validity.end_moments import SECTIONS, free_ends, held_ends
 from derive.simulation.validity.held_beam import LowestMode, lowest_mode
 from derive.simulation.validity.missed_moment import ENDS, missed_deflections
-from derive.simulation.validity.monitoring_outputs import monitored_ends, monitored_pieces
+from derive.simulation.validity.moment_along import deflections_of_moments, moments_of_inertia, without_kept
+from derive.simulation.validity.monitoring_outputs import monitored_pieces, monitored_sections
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.spec.model.scene import BeamBody, Scene
 
+SPACING = 6
+"""Of the Gauss points at which the missed moment itself is watched."""
 SLOPE = 1e-9
 """Shapes with smaller slopes at an end, per amplitude over the length, do not rotate it."""
 
@@ -37,7 +42,7 @@ class WatchedBeam:
     deflection, rate: of the beam, m and m/s; late: the rate times the time; cubed: the third power of the deflection.
     middle, middle_rate: the deflection, m, and its rate where that of the lowest mode is largest. axial: the stiffness
     that the axial force adds, relative to that of the lowest mode; axial_product: times the deflection. moment: the
-    bending moment, N m; gaps: what the shapes miss of it, at the ends of the beam and between pieces. missed: the
+    bending moment, N m; gaps: what the shapes miss of it: at the ends, between pieces, and along them. missed: the
     deflection that they miss, m. energies: square roots of the parts of the strain energy, one for each shape of each
     piece. piece_deflections: of each piece, over its length. frequency: that of the lowest mode, rad/s; hardening: the
     stiffness that a large deflection adds, relative to that of the lowest mode, over the square of the deflection,
@@ -178,18 +183,54 @@ class _BeamForms:
 
     def missed(self, gaps: Matrix) -> Matrix:
         """The deflection of the beam that its shapes miss (places, z), of the moments that they miss (pieces, 2, z)."""
-        shapes, last = self.shapes, len(self.pieces) - 1
-        free = free_ends(self.scene, shapes.beam)
-        of_ends = np.zeros((last + 1, 4, self.forms.size))
-        of_ends[:, :2] = gaps
-        first, second = shapes.shear_forces(ENDS).T
-        of_ends[0, 2, self.amplitudes[0]], of_ends[last, 3, self.amplitudes[last]] = -first, -second
         result = np.zeros((PLACES, self.forms.size))
-        for i, missing in enumerate(of_ends):
-            values, slopes = missed_deflections(shapes, (i == 0 and free[0], i == last and free[1]))
-            own = self.along(values, slopes).reshape(PLACES, -1, 4)[:, i]
-            result += own @ missing
+        for i, at_ends in enumerate(gaps):
+            missing = self.missed_along(i, at_ends)
+            if missing is not None:
+                values, slopes = deflections_of_moments(self.shapes)
+            else:
+                (values, slopes), missing = self.missed_at_ends(i, at_ends)
+            result += self.along(values, slopes).reshape(PLACES, -1, len(missing))[:, i] @ missing
         return result
+
+    def lateral(self, piece: int) -> list[int]:
+        """The numbers in z of the accelerations from which the inertia of a piece across its axis follows."""
+        own = (m for m in monitored_pieces(self.scene) if m.piece == self.pieces[piece])
+        return [self.forms.output(output.name) for monitored in own for output in monitored.lateral]
+
+    def missed_at_ends(self, piece: int, at_ends: Matrix) -> tuple[tuple[Matrix, Matrix], Matrix]:
+        """What the shapes of a piece miss at its ends, and at free ends of the shear force, with its deflections."""
+        last = len(self.pieces) - 1
+        free = free_ends(self.scene, self.shapes.beam)
+        missing = np.vstack([at_ends, np.zeros_like(at_ends)])
+        missing[2:, self.amplitudes[piece]] = -self.shapes.shear_forces(ENDS).T
+        return missed_deflections(self.shapes, (piece == 0 and free[0], piece == last and free[1])), missing
+
+    def missed_along(self, piece: int, at_ends: Matrix) -> Matrix | None:
+        """What the shapes of a piece miss of the bending moment at the Gauss points (points, z).
+
+        None where more than its inertia bends the piece, and where that is not monitored.
+        """
+        shapes, forms, pieces = self.shapes, self.forms, len(self.pieces)
+        lateral = self.lateral(piece)
+        if not lateral:
+            return None
+        known = {Fraction(-1): at_ends[0], Fraction(1): at_ends[1]}
+        for (beam, at), output in monitored_sections(self.scene).items():
+            if beam == shapes.beam.name and piece_of(at, pieces) == piece and abs(at) != 1:
+                known[place_in_piece(at, pieces)] = np.eye(forms.size)[forms.output(output.name)]
+
+        def kept(xi: Vector) -> Matrix:
+            """The moments of the shapes, less those of the inertia of a piece between two pins."""
+            moments = np.zeros((len(xi), forms.size))
+            moments[:, self.amplitudes[piece]] = shapes.moments(xi).T
+            moments[:, lateral] -= moments_of_inertia(shapes, piece, xi).T
+            return moments
+
+        where, (xi, _) = np.array(sorted(known), dtype=float), gauss_points()
+        missed = np.array([known[place] for place in sorted(known)]) + kept(where)
+        linear = np.array([np.interp(xi, where, unit) for unit in np.eye(len(where))]).T
+        return without_kept(shapes, linear @ missed - kept(xi))
 
     @property
     def strain(self) -> float:
@@ -213,7 +254,7 @@ class _BeamForms:
         columns, factors = list[int](), list[float]()
         for number, piece in enumerate(monitored):
             a = self.mode.amplitudes[[i for i, near in enumerate(nearest) if near == number]]
-            for power, output in enumerate(piece.outputs):
+            for power, output in enumerate(piece.axial):
                 columns.append(self.forms.output(output.name))
                 factors.append(float(np.sum(a * (a @ self.shapes.geometric_stiffness(power)))) / self.strain)
         return columns, np.array([factors])
@@ -230,15 +271,17 @@ class _BeamForms:
         for left, right in pairwise(range(len(self.pieces))):  # the moment between them is the mean of theirs
             jump = (at_ends[right, 0] - at_ends[left, 1]) / 2
             gaps[left, 1], gaps[right, 0] = jump, -jump
-        for (beam, end), output in monitored_ends(self.scene).items():
-            if beam == shapes.beam.name:
-                gap = gaps[0, 0] if end == -1 else gaps[-1, 1]
+        for (beam, at), output in monitored_sections(self.scene).items():
+            if beam == shapes.beam.name and abs(at) == 1:
+                gap = gaps[0, 0] if at == -1 else gaps[-1, 1]
                 gap[:] = 0
                 gap[forms.output(output.name)] = 1
         return forms.add(self.columns, every_section), gaps
 
     def monitored_gaps(self, gaps: Matrix) -> tuple[int, ...]:
-        """What is missed at both ends of the beam, and the jumps between pieces."""
+        """What is missed at both ends of the beam, the jumps between pieces, and what is missed along the pieces."""
         forms = self.forms
         rows = [gaps[0, 0], *(2 * gap[1] for gap in gaps[:-1]), gaps[-1, 1]]
-        return tuple(forms.add(range(forms.size), row[None]) for row in rows)
+        along = (self.missed_along(i, at_ends) for i, at_ends in enumerate(gaps))
+        fields = [*(row[None] for row in rows), *(field[::SPACING] for field in along if field is not None)]
+        return tuple(forms.add(range(forms.size), field) for field in fields)

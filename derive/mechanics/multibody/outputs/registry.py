@@ -11,6 +11,7 @@ from derive.mechanics.multibody.outputs.section_forces import (
     AxialLoad,
     BendingMoment,
     Curvature,
+    LateralInertia,
     MomentGap,
     SectionForce,
     Strain,
@@ -49,6 +50,7 @@ MONITORS: Registry[OutputType] = Registry(
         "axial_load_linear": AxialLoad(1),
         "axial_load_quadratic": AxialLoad(2),
         "moment_gap": MomentGap(),
+        "lateral_inertia": LateralInertia(),
     },
 )
 """Outputs that a simulation adds to a scene to watch the validity of its model; no specification asks for them."""
