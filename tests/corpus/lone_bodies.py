@@ -81,10 +81,11 @@ def spatial_body(draws: Draws, name: str) -> Parts:
         form = draws.choice(["ratio", "mass", "stiffness"])
         body["damping"] = {form: {"ratio": 0.01, "mass": 2, "stiffness": 1e-6}[form]}
     if solid and draws.chance(0.6):
-        order = draws.choice([1, 2])
-        body["order"] = 1 if frame == "point" else order
-        if body["order"] == 2:
-            body["markers"] = {"corner": 297, "far": 392}  # for forces there its file has a geometric stiffness
+        body["order"] = draws.choice([1, 2])
+    if solid and frame == "point":
+        body["order"] = 1
+    elif solid and body.get("order") != 1:
+        body["markers"] = {"corner": 297, "far": 392}  # for forces there its file has a geometric stiffness
     body["start"] = {"angular_velocity": [rounded(draws.between(-20, 20), 2) for _ in range(3)]}
     if draws.chance(0.5):
         body["start"] |= {"velocity": [1, 0, 0], "position": [0, 0.5, 0]}

@@ -30,6 +30,7 @@ REFUSALS: dict[str, str] = {
     r"loops have no derivatives by parameters": "the message names the lowering that has them",
     r"an export for arrays or symbols has straight-line code": "likewise",
     r"the steady motion that Newton's method finds is far from the initial state": "the message says what to write",
+    r"the mass matrix is no longer positive definite": "truncated beams bend too far; the message says what to write",
     r"needs a reference whose own error is a third of it": "no model that is tried is accurate enough",
     r"there is no beam here": "there is no flexible body whose models could differ",
     r"a simulation needs its value; write one, such as": "an input without a function can be exported, not simulated",

@@ -159,7 +159,7 @@ def test_second_order_does_not_rescue_two_shapes_between_pins_and_warns() -> Non
     trajectory = run(rod(1, second_order=True).scene, 0.1, 2e-4)
     (warning,) = trajectory.warnings
     mismatch = monitor(trajectory, Cause.MISSED_MOMENT)
-    assert mismatch.value > 0.95 and mismatch.error == pytest.approx(0.218, rel=0.5)  # measured: 21.8 % rms
+    assert mismatch.value > 0.4 and mismatch.error == pytest.approx(0.218, rel=0.5)  # measured: 21.8 % rms
     assert warning == mismatch.warning and "add a shape" in warning
 
 
@@ -191,7 +191,7 @@ def test_two_shapes_between_pins_warn_at_first_order() -> None:
     trajectory = run(changed("four_bar"), 1.1, 0.01)
     of_coupler = monitor(trajectory, Cause.MISSED_MOMENT, "coupler")
     assert of_coupler.error == pytest.approx(0.39, rel=0.5)
-    assert all("miss the bending moment by" in warning for warning in trajectory.warnings)
+    assert all("of the bending moment (rms)" in warning for warning in trajectory.warnings)
 
 
 def knocked(count: int) -> Scene:
@@ -203,7 +203,7 @@ def test_modes_that_have_the_right_moments_at_the_ends_warn_where_they_miss_a_fo
     """Measured: 48 % rms with two modes of the free beam, against four beams of P2 to P4 with all terms."""
     trajectory = run(knocked(2), 0.02, 2e-4)
     missed = monitor(trajectory, Cause.MISSED_MOMENT)
-    assert missed.error == pytest.approx(0.48, rel=0.5) and missed.value > 0.5
+    assert missed.error == pytest.approx(0.48, rel=0.5) and missed.value > 0.2
     (warning,) = trajectory.warnings
     assert "add a shape" in warning
 
@@ -214,7 +214,7 @@ def test_sine_waves_warn_at_a_clamped_end() -> None:
     chord = ("frame = {.*}", 'frame = "chord"')
     slow = ("mass = 12", 'mass = 12\norder = 2\nterms = "truncated"')
     trajectory = run(changed("spun_up_cantilever", sines, chord, slow), 7.0, 0.1)
-    assert monitor(trajectory, Cause.MISSED_MOMENT).value > 1
+    assert monitor(trajectory, Cause.MISSED_MOMENT).value > 0.5
     (warning,) = trajectory.warnings
     assert "choose shapes that fit its ends" in warning
 
@@ -323,7 +323,7 @@ def test_every_cause_warns_where_its_error_passes_the_limit(cause: Cause) -> Non
 
 def test_a_warning_says_100_percent_without_an_exponent() -> None:
     text = Monitor("rod", 1, Cause.MISSED_MOMENT, DisplacementOrder.FULL, 0.997, 0.17, 0.1).warning
-    assert "by 100 % of the largest one" in text and "e+" not in text
+    assert "miss 100 % of the bending moment" in text and "e+" not in text
 
 
 def test_what_is_not_a_number_is_beyond_a_limit() -> None:

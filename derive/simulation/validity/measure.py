@@ -39,7 +39,7 @@ def _of_beam(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> Iterator
         yield monitor(Cause.DEFLECTION, value, errors.of_deflection, t)
     yield monitor(Cause.AXIAL_FORCE, seen.largest[watched.axial], errors.of_axial_force, seen.times[watched.axial])
     if not errors.straight:
-        missed = np.sqrt(max(seen.mean_squares[gap] for gap in watched.gaps) / seen.mean_squares[watched.moment])
+        missed = np.sqrt(errors.missed_energy)
         yield monitor(Cause.MISSED_MOMENT, missed, errors.of_shapes, seen.times[watched.moment])
     if beam.beam.order is DisplacementOrder.TRUNCATED:
         t, lost = lost_inertia(scene, watched, seen)

@@ -18,6 +18,8 @@ from derive.simulation.validity.beam_line import places
 from derive.simulation.validity.missed_moment import ENDS
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 
+TERMS = 9
+"""Legendre polynomials whose parts of a missed moment count in its energy."""
 DEGREE = 40
 """Of the polynomials that stand for accelerations along a piece."""
 
@@ -58,6 +60,14 @@ def deflections_of_moments(shapes: PieceShapes) -> tuple[Matrix, Matrix]:
     slopes = legendre.legint(_series(np.eye(len(gauss_points()[0])))) * half / shapes.bending_stiffness
     values = legendre.legval(places(), legendre.legint(slopes) * half)
     return values.astype(np.float64), legendre.legval(ENDS, slopes).astype(np.float64)
+
+
+def energy_roots(shapes: PieceShapes, moments: Matrix) -> Matrix:
+    """Forms (terms, z) whose squares add up to the strain energy of moments (points, z) at the Gauss points, J."""
+    xi, weights = gauss_points()
+    factors = np.sqrt((np.arange(TERMS) + 0.5) * shapes.length / (4 * shapes.bending_stiffness))
+    result: Matrix = factors[:, None] * (legendre.legvander(xi, TERMS - 1).T @ (weights[:, None] * moments))
+    return result
 
 
 def _series(values: Matrix) -> Matrix:

@@ -23,14 +23,17 @@ from derive.simulation.observables.beams import beam_bodies, piece_names
 from derive.simulation.validity.beam_line import PLACES, deflections_along, places
 from derive.simulation.validity.end_moments import SECTIONS, free_ends, held_ends
 from derive.simulation.validity.held_beam import LowestMode, lowest_mode
-from derive.simulation.validity.missed_moment import ENDS, missed_deflections
-from derive.simulation.validity.moment_along import deflections_of_moments, moments_of_inertia, without_kept
+from derive.simulation.validity.missed_moment import ENDS, missed_moments
+from derive.simulation.validity.moment_along import (
+    deflections_of_moments,
+    energy_roots,
+    moments_of_inertia,
+    without_kept,
+)
 from derive.simulation.validity.monitoring_outputs import monitored_pieces, monitored_sections
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.spec.model.scene import BeamBody, Scene
 
-SPACING = 6
-"""Of the Gauss points at which the missed moment itself is watched."""
 SLOPE = 1e-9
 """Shapes with smaller slopes at an end, per amplitude over the length, do not rotate it."""
 
@@ -42,9 +45,9 @@ class WatchedBeam:
     deflection, rate: of the beam, m and m/s; late: the rate times the time; cubed: the third power of the deflection.
     middle, middle_rate: the deflection, m, and its rate where that of the lowest mode is largest. axial: the stiffness
     that the axial force adds, relative to that of the lowest mode; axial_product: times the deflection. moment: the
-    bending moment, N m; gaps: what the shapes miss of it: at the ends, between pieces, and along them. missed: the
-    deflection that they miss, m. energies: square roots of the parts of the strain energy, one for each shape of each
-    piece. piece_deflections: of each piece, over its length. frequency: that of the lowest mode, rad/s; hardening: the
+    bending moment, N m. missed: the deflection that the shapes miss, m; missed_energies: square roots of the parts of
+    the strain energy that they miss. energies: those of the strain energy, one for each shape of each piece.
+    piece_deflections: of each piece, over its length. frequency: that of the lowest mode, rad/s; hardening: the
     stiffness that a large deflection adds, relative to that of the lowest mode, over the square of the deflection,
     1/m^2. rotations_act: whether a joint acts on the rotation of an end of a piece that can rotate.
     """
@@ -59,8 +62,8 @@ class WatchedBeam:
     axial: int
     axial_product: int
     moment: int
-    gaps: tuple[int, ...]
     missed: int
+    missed_energies: tuple[int, ...]
     energies: tuple[tuple[int, ...], ...]
     piece_deflections: tuple[int, ...]
     frequency: float
@@ -152,7 +155,7 @@ class _BeamForms:
         deflection, rate = forms.add(columns, bent), forms.add(rates, bent)
         squared = forms.add(columns, bent, deflection)
         place = int(np.abs(bent @ self.mode.amplitudes.ravel()).argmax())
-        moment, gaps = self.moments()
+        moment, missed = self.moments()
         parts = np.linalg.cholesky(shapes.stiffness).T / np.sqrt(2)
         xi = np.linspace(-1, 1, 2 * SECTIONS)
         axial_columns, axial_factors = self.axial()
@@ -168,8 +171,8 @@ class _BeamForms:
             axial,
             forms.add(axial_columns, axial_factors, deflection),
             moment,
-            self.monitored_gaps(gaps),
-            forms.add(range(forms.size), self.missed(gaps)),
+            forms.add(range(forms.size), self.missed(missed)),
+            tuple(forms.add(range(forms.size), row[None]) for piece in missed for row in energy_roots(shapes, piece)),
             tuple(tuple(forms.add(own, part[None]) for part in parts) for own in self.amplitudes),
             tuple(forms.add(own, shapes.values(xi).T / shapes.length) for own in self.amplitudes),
             self.mode.frequency,
@@ -181,16 +184,10 @@ class _BeamForms:
         """The deflection of the beam per unit of fields of its pieces."""
         return deflections_along(values, slopes, self.shapes.length, len(self.pieces), self.held)
 
-    def missed(self, gaps: Matrix) -> Matrix:
-        """The deflection of the beam that its shapes miss (places, z), of the moments that they miss (pieces, 2, z)."""
-        result = np.zeros((PLACES, self.forms.size))
-        for i, at_ends in enumerate(gaps):
-            missing = self.missed_along(i, at_ends)
-            if missing is not None:
-                values, slopes = deflections_of_moments(self.shapes)
-            else:
-                (values, slopes), missing = self.missed_at_ends(i, at_ends)
-            result += self.along(values, slopes).reshape(PLACES, -1, len(missing))[:, i] @ missing
+    def missed(self, moments: Sequence[Matrix]) -> Matrix:
+        """The deflection of the beam (places, z) that its shapes miss with moments of its pieces (points, z)."""
+        each = self.along(*deflections_of_moments(self.shapes)).reshape(PLACES, len(moments), -1)
+        result: Matrix = np.sum([each[:, i] @ piece for i, piece in enumerate(moments)], axis=0)
         return result
 
     def lateral(self, piece: int) -> list[int]:
@@ -198,19 +195,20 @@ class _BeamForms:
         own = (m for m in monitored_pieces(self.scene) if m.piece == self.pieces[piece])
         return [self.forms.output(output.name) for monitored in own for output in monitored.lateral]
 
-    def missed_at_ends(self, piece: int, at_ends: Matrix) -> tuple[tuple[Matrix, Matrix], Matrix]:
-        """What the shapes of a piece miss at its ends, and at free ends of the shear force, with its deflections."""
+    def missed_from_ends(self, piece: int, at_ends: Matrix) -> Matrix:
+        """What the shapes of a piece miss of the bending moment at the Gauss points (points, z).
+
+        It follows from what they miss at the ends, and at free ends of the shear force.
+        """
         last = len(self.pieces) - 1
         free = free_ends(self.scene, self.shapes.beam)
         missing = np.vstack([at_ends, np.zeros_like(at_ends)])
         missing[2:, self.amplitudes[piece]] = -self.shapes.shear_forces(ENDS).T
-        return missed_deflections(self.shapes, (piece == 0 and free[0], piece == last and free[1])), missing
+        moments: Matrix = missed_moments(self.shapes, (piece == 0 and free[0], piece == last and free[1])) @ missing
+        return moments
 
     def missed_along(self, piece: int, at_ends: Matrix) -> Matrix | None:
-        """What the shapes of a piece miss of the bending moment at the Gauss points (points, z).
-
-        None where more than its inertia bends the piece, and where that is not monitored.
-        """
+        """Likewise, from the inertia; None where more bends the piece, and where its inertia is not monitored."""
         shapes, forms, pieces = self.shapes, self.forms, len(self.pieces)
         lateral = self.lateral(piece)
         if not lateral:
@@ -259,8 +257,8 @@ class _BeamForms:
                 factors.append(float(np.sum(a * (a @ self.shapes.geometric_stiffness(power)))) / self.strain)
         return columns, np.array([factors])
 
-    def moments(self) -> tuple[int, Matrix]:
-        """The bending moment in sections of all pieces; and what is missed at both ends of each (pieces, 2, z)."""
+    def moments(self) -> tuple[int, list[Matrix]]:
+        """The bending moment in sections of all pieces; and what is missed at the Gauss points of each (points, z)."""
         forms, shapes = self.forms, self.shapes
         of_shapes = shapes.moments(np.linspace(-1, 1, SECTIONS)).T  # sections, shapes
         every_section = np.kron(np.eye(len(self.pieces)), of_shapes).astype(np.float64)
@@ -276,12 +274,8 @@ class _BeamForms:
                 gap = gaps[0, 0] if at == -1 else gaps[-1, 1]
                 gap[:] = 0
                 gap[forms.output(output.name)] = 1
-        return forms.add(self.columns, every_section), gaps
-
-    def monitored_gaps(self, gaps: Matrix) -> tuple[int, ...]:
-        """What is missed at both ends of the beam, the jumps between pieces, and what is missed along the pieces."""
-        forms = self.forms
-        rows = [gaps[0, 0], *(2 * gap[1] for gap in gaps[:-1]), gaps[-1, 1]]
-        along = (self.missed_along(i, at_ends) for i, at_ends in enumerate(gaps))
-        fields = [*(row[None] for row in rows), *(field[::SPACING] for field in along if field is not None)]
-        return tuple(forms.add(range(forms.size), field) for field in fields)
+        missed = []
+        for i, at_ends in enumerate(gaps):
+            along = self.missed_along(i, at_ends)
+            missed.append(self.missed_from_ends(i, at_ends) if along is None else along)
+        return forms.add(self.columns, every_section), missed

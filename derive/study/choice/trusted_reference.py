@@ -101,7 +101,7 @@ def trusted_reference(
                 known = references.with_larger_steps(known)
         except TisserandError as failure:
             if not references.made or isinstance(failure, NotConverged):
-                raise NotConverged(f"the reference cannot be made: {first_line(failure)}") from failure
+                raise NotConverged(f"the reference cannot be made: {failure}") from failure
             further = f"; {model.label} cannot be run: {first_line(failure)}"
             break
         if known.error <= SHARE * error:
