@@ -23,6 +23,7 @@ ATTRIBUTES = {"name", "doc", "zero", "reason", "row", "section"}
 VARIABLES = {"name", "symbol"}
 
 EXEMPT = {
+    "ir/model.py": "numbers the elements of arrays, those of rates before their dot",
     "report/writers/picture.py": "reads SVG pictures of users: addresses, sizes and style sheets",
     "report/writers/markdown.py": "escapes text for Markdown",
     "report/writers/latex_text.py": "escapes text for LaTeX",
