@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from derive.mechanics.multibody.bodies.beam import place_in_piece
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.spec.model.body import Marker
 from derive.spec.model.markers import MarkerRef
@@ -24,37 +23,16 @@ TORQUE = "N m"
 
 def free_ends(scene: Scene, beam: BeamBody) -> tuple[bool, bool]:
     """Whether nothing acts on the left and on the right end of a beam: no joint, force, spring and attached mass."""
-    taken = {marker.at for marker in _acted_on(scene, beam)} | {mass.at for mass in beam.beam.masses}
-    return -1 not in taken, 1 not in taken
-
-
-def inner_sections(scene: Scene, beam: BeamBody) -> list[Marker] | None:
-    """The markers between the ends of the pieces of a beam at which forces act on it, one for each place.
-
-    Between them and the ends the bending moment follows from the inertia. None where it does not: with distributed
-    loads, and with torques between the ends, where it jumps.
-    """
-    inner = [m for m in _acted_on(scene, beam) if abs(m.at) != 1]
-    if beam.loads or {m.at for m in inner} & {m.at for m in _held(scene, beam)}:
-        return None
-    return [*{m.at: m for m in inner if abs(place_in_piece(m.at, beam.pieces)) != 1}.values()]
-
-
-def _acted_on(scene: Scene, beam: BeamBody) -> list[Marker]:
-    """The markers of a beam at which joints, forces or springs act."""
     elements = (*scene.forces, *scene.torques, *scene.springs)
     acting = {marker for element in elements for marker in element.markers}
     acting |= {marker for joint in scene.joints for marker in (joint.first, joint.second)}
-    return [marker for marker in beam.markers if MarkerRef(beam.name, marker.name) in acting]
+    taken = {marker.at for marker in beam.markers if MarkerRef(beam.name, marker.name) in acting}
+    taken |= {mass.at for mass in beam.beam.masses}
+    return -1 not in taken, 1 not in taken
 
 
 def held_ends(scene: Scene, beam: BeamBody) -> Iterator[Marker]:
     """The markers at ends of a beam at which a torque can act on it, one for each end."""
-    yield from {marker.at: marker for marker in _held(scene, beam) if abs(marker.at) == 1}.values()
-
-
-def _held(scene: Scene, beam: BeamBody) -> list[Marker]:
-    """The markers of a beam at which a torque can act on it."""
     driven = {drive.joint for drive in scene.drives}
     markers = [marker for element in (*scene.torques, *scene.springs) for marker in element.markers]
     for joint in scene.joints:
@@ -64,4 +42,5 @@ def _held(scene: Scene, beam: BeamBody) -> list[Marker]:
             units.add(known.driven.force_unit)
         if TORQUE in units:
             markers += [joint.first, joint.second]
-    return [m for m in beam.markers if MarkerRef(beam.name, m.name) in markers]
+    ends = [m for m in beam.markers if abs(m.at) == 1 and MarkerRef(beam.name, m.name) in markers]
+    yield from {marker.at: marker for marker in ends}.values()

@@ -85,15 +85,8 @@ class ImpliedErrors:
         flexibility = 1.0
         if watched.beam.beam.order is not FIRST:
             flexibility = 1 / max(1 + float(seen.means[watched.axial]), NEARLY_BUCKLED)
-        return self._error(flexibility * missed / (rms + missed) * rms, flexibility * self.missed_energy)
-
-    @property
-    def missed_energy(self) -> float:
-        """The part of the strain energy that the shapes miss, by which they are too stiff."""
-        squares = self.seen.mean_squares
-        missed = float(sum(squares[part] for part in self.watched.missed_energies))
-        kept = float(sum(squares[part] for piece in self.watched.energies for part in piece))
-        return missed / (missed + kept)
+        share = flexibility * missed / (rms + missed)
+        return self._error(share * rms, share)
 
     def of_lost_inertia(self, lost: float) -> float:
         """That of the largest part of a kinetic energy that deflections take away: of it vibrations alone know."""

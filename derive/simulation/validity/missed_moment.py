@@ -12,16 +12,17 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from derive.runtime.native_call import Matrix
+from derive.simulation.validity.beam_line import places
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 
 ENDS = np.array([-1.0, 1.0])
 
 
-def missed_moments(shapes: PieceShapes, free: tuple[bool, bool]) -> Matrix:
-    """Of a piece, per unit of what is missed at its ends: what is missed of the moment at its Gauss points (points, 4).
+def missed_deflections(shapes: PieceShapes, free: tuple[bool, bool]) -> tuple[Matrix, Matrix]:
+    """Of a piece, per unit of what is missed: the deflections (4, PLACES) and their slopes at both ends (4, 2).
 
-    At the ends: the moment at the left and at the right one, N m, and the shear force there, N, which counts at an end
-    that is `free`.
+    What is missed: the moment at the left and at the right end, N m, and the shear force there, N, which counts at an
+    end that is `free`.
     """
     xi, weights = gauss_points()
     kept, half = shapes.moments(xi), shapes.length / 2
@@ -33,5 +34,6 @@ def missed_moments(shapes: PieceShapes, free: tuple[bool, bool]) -> Matrix:
     scale = np.linalg.norm(conditions, axis=1, keepdims=True)
     unit = np.vstack([np.zeros((len(kept), 4)), np.eye(4)[known]])
     moments = np.linalg.lstsq(conditions / scale, unit / scale, rcond=None)[0]  # of each degree, for each unit
-    result: Matrix = (legendre.legvander(xi, degree) @ moments).astype(np.float64)
-    return result
+    slopes = legendre.legint(moments) * half / shapes.bending_stiffness
+    values = legendre.legval(places(), legendre.legint(slopes) * half)
+    return values.astype(np.float64), legendre.legval(ENDS, slopes).astype(np.float64)

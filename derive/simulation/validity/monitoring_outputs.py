@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
 import numpy as np
 
-from derive.simulation.observables.beams import beam_bodies, piece_names, shape_functions
-from derive.simulation.validity.end_moments import held_ends, inner_sections
+from derive.simulation.observables.beams import beam_bodies, piece_names
+from derive.simulation.validity.end_moments import held_ends
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
@@ -20,61 +19,42 @@ MOST_PIECES = 4
 
 @dataclass(frozen=True)
 class MonitoredPiece:
-    """A piece of a beam, and its outputs.
-
-    axial: its axial force, in the middle, and along a lone piece. lateral: the accelerations of `LateralInertia` in
-    turn; empty of a beam whose bending moment follows from more than its inertia, see `inner_sections`.
-    """
+    """A piece of a beam, and the outputs that are its axial force: in the middle, and along a lone piece."""
 
     beam: str
     piece: str
-    axial: tuple[SceneOutput, ...]
-    lateral: tuple[SceneOutput, ...]
-
-    @property
-    def outputs(self) -> tuple[SceneOutput, ...]:
-        """All outputs."""
-        return self.axial + self.lateral
+    outputs: tuple[SceneOutput, ...]
 
 
 def monitored_pieces(scene: Scene) -> tuple[MonitoredPiece, ...]:
-    """The pieces whose forces are monitored; their outputs have names that the scene does not use."""
+    """The pieces whose axial force is monitored; their outputs have names that the scene does not use."""
     taken, result = {output.name for output in scene.outputs}, []
     for beam in beam_bodies(scene):
         kinds = ("axial_load", "axial_load_linear", "axial_load_quadratic")[: 3 if beam.pieces == 1 else 1]
-        numbers = range(0 if inner_sections(scene, beam) is None else 2 + len(shape_functions(beam)))
         for piece in _watched(beam):
-            own = {"component": piece}
-            axial = tuple(SceneOutput(_name(f"{k}_{piece}", taken), k, own) for k in kinds)
-            lateral = tuple(
-                SceneOutput(_name(f"lateral_inertia_{i}_{piece}", taken), "lateral_inertia", {**own, "number": i})
-                for i in numbers
-            )
-            result.append(MonitoredPiece(beam.name, piece, axial, lateral))
+            outputs = tuple(SceneOutput(_name(f"{k}_{piece}", taken), k, {"component": piece}) for k in kinds)
+            result.append(MonitoredPiece(beam.name, piece, outputs))
     return tuple(result)
 
 
-def monitored_sections(scene: Scene) -> dict[tuple[str, Fraction], SceneOutput]:
-    """By beam and place, -1 to 1, what the shapes leave of the moment there.
-
-    These are the ends that are held against rotation, and places between the ends at which something acts.
-    """
+def monitored_ends(scene: Scene) -> dict[tuple[str, int], SceneOutput]:
+    """By beam and end, -1 or 1: what the shapes leave of the moment at the ends that are held against rotation."""
     taken = {output.name for output in scene.outputs}
     return {
-        (beam.name, marker.at): SceneOutput(
+        (beam.name, int(marker.at)): SceneOutput(
             _name(f"moment_gap_{beam.name}_{marker.name}", taken),
             "moment_gap",
             {"section": MarkerRef(beam.name, marker.name)},
         )
         for beam in beam_bodies(scene)
-        for marker in (*held_ends(scene, beam), *(inner_sections(scene, beam) or ()))
+        for marker in held_ends(scene, beam)
     }
 
 
 def monitoring_outputs(scene: Scene) -> tuple[SceneOutput, ...]:
     """All outputs that are monitored, each with one component."""
     of_pieces = (output for piece in monitored_pieces(scene) for output in piece.outputs)
-    return (*of_pieces, *monitored_sections(scene).values())
+    return (*of_pieces, *monitored_ends(scene).values())
 
 
 def with_monitors(scene: Scene) -> Scene:

@@ -20,14 +20,14 @@ class Cause(Enum):
     """What is monitored; the values are the names in JSON.
 
     Deflection, over the length. Axial force: the stiffness that it adds or removes, over that in bending, which first
-    order leaves out. Missed moment: what the shapes miss of the bending moment, root mean square along the beam and
-    over the run, over that of the whole: too few shapes, or those of other ends. Mass matrix: the part of the kinetic
-    energy of a velocity that deflections take away; a truncated one is indefinite where nothing is left.
+    order leaves out. End moment: the largest root mean square of what the shapes miss of the bending moment, over that
+    of the largest moment: too few shapes, or those of other ends. Mass matrix: the part of the kinetic energy of a
+    velocity that deflections take away; a truncated one is indefinite where nothing is left.
     """
 
     DEFLECTION = "deflection"
     AXIAL_FORCE = "axial_force"
-    MISSED_MOMENT = "missed_moment"
+    END_MOMENT = "end_moment"
     MASS_MATRIX = "mass_matrix"
 
 
@@ -84,7 +84,7 @@ class Monitor:
                 return "divide the beam into more pieces" + (" of order = 2" if self._first else "")
             case Cause.AXIAL_FORCE:
                 return "choose order = 2 and at least three shapes, or divide the beam into more pieces"
-            case Cause.MISSED_MOMENT:
+            case Cause.END_MOMENT:
                 return "add a shape, choose shapes that fit its ends, or divide the beam into more pieces"
             case Cause.MASS_MATRIX:
                 return 'choose terms = "full", or the mean frame'
@@ -98,6 +98,6 @@ class Monitor:
 _WHAT = {
     Cause.DEFLECTION: "it bends by {} of its length",
     Cause.AXIAL_FORCE: "its axial force changes its bending stiffness by {}, which first order leaves out,",
-    Cause.MISSED_MOMENT: "its shapes miss {} of the bending moment (rms), which is largest",
+    Cause.END_MOMENT: "its shapes miss the bending moment at an end, or between pieces, by {} of the largest one",
     Cause.MASS_MATRIX: "deflections take away {} of the kinetic energy of a velocity",
 }

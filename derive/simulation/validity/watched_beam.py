@@ -10,12 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
 
-from derive.mechanics.multibody.bodies.beam import piece_of, place_in_piece
 from derive.runtime.integrators.watch import Watch, Watched, WatchedQuantity
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
@@ -23,14 +21,8 @@ from derive.simulation.observables.beams import beam_bodies, piece_names
 from derive.simulation.validity.beam_line import PLACES, deflections_along, places
 from derive.simulation.validity.end_moments import SECTIONS, free_ends, held_ends
 from derive.simulation.validity.held_beam import LowestMode, lowest_mode
-from derive.simulation.validity.missed_moment import ENDS, missed_moments
-from derive.simulation.validity.moment_along import (
-    deflections_of_moments,
-    energy_roots,
-    moments_of_inertia,
-    without_kept,
-)
-from derive.simulation.validity.monitoring_outputs import monitored_pieces, monitored_sections
+from derive.simulation.validity.missed_moment import ENDS, missed_deflections
+from derive.simulation.validity.monitoring_outputs import monitored_ends, monitored_pieces
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.spec.model.scene import BeamBody, Scene
 
@@ -45,9 +37,9 @@ class WatchedBeam:
     deflection, rate: of the beam, m and m/s; late: the rate times the time; cubed: the third power of the deflection.
     middle, middle_rate: the deflection, m, and its rate where that of the lowest mode is largest. axial: the stiffness
     that the axial force adds, relative to that of the lowest mode; axial_product: times the deflection. moment: the
-    bending moment, N m. missed: the deflection that the shapes miss, m; missed_energies: square roots of the parts of
-    the strain energy that they miss. energies: those of the strain energy, one for each shape of each piece.
-    piece_deflections: of each piece, over its length. frequency: that of the lowest mode, rad/s; hardening: the
+    bending moment, N m; gaps: what the shapes miss of it, at the ends of the beam and between pieces. missed: the
+    deflection that they miss, m. energies: square roots of the parts of the strain energy, one for each shape of each
+    piece. piece_deflections: of each piece, over its length. frequency: that of the lowest mode, rad/s; hardening: the
     stiffness that a large deflection adds, relative to that of the lowest mode, over the square of the deflection,
     1/m^2. rotations_act: whether a joint acts on the rotation of an end of a piece that can rotate.
     """
@@ -62,8 +54,8 @@ class WatchedBeam:
     axial: int
     axial_product: int
     moment: int
+    gaps: tuple[int, ...]
     missed: int
-    missed_energies: tuple[int, ...]
     energies: tuple[tuple[int, ...], ...]
     piece_deflections: tuple[int, ...]
     frequency: float
@@ -155,7 +147,7 @@ class _BeamForms:
         deflection, rate = forms.add(columns, bent), forms.add(rates, bent)
         squared = forms.add(columns, bent, deflection)
         place = int(np.abs(bent @ self.mode.amplitudes.ravel()).argmax())
-        moment, missed = self.moments()
+        moment, gaps = self.moments()
         parts = np.linalg.cholesky(shapes.stiffness).T / np.sqrt(2)
         xi = np.linspace(-1, 1, 2 * SECTIONS)
         axial_columns, axial_factors = self.axial()
@@ -171,8 +163,8 @@ class _BeamForms:
             axial,
             forms.add(axial_columns, axial_factors, deflection),
             moment,
-            forms.add(range(forms.size), self.missed(missed)),
-            tuple(forms.add(range(forms.size), row[None]) for piece in missed for row in energy_roots(shapes, piece)),
+            self.monitored_gaps(gaps),
+            forms.add(range(forms.size), self.missed(gaps)),
             tuple(tuple(forms.add(own, part[None]) for part in parts) for own in self.amplitudes),
             tuple(forms.add(own, shapes.values(xi).T / shapes.length) for own in self.amplitudes),
             self.mode.frequency,
@@ -184,51 +176,20 @@ class _BeamForms:
         """The deflection of the beam per unit of fields of its pieces."""
         return deflections_along(values, slopes, self.shapes.length, len(self.pieces), self.held)
 
-    def missed(self, moments: Sequence[Matrix]) -> Matrix:
-        """The deflection of the beam (places, z) that its shapes miss with moments of its pieces (points, z)."""
-        each = self.along(*deflections_of_moments(self.shapes)).reshape(PLACES, len(moments), -1)
-        result: Matrix = np.sum([each[:, i] @ piece for i, piece in enumerate(moments)], axis=0)
+    def missed(self, gaps: Matrix) -> Matrix:
+        """The deflection of the beam that its shapes miss (places, z), of the moments that they miss (pieces, 2, z)."""
+        shapes, last = self.shapes, len(self.pieces) - 1
+        free = free_ends(self.scene, shapes.beam)
+        of_ends = np.zeros((last + 1, 4, self.forms.size))
+        of_ends[:, :2] = gaps
+        first, second = shapes.shear_forces(ENDS).T
+        of_ends[0, 2, self.amplitudes[0]], of_ends[last, 3, self.amplitudes[last]] = -first, -second
+        result = np.zeros((PLACES, self.forms.size))
+        for i, missing in enumerate(of_ends):
+            values, slopes = missed_deflections(shapes, (i == 0 and free[0], i == last and free[1]))
+            own = self.along(values, slopes).reshape(PLACES, -1, 4)[:, i]
+            result += own @ missing
         return result
-
-    def lateral(self, piece: int) -> list[int]:
-        """The numbers in z of the accelerations from which the inertia of a piece across its axis follows."""
-        own = (m for m in monitored_pieces(self.scene) if m.piece == self.pieces[piece])
-        return [self.forms.output(output.name) for monitored in own for output in monitored.lateral]
-
-    def missed_from_ends(self, piece: int, at_ends: Matrix) -> Matrix:
-        """What the shapes of a piece miss of the bending moment at the Gauss points (points, z).
-
-        It follows from what they miss at the ends, and at free ends of the shear force.
-        """
-        last = len(self.pieces) - 1
-        free = free_ends(self.scene, self.shapes.beam)
-        missing = np.vstack([at_ends, np.zeros_like(at_ends)])
-        missing[2:, self.amplitudes[piece]] = -self.shapes.shear_forces(ENDS).T
-        moments: Matrix = missed_moments(self.shapes, (piece == 0 and free[0], piece == last and free[1])) @ missing
-        return moments
-
-    def missed_along(self, piece: int, at_ends: Matrix) -> Matrix | None:
-        """Likewise, from the inertia; None where more bends the piece, and where its inertia is not monitored."""
-        shapes, forms, pieces = self.shapes, self.forms, len(self.pieces)
-        lateral = self.lateral(piece)
-        if not lateral:
-            return None
-        known = {Fraction(-1): at_ends[0], Fraction(1): at_ends[1]}
-        for (beam, at), output in monitored_sections(self.scene).items():
-            if beam == shapes.beam.name and piece_of(at, pieces) == piece and abs(at) != 1:
-                known[place_in_piece(at, pieces)] = np.eye(forms.size)[forms.output(output.name)]
-
-        def kept(xi: Vector) -> Matrix:
-            """The moments of the shapes, less those of the inertia of a piece between two pins."""
-            moments = np.zeros((len(xi), forms.size))
-            moments[:, self.amplitudes[piece]] = shapes.moments(xi).T
-            moments[:, lateral] -= moments_of_inertia(shapes, piece, xi).T
-            return moments
-
-        where, (xi, _) = np.array(sorted(known), dtype=float), gauss_points()
-        missed = np.array([known[place] for place in sorted(known)]) + kept(where)
-        linear = np.array([np.interp(xi, where, unit) for unit in np.eye(len(where))]).T
-        return without_kept(shapes, linear @ missed - kept(xi))
 
     @property
     def strain(self) -> float:
@@ -252,13 +213,13 @@ class _BeamForms:
         columns, factors = list[int](), list[float]()
         for number, piece in enumerate(monitored):
             a = self.mode.amplitudes[[i for i, near in enumerate(nearest) if near == number]]
-            for power, output in enumerate(piece.axial):
+            for power, output in enumerate(piece.outputs):
                 columns.append(self.forms.output(output.name))
                 factors.append(float(np.sum(a * (a @ self.shapes.geometric_stiffness(power)))) / self.strain)
         return columns, np.array([factors])
 
-    def moments(self) -> tuple[int, list[Matrix]]:
-        """The bending moment in sections of all pieces; and what is missed at the Gauss points of each (points, z)."""
+    def moments(self) -> tuple[int, Matrix]:
+        """The bending moment in sections of all pieces; and what is missed at both ends of each (pieces, 2, z)."""
         forms, shapes = self.forms, self.shapes
         of_shapes = shapes.moments(np.linspace(-1, 1, SECTIONS)).T  # sections, shapes
         every_section = np.kron(np.eye(len(self.pieces)), of_shapes).astype(np.float64)
@@ -269,13 +230,15 @@ class _BeamForms:
         for left, right in pairwise(range(len(self.pieces))):  # the moment between them is the mean of theirs
             jump = (at_ends[right, 0] - at_ends[left, 1]) / 2
             gaps[left, 1], gaps[right, 0] = jump, -jump
-        for (beam, at), output in monitored_sections(self.scene).items():
-            if beam == shapes.beam.name and abs(at) == 1:
-                gap = gaps[0, 0] if at == -1 else gaps[-1, 1]
+        for (beam, end), output in monitored_ends(self.scene).items():
+            if beam == shapes.beam.name:
+                gap = gaps[0, 0] if end == -1 else gaps[-1, 1]
                 gap[:] = 0
                 gap[forms.output(output.name)] = 1
-        missed = []
-        for i, at_ends in enumerate(gaps):
-            along = self.missed_along(i, at_ends)
-            missed.append(self.missed_from_ends(i, at_ends) if along is None else along)
-        return forms.add(self.columns, every_section), missed
+        return forms.add(self.columns, every_section), gaps
+
+    def monitored_gaps(self, gaps: Matrix) -> tuple[int, ...]:
+        """What is missed at both ends of the beam, and the jumps between pieces."""
+        forms = self.forms
+        rows = [gaps[0, 0], *(2 * gap[1] for gap in gaps[:-1]), gaps[-1, 1]]
+        return tuple(forms.add(range(forms.size), row[None]) for row in rows)

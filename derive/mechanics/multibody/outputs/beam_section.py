@@ -167,14 +167,6 @@ class BeamSection:
         phi = self.instance.coordinates[2].q
         return sp.Matrix([[sp.cos(phi), -sp.sin(phi)], [sp.sin(phi), sp.cos(phi)]])
 
-    @property
-    def acceleration(self) -> sp.Matrix:
-        """The acceleration of the floating frame, less that of free fall, along the inertial axes."""
-        acceleration = sp.Matrix([row.a for row in self.instance.rows[:2]])
-        for axis, fall in enumerate(quantity.gravity(self.scene.scene.gravity)[0]):
-            acceleration[axis] -= sp.S.Zero if fall.zero else fall.symbol
-        return acceleration
-
     def _right(self, integrand: BeamFunction) -> sp.Rational:
         """The integral over xi from the section to the right end."""
         return rational(integrand.integral(self.at))

@@ -11,7 +11,6 @@ from derive.mechanics.multibody.outputs.section_forces import (
     AxialLoad,
     BendingMoment,
     Curvature,
-    LateralInertia,
     MomentGap,
     SectionForce,
     Strain,
@@ -50,7 +49,6 @@ MONITORS: Registry[OutputType] = Registry(
         "axial_load_linear": AxialLoad(1),
         "axial_load_quadratic": AxialLoad(2),
         "moment_gap": MomentGap(),
-        "lateral_inertia": LateralInertia(),
     },
 )
 """Outputs that a simulation adds to a scene to watch the validity of its model; no specification asks for them."""

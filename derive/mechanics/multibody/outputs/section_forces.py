@@ -11,6 +11,7 @@ from typing import Any
 
 import sympy as sp
 
+from derive.mechanics import quantity
 from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.outputs.beam_section import BeamSection, piece_of_component
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
@@ -21,7 +22,6 @@ SECTION = Key("section", KeyType.BEAM_MARKER, "", 'A marker of a beam, such as "
 HEIGHT = Key(
     "height", KeyType.QUANTITY, "m", "Distance of the fibre from the neutral axis, along e2 of the beam, m.", True
 )
-COMPONENT = Key("component", KeyType.CHOICE, "", "The beam, or a piece of it.", required=True)
 
 
 class SectionForce(OutputType):
@@ -116,7 +116,7 @@ class AxialLoad(OutputType):
     slender beam; distributed loads along it are left out of N_1 and N_2.
     """
 
-    keys = (COMPONENT,)
+    keys = (Key("component", KeyType.CHOICE, "", "The beam, or a piece of it.", required=True),)
 
     def __init__(self, power: int) -> None:
         """power: that of xi in the term of N."""
@@ -133,37 +133,15 @@ class AxialLoad(OutputType):
             case 0:
                 force = along.dot(section.resultant().force)
             case 1:
-                force = section.constant("inertia", section.mass / 2, "half the mass", "kg") * along.dot(
-                    section.acceleration
-                )
+                acceleration = sp.Matrix([row.a for row in instance.rows[:2]])
+                for axis, fall in enumerate(quantity.gravity(scene.scene.gravity)[0]):
+                    acceleration[axis] -= sp.S.Zero if fall.zero else fall.symbol
+                force = section.constant("inertia", section.mass / 2, "half the mass", "kg") * along.dot(acceleration)
             case _:
                 inertia = section.mass * section.length / 8
                 force = -section.constant("inertia", inertia, "m l/8", "kg m") * instance.rows[2].v ** 2
         doc = f"{self.doc} {component}"
         return OutputComponents((OutputComponent("", "N", doc, force),), section.constants)
-
-
-class LateralInertia(OutputType):
-    """An acceleration from which the inertia of a beam, or of a piece of it, across its axis follows.
-
-    By its number: 0, that of the floating frame along e2, less that of free fall; 1, that of its rotation; 2 and more,
-    those of the amplitudes of bending in turn.
-    """
-
-    doc = "acceleration across the axis of"
-    keys = (COMPONENT, Key("number", KeyType.FLOAT, "", "Which acceleration.", required=True))
-
-    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """One component."""
-        component, number = values["component"], values["number"]
-        instance = scene.instances[component]
-        if number > 0:
-            acceleration = instance.rows[1 + number].a
-        else:
-            section = BeamSection(name, scene, component, Fraction(0), sp.Matrix(instance.origin))
-            acceleration = section.rotation[:, 1].dot(section.acceleration)
-        unit = "1/s^2" if number == 1 else "m/s^2"
-        return OutputComponents((OutputComponent("", unit, f"{self.doc} {component}", acceleration),))
 
 
 def _marked_section(name: str, scene: SceneMechanics, marker: MarkerRef) -> BeamSection:
