@@ -34,9 +34,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the study that is asked for, a key of `STUDIES`."""
     scene = _scene(options.spec)
     try:
-        if (
-            options.study != STABILITY
-        ):  # which puts the values of inputs in their place itself, zero where there is none
+        if options.study != STABILITY:  # which needs no values of inputs
             scene = with_functions(scene, {})
         return STUDIES[options.study](scene, options)
     except SpecError as error:

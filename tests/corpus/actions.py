@@ -51,7 +51,7 @@ def _drive(draft: Draft, joint: JointSketch) -> None:
     assert driven is not None
     joint.driven = True
     angular = driven.unit == "rad"
-    at = written(joint.relative if angular else joint.displacement if joint.displacement > 0 else -joint.displacement)
+    at = written(joint.relative if angular else joint.displacement)
     speed = draft.rate * draws.between(0.1, 0.6) * draws.sign() * (1 if angular else 0.15 * draft.size)
     table: Table = {"joint": joint.name}
     form = draws.choice(["speed", "speed", "motion", "motion", "motion", "input", "number"])

@@ -141,10 +141,11 @@ class Symbols:
     def _smooth_step(self, expr: SmoothStep) -> ca.SX:
         """A smooth step from x0 to x1, or a derivative of it, by which CasADi must not round 1 / (x1 - x0)."""
         x, x0, x1, order = expr.args
-        width = x1 - x0
-        value = self._exact(Fraction(int(width.p), int(width.q))) if width.is_Rational else self(width)
-        s = ca.fmin(ca.fmax((self(x) - self(x0)) / value, 0), 1)
-        return _smooth_polynomial(s, value, int(order))
+        difference = x1 - x0
+        exact = difference.is_Rational
+        width = self._exact(Fraction(int(difference.p), int(difference.q))) if exact else self(difference)
+        s = ca.fmin(ca.fmax((self(x) - self(x0)) / width, 0), 1)
+        return _smooth_polynomial(s, width, int(order))
 
     def _table_value(self, expr: Lookup) -> ca.SX:
         """A look-up in a table, which CasADi knows as a symbol; its argument depends on t and constants alone."""

@@ -104,7 +104,7 @@ def reference_plots(bare: Sequence[Plot], label: str, curves: Curves, report: Pr
         if np.any(curve.y):
             plots.append(_with_curve(plot, label, curve))
         else:
-            report(f"reference: {curve.label} vanishes all the time; it is not compared")
+            report(f"reference: {curve.label or plot.name} vanishes all the time; it is not compared")
     return tuple(plots)
 
 
