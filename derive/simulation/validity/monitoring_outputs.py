@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from derive.simulation.observables.beams import beam_bodies, piece_names
-from derive.simulation.validity.end_moments import held_ends
+from derive.simulation.validity.end_moments import held_ends, loaded_ends
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
 
+MOMENT_GAP, SHEAR_GAP = "moment_gap", "shear_gap"
+"""The outputs of ends."""
 MOST_PIECES = 4
 """Pieces of a beam whose axial force is monitored: evenly spaced ones, both ends among them, where there are more."""
 
@@ -37,17 +39,19 @@ def monitored_pieces(scene: Scene) -> tuple[MonitoredPiece, ...]:
     return tuple(result)
 
 
-def monitored_ends(scene: Scene) -> dict[tuple[str, int], SceneOutput]:
-    """By beam and end, -1 or 1: what the shapes leave of the moment at the ends that are held against rotation."""
+def monitored_ends(scene: Scene) -> dict[tuple[str, int, str], SceneOutput]:
+    """By beam, end (-1 or 1) and kind: what the shapes leave of the moment and of the shear force at ends.
+
+    Moments at the ends that are held against rotation, shear forces at all ends that something acts on.
+    """
     taken = {output.name for output in scene.outputs}
     return {
-        (beam.name, int(marker.at)): SceneOutput(
-            _name(f"moment_gap_{beam.name}_{marker.name}", taken),
-            "moment_gap",
-            {"section": MarkerRef(beam.name, marker.name)},
+        (beam.name, int(marker.at), kind): SceneOutput(
+            _name(f"{kind}_{beam.name}_{marker.name}", taken), kind, {"section": MarkerRef(beam.name, marker.name)}
         )
         for beam in beam_bodies(scene)
-        for marker in held_ends(scene, beam)
+        for kind, ends in ((MOMENT_GAP, held_ends), (SHEAR_GAP, loaded_ends))
+        for marker in ends(scene, beam)
     }
 
 

@@ -22,7 +22,7 @@ from derive.simulation.validity.beam_line import PLACES, deflections_along, plac
 from derive.simulation.validity.end_moments import SECTIONS, free_ends, held_ends
 from derive.simulation.validity.held_beam import LowestMode, lowest_mode
 from derive.simulation.validity.missed_moment import ENDS, missed_deflections
-from derive.simulation.validity.monitoring_outputs import monitored_ends, monitored_pieces
+from derive.simulation.validity.monitoring_outputs import MOMENT_GAP, SHEAR_GAP, monitored_ends, monitored_pieces
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.spec.model.scene import BeamBody, Scene
 
@@ -179,16 +179,32 @@ class _BeamForms:
     def missed(self, gaps: Matrix) -> Matrix:
         """The deflection of the beam that its shapes miss (places, z), of the moments that they miss (pieces, 2, z)."""
         shapes, last = self.shapes, len(self.pieces) - 1
-        free = free_ends(self.scene, shapes.beam)
+        shear = self.missed_shear()
         of_ends = np.zeros((last + 1, 4, self.forms.size))
         of_ends[:, :2] = gaps
-        first, second = shapes.shear_forces(ENDS).T
-        of_ends[0, 2, self.amplitudes[0]], of_ends[last, 3, self.amplitudes[last]] = -first, -second
+        for end, form in shear.items():
+            of_ends[end * last, 2 + end] = form
         result = np.zeros((PLACES, self.forms.size))
         for i, missing in enumerate(of_ends):
-            values, slopes = missed_deflections(shapes, (i == 0 and free[0], i == last and free[1]))
+            values, slopes = missed_deflections(shapes, (i == 0 and 0 in shear, i == last and 1 in shear))
             own = self.along(values, slopes).reshape(PLACES, -1, 4)[:, i]
             result += own @ missing
+        return result
+
+    def missed_shear(self) -> dict[int, Vector]:
+        """By end, 0 or 1, where it is known: what is missed of the derivative of the moment there (z,)."""
+        forms, shapes, result = self.forms, self.shapes, {}
+        outputs, free = monitored_ends(self.scene), free_ends(self.scene, shapes.beam)
+        for end, own in enumerate((self.amplitudes[0], self.amplitudes[-1])):
+            form = np.zeros(forms.size)
+            output = outputs.get((shapes.beam.name, 2 * end - 1, SHEAR_GAP))
+            if output is not None:
+                form[forms.output(output.name)] = 1
+            elif free[end]:
+                form[own] = -shapes.shear_forces(ENDS)[:, end]
+            else:
+                continue
+            result[end] = form
         return result
 
     @property
@@ -230,8 +246,8 @@ class _BeamForms:
         for left, right in pairwise(range(len(self.pieces))):  # the moment between them is the mean of theirs
             jump = (at_ends[right, 0] - at_ends[left, 1]) / 2
             gaps[left, 1], gaps[right, 0] = jump, -jump
-        for (beam, end), output in monitored_ends(self.scene).items():
-            if beam == shapes.beam.name:
+        for (beam, end, kind), output in monitored_ends(self.scene).items():
+            if beam == shapes.beam.name and kind == MOMENT_GAP:
                 gap = gaps[0, 0] if end == -1 else gaps[-1, 1]
                 gap[:] = 0
                 gap[forms.output(output.name)] = 1

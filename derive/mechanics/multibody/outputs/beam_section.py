@@ -59,10 +59,20 @@ class BeamSection:
     @property
     def curvature(self) -> sp.Expr:
         """d^2v/dx^2."""
+        return self._bent(2, "curvature", "curvature", "1/m^2")
+
+    @property
+    def curvature_slope(self) -> sp.Expr:
+        """d^3v/dx^3."""
+        return self._bent(3, "curvature_slope", "derivative of the curvature", "1/m^3")
+
+    def _bent(self, order: int, label: str, doc: str, unit: str) -> sp.Expr:
+        """A derivative of the deflection along the axis."""
         total = sp.S.Zero
-        for i, value in self._derivatives(2).items():
-            curvature = self.constant(f"curvature_{i}", value, f"curvature of shape {i}", "1/m^2")
-            total += curvature * self.instance.coordinates[2 + i].q
+        for i, value in self._derivatives(order).items():
+            total += (
+                self.constant(f"{label}_{i}", value, f"{doc} of shape {i}", unit) * self.instance.coordinates[2 + i].q
+            )
         return total
 
     @property
@@ -93,8 +103,8 @@ class BeamSection:
         return total
 
     def _derivatives(self, order: int) -> dict[int, sp.Expr]:
-        """By their numbers, d^2 phi_i/dx^2 of the shapes of bending (order 2), or dchi_k/dx of stretching (1)."""
-        axis = order  # bending is along e2, stretching along e1
+        """By their numbers, d^n phi_i/dx^n of the shapes of bending (n = 2, 3), or dchi_k/dx of stretching (n = 1)."""
+        axis = min(order, 2)  # bending is along e2, stretching along e1
         unit = (2 / self.length) ** order
         fields = ((i, field.of) for i, field in enumerate(self.shapes, 1) if field.axis == axis)
         return {i: rational(shape.derivative(order).at(self.at)) * unit for i, shape in fields}

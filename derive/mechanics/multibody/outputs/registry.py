@@ -13,6 +13,7 @@ from derive.mechanics.multibody.outputs.section_forces import (
     Curvature,
     MomentGap,
     SectionForce,
+    ShearGap,
     Strain,
 )
 from derive.registry import Registry
@@ -49,6 +50,7 @@ MONITORS: Registry[OutputType] = Registry(
         "axial_load_linear": AxialLoad(1),
         "axial_load_quadratic": AxialLoad(2),
         "moment_gap": MomentGap(),
+        "shear_gap": ShearGap(),
     },
 )
 """Outputs that a simulation adds to a scene to watch the validity of its model; no specification asks for them."""

@@ -16,6 +16,7 @@ from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.outputs.beam_section import BeamSection, piece_of_component
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 
 SECTION = Key("section", KeyType.BEAM_MARKER, "", 'A marker of a beam, such as "rod.middle".', required=True)
@@ -78,6 +79,27 @@ class MomentGap(OutputType):
         equilibrium, bending = (c.expr for c in moments.components)
         doc = f"{self.doc} at {values['section']}"
         return OutputComponents((OutputComponent("", "N m", doc, equilibrium - bending),), moments.constants)
+
+
+class ShearGap(OutputType):
+    """What the shapes of a beam leave of the derivative of the bending moment at a section: of its shear force.
+
+    The shear force is across the deformed axis; at first order, which does not know how an axial force acts on slopes,
+    across e1 of the floating frame.
+    """
+
+    doc = "shear force from equilibrium, less that from the third derivative of the deflection, reversed,"
+    keys = (SECTION,)
+
+    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
+        """One component."""
+        section = _marked_section(name, scene, values["section"])
+        first = section.rod.beam.order is DisplacementOrder.FIRST_ORDER
+        angle = section.instance.coordinates[2].q if first else scene.point(values["section"]).rotation
+        shear = sp.Matrix([-sp.sin(angle), sp.cos(angle)]).dot(section.resultant().force)
+        gap = -shear - section.bending_stiffness * section.curvature_slope
+        doc = f"{self.doc} at {values['section']}"
+        return OutputComponents((OutputComponent("", "N", doc, gap),), section.constants)
 
 
 class Curvature(OutputType):
