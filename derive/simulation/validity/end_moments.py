@@ -1,10 +1,11 @@
-"""How well the shapes of a beam represent its bending moment: at its ends, and where two pieces meet.
+"""How well the shapes of a beam represent its bending moment: at its ends, where loads act, and where two pieces meet.
 
 The bending moment EI v'' of the exact deflection vanishes at free and pinned ends, is in equilibrium with the forces at
 ends that are held against rotation, and is the same on both sides of a weld between two pieces. Its derivative along
-the axis is the shear force, which at an end is in equilibrium with the forces there. Shapes fulfil this only as far as
-they can represent the deflection: the curvature of two polynomials of degree 2 and 3 is linear, that of a rod between
-two pins is not; and sine waves know no moment at a clamped end.
+the axis is the shear force, which at an end is in equilibrium with the forces there. Where a force acts within a beam,
+equilibrium gives the moment as well. Shapes fulfil this only as far as they can represent the deflection: the curvature
+of two polynomials of degree 2 and 3 is linear, that of a rod between two pins is not; and sine waves know no moment at
+a clamped end.
 """
 
 from __future__ import annotations
@@ -24,15 +25,15 @@ TORQUE = "N m"
 
 def free_ends(scene: Scene, beam: BeamBody) -> tuple[bool, bool]:
     """Whether nothing acts on the left and on the right end of a beam: no joint, force, spring and attached mass."""
-    taken = {marker.at for marker in loaded_ends(scene, beam)} | {mass.at for mass in beam.beam.masses}
+    taken = {marker.at for marker in loaded_sections(scene, beam)} | {mass.at for mass in beam.beam.masses}
     return -1 not in taken, 1 not in taken
 
 
-def loaded_ends(scene: Scene, beam: BeamBody) -> tuple[Marker, ...]:
-    """The markers at ends of a beam at which a joint, a force, a torque or a spring acts, one for each end."""
+def loaded_sections(scene: Scene, beam: BeamBody) -> tuple[Marker, ...]:
+    """The markers of a beam at which a joint, a force, a torque or a spring acts, one for each place."""
     elements = (*scene.forces, *scene.torques, *scene.springs)
     acting = {marker for element in elements for marker in element.markers}
-    return _at_ends(beam, acting | {marker for joint in scene.joints for marker in (joint.first, joint.second)})
+    return _sections(beam, acting | {marker for joint in scene.joints for marker in (joint.first, joint.second)})
 
 
 def held_ends(scene: Scene, beam: BeamBody) -> tuple[Marker, ...]:
@@ -46,10 +47,9 @@ def held_ends(scene: Scene, beam: BeamBody) -> tuple[Marker, ...]:
             units.add(known.driven.force_unit)
         if TORQUE in units:
             markers += [joint.first, joint.second]
-    return _at_ends(beam, markers)
+    return tuple(marker for marker in _sections(beam, markers) if abs(marker.at) == 1)
 
 
-def _at_ends(beam: BeamBody, markers: Collection[MarkerRef]) -> tuple[Marker, ...]:
-    """Of these markers those at ends of the beam, one for each end."""
-    ends = [m for m in beam.markers if abs(m.at) == 1 and MarkerRef(beam.name, m.name) in markers]
-    return tuple({marker.at: marker for marker in ends}.values())
+def _sections(beam: BeamBody, markers: Collection[MarkerRef]) -> tuple[Marker, ...]:
+    """Of these markers those of the beam, one for each place."""
+    return tuple({m.at: m for m in beam.markers if MarkerRef(beam.name, m.name) in markers}.values())

@@ -1,39 +1,50 @@
-"""What the shapes of a piece miss of its bending moment along it, from what they miss of it at the ends.
+"""What the shapes of a piece miss of its bending moment along it, from what they miss of it at some places.
 
 The shapes are a projection: what they miss of the exact moment is orthogonal to their curvatures, in statics exactly.
-Of the polynomials with this property and with the missed moments at both ends, and where it is known the missed shear
-force there, that of the lowest degree is taken. Between two pins P2 has a constant moment; it misses 1 at both ends, so
-that it misses P2(xi) along the beam, and its deflection under a uniform load is 4/5 of the exact one.
+Of the polynomials with this property and with what is known to be missed, the moments at both ends and its derivatives
+where the shear force is known, that of the lowest degree is taken. Between two pins P2 has a constant moment; it misses
+1 at both ends, so that it misses P2(xi) along the beam, and its deflection under a uniform load is 4/5 of the exact
+one. A force within the piece bends the diagram of the moment by an angle there, and so it does that of what is missed:
+the moment missed at its place determines the angle.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.polynomial import legendre
 
-from derive.runtime.native_call import Matrix
+from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.validity.beam_line import places
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 
 ENDS = np.array([-1.0, 1.0])
 
 
-def missed_deflections(shapes: PieceShapes, shear_known: tuple[bool, bool]) -> tuple[Matrix, Matrix]:
-    """Of a piece, per unit of what is missed: the deflections (4, PLACES) and their slopes at both ends (4, 2).
+def missed_deflections(shapes: PieceShapes, known: Sequence[tuple[float, int]]) -> tuple[Matrix, Matrix]:
+    """Of a piece, per unit of what is missed: the deflections (len(known), PLACES) and their slopes at both ends.
 
-    What is missed: the moment at the left and at the right end, N m, and its derivative along the axis there, N, which
-    counts where it is known.
+    known: where and what is missed: xi, and 0 for the moment, N m, or 1 for its derivative along the axis, N.
     """
     xi, weights = gauss_points()
     kept, half = shapes.moments(xi), shapes.length / 2
-    known = [0, 1, *(2 + end for end in (0, 1) if shear_known[end])]
-    degree = len(kept) + len(known) - 1
-    each = np.eye(degree + 1)
-    at_ends = np.vstack([legendre.legvander(ENDS, degree), legendre.legval(ENDS, legendre.legder(each.T)).T / half])
-    conditions = np.vstack([(kept * weights) @ legendre.legvander(xi, degree), at_ends[known]])
+    kinks = np.array([place for place, order in known if order == 0 and abs(place) < 1])
+    degree = len(kept) + len(known) - len(kinks) - 1
+
+    def each(order: int, at: Vector) -> Matrix:
+        """The derivatives by xi, or the integrals if `order` is negative, of all functions (functions, places)."""
+        unit = np.eye(degree + 1)
+        of_degrees = legendre.legder(unit, order) if order > 0 else legendre.legint(unit, -order)
+        r = at - kinks[:, None]
+        power = 1 - order
+        of_kinks = np.sign(r) * r**power / np.prod(np.arange(2, power + 1))
+        return np.vstack([legendre.legval(at, of_degrees), of_kinks]).astype(np.float64)
+
+    missed = np.array([each(order, np.array([place]))[:, 0] / half**order for place, order in known])
+    conditions = np.vstack([(kept * weights) @ each(0, xi).T, missed])
     scale = np.linalg.norm(conditions, axis=1, keepdims=True)
-    unit = np.vstack([np.zeros((len(kept), 4)), np.eye(4)[known]])
-    moments = np.linalg.lstsq(conditions / scale, unit / scale, rcond=None)[0]  # of each degree, for each unit
-    slopes = legendre.legint(moments) * half / shapes.bending_stiffness
-    values = legendre.legval(places(), legendre.legint(slopes) * half)
-    return values.astype(np.float64), legendre.legval(ENDS, slopes).astype(np.float64)
+    unit = np.vstack([np.zeros((len(kept), len(known))), np.eye(len(known))])
+    moments = np.linalg.lstsq(conditions / scale, unit / scale, rcond=None)[0].T  # for each unit, of each function
+    values = moments @ each(-2, places()) * half**2 / shapes.bending_stiffness
+    return values, moments @ each(-1, ENDS) * half / shapes.bending_stiffness

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import numpy as np
 
 from derive.simulation.observables.beams import beam_bodies, piece_names
-from derive.simulation.validity.end_moments import held_ends, loaded_ends
+from derive.simulation.validity.end_moments import held_ends, loaded_sections
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
 
 MOMENT_GAP, SHEAR_GAP = "moment_gap", "shear_gap"
-"""The outputs of ends."""
+"""The outputs of sections."""
 MOST_PIECES = 4
 """Pieces of a beam whose axial force is monitored: evenly spaced ones, both ends among them, where there are more."""
 
@@ -39,26 +40,30 @@ def monitored_pieces(scene: Scene) -> tuple[MonitoredPiece, ...]:
     return tuple(result)
 
 
-def monitored_ends(scene: Scene) -> dict[tuple[str, int, str], SceneOutput]:
-    """By beam, end (-1 or 1) and kind: what the shapes leave of the moment and of the shear force at ends.
+def monitored_sections(scene: Scene) -> dict[tuple[str, Fraction, str], SceneOutput]:
+    """By beam, place and kind: what the shapes leave of the moment and of the shear force.
 
-    Moments at the ends that are held against rotation, shear forces at all ends that something acts on.
+    Moments at the ends that are held against rotation, and where something acts within the beam; shear forces at the
+    ends that something acts on.
     """
     taken = {output.name for output in scene.outputs}
-    return {
-        (beam.name, int(marker.at), kind): SceneOutput(
-            _name(f"{kind}_{beam.name}_{marker.name}", taken), kind, {"section": MarkerRef(beam.name, marker.name)}
-        )
-        for beam in beam_bodies(scene)
-        for kind, ends in ((MOMENT_GAP, held_ends), (SHEAR_GAP, loaded_ends))
-        for marker in ends(scene, beam)
-    }
+    result = {}
+    for beam in beam_bodies(scene):
+        loaded = loaded_sections(scene, beam)
+        within = [marker for marker in loaded if abs(marker.at) < 1]
+        ends = [marker for marker in loaded if abs(marker.at) == 1]
+        for kind, markers in ((MOMENT_GAP, (*held_ends(scene, beam), *within)), (SHEAR_GAP, ends)):
+            for marker in markers:
+                name = _name(f"{kind}_{beam.name}_{marker.name}", taken)
+                section = {"section": MarkerRef(beam.name, marker.name)}
+                result[beam.name, marker.at, kind] = SceneOutput(name, kind, section)
+    return result
 
 
 def monitoring_outputs(scene: Scene) -> tuple[SceneOutput, ...]:
     """All outputs that are monitored, each with one component."""
     of_pieces = (output for piece in monitored_pieces(scene) for output in piece.outputs)
-    return (*of_pieces, *monitored_ends(scene).values())
+    return (*of_pieces, *monitored_sections(scene).values())
 
 
 def with_monitors(scene: Scene) -> Scene:

@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
 
+from derive.mechanics.multibody.bodies.beam import piece_of, place_in_piece
 from derive.runtime.integrators.watch import Watch, Watched, WatchedQuantity
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
@@ -22,7 +24,7 @@ from derive.simulation.validity.beam_line import PLACES, deflections_along, plac
 from derive.simulation.validity.end_moments import SECTIONS, free_ends, held_ends
 from derive.simulation.validity.held_beam import LowestMode, lowest_mode
 from derive.simulation.validity.missed_moment import ENDS, missed_deflections
-from derive.simulation.validity.monitoring_outputs import MOMENT_GAP, SHEAR_GAP, monitored_ends, monitored_pieces
+from derive.simulation.validity.monitoring_outputs import MOMENT_GAP, SHEAR_GAP, monitored_pieces, monitored_sections
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.spec.model.scene import BeamBody, Scene
 
@@ -123,6 +125,12 @@ class _Forms:
         """The number of an output in z."""
         return int(self.native.nq + self.native.nv + self.native.outputs.index(name))
 
+    def of_output(self, name: str) -> Vector:
+        """An output as a form (z,)."""
+        form = np.zeros(self.size)
+        form[self.output(name)] = 1
+        return form
+
 
 class _BeamForms:
     """The forms of a beam with its lowest mode."""
@@ -178,33 +186,37 @@ class _BeamForms:
 
     def missed(self, gaps: Matrix) -> Matrix:
         """The deflection of the beam that its shapes miss (places, z), of the moments that they miss (pieces, 2, z)."""
-        shapes, last = self.shapes, len(self.pieces) - 1
-        shear = self.missed_shear()
-        of_ends = np.zeros((last + 1, 4, self.forms.size))
-        of_ends[:, :2] = gaps
-        for end, form in shear.items():
-            of_ends[end * last, 2 + end] = form
+        within, shear = self.missed_within(), self.missed_shear()
         result = np.zeros((PLACES, self.forms.size))
-        for i, missing in enumerate(of_ends):
-            values, slopes = missed_deflections(shapes, (i == 0 and 0 in shear, i == last and 1 in shear))
-            own = self.along(values, slopes).reshape(PLACES, -1, 4)[:, i]
-            result += own @ missing
+        for i, (left, right) in enumerate(gaps):
+            known = [(-1.0, 0, left), (1.0, 0, right), *within[i], *shear[i]]
+            values, slopes = missed_deflections(self.shapes, [(xi, order) for xi, order, _ in known])
+            own = self.along(values, slopes).reshape(PLACES, -1, len(known))[:, i]
+            result += own @ np.array([form for _, _, form in known])
         return result
 
-    def missed_shear(self) -> dict[int, Vector]:
-        """By end, 0 or 1, where it is known: what is missed of the derivative of the moment there (z,)."""
-        forms, shapes, result = self.forms, self.shapes, {}
-        outputs, free = monitored_ends(self.scene), free_ends(self.scene, shapes.beam)
-        for end, own in enumerate((self.amplitudes[0], self.amplitudes[-1])):
-            form = np.zeros(forms.size)
-            output = outputs.get((shapes.beam.name, 2 * end - 1, SHEAR_GAP))
+    def missed_within(self) -> list[list[tuple[float, int, Vector]]]:
+        """What each piece misses of the moment where something acts within it: xi, 0, and its form (z,)."""
+        result: list[list[tuple[float, int, Vector]]] = [[] for _ in self.pieces]
+        for (beam, at, kind), output in monitored_sections(self.scene).items():
+            xi = place_in_piece(at, len(self.pieces))
+            if beam == self.shapes.beam.name and kind == MOMENT_GAP and abs(xi) < 1:
+                result[piece_of(at, len(self.pieces))].append((float(xi), 0, self.forms.of_output(output.name)))
+        return result
+
+    def missed_shear(self) -> list[list[tuple[float, int, Vector]]]:
+        """What each piece misses of the derivative of the moment at ends of the beam where it is known, likewise."""
+        forms, shapes = self.forms, self.shapes
+        result: list[list[tuple[float, int, Vector]]] = [[] for _ in self.pieces]
+        outputs, free = monitored_sections(self.scene), free_ends(self.scene, shapes.beam)
+        for i, (piece, end) in enumerate(((0, -1), (-1, 1))):
+            output = outputs.get((shapes.beam.name, Fraction(end), SHEAR_GAP))
             if output is not None:
-                form[forms.output(output.name)] = 1
-            elif free[end]:
-                form[own] = -shapes.shear_forces(ENDS)[:, end]
-            else:
-                continue
-            result[end] = form
+                result[piece].append((float(end), 1, forms.of_output(output.name)))
+            elif free[i]:
+                form = np.zeros(forms.size)
+                form[self.amplitudes[piece]] = -shapes.shear_forces(ENDS)[:, i]
+                result[piece].append((float(end), 1, form))
         return result
 
     @property
@@ -246,11 +258,9 @@ class _BeamForms:
         for left, right in pairwise(range(len(self.pieces))):  # the moment between them is the mean of theirs
             jump = (at_ends[right, 0] - at_ends[left, 1]) / 2
             gaps[left, 1], gaps[right, 0] = jump, -jump
-        for (beam, end, kind), output in monitored_ends(self.scene).items():
-            if beam == shapes.beam.name and kind == MOMENT_GAP:
-                gap = gaps[0, 0] if end == -1 else gaps[-1, 1]
-                gap[:] = 0
-                gap[forms.output(output.name)] = 1
+        for (beam, at, kind), output in monitored_sections(self.scene).items():
+            if beam == shapes.beam.name and kind == MOMENT_GAP and abs(at) == 1:
+                gaps[0 if at == -1 else -1, 0 if at == -1 else 1] = forms.of_output(output.name)
         return forms.add(self.columns, every_section), gaps
 
     def monitored_gaps(self, gaps: Matrix) -> tuple[int, ...]:
