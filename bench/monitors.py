@@ -26,7 +26,7 @@ from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.simulation.observables.beams import axis_points, beam_bodies, piece_names
 from derive.simulation.trajectory import Trajectory
-from derive.simulation.validity.end_moments import held_ends
+from derive.simulation.validity.loaded_sections import held_ends
 from derive.simulation.validity.monitors import ERROR_LIMIT
 from derive.spec.model.scene import BeamBody, Scene
 from derive.study.accuracy.measurement import compiled, motion

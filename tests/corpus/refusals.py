@@ -31,6 +31,7 @@ REFUSALS: dict[str, str] = {
     r"an export for arrays or symbols has straight-line code": "likewise",
     r"the steady motion that Newton's method finds is far from the initial state": "the message says what to write",
     r"the mass matrix is no longer positive definite": "truncated beams bend too far; the message says what to write",
+    r"the mechanism is at a dead centre at t = ": "its motion comes there; the message says what to change",
     r"needs a reference whose own error is a third of it": "no model that is tried is accurate enough",
     r"there is no beam here": "there is no flexible body whose models could differ",
     r"a simulation needs its value; write one, such as": "an input without a function can be exported, not simulated",

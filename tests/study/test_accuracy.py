@@ -182,7 +182,7 @@ def test_a_reference_with_a_larger_error_than_is_asked_for_decides_nothing() -> 
 
 def test_where_monitor_and_measurement_differ_both_are_shown_with_the_reason() -> None:
     """The monitor of the crank implies 31 %, and the plot, in which 0.94 % is measured, shows the rod."""
-    crank = replace(WARNING, beam="crank", cause=Cause.END_MOMENT, error=0.31)
+    crank = replace(WARNING, beam="crank", cause=Cause.BENDING_MOMENT, error=0.31)
     doubted = line(1, (0.02, 1e-5), (0.0094, 3e-5), warning=crank)
     reason = "the moment at the ends of crank is in doubt, and the plot shows rod"
     assert doubt(doubted, ("rod",)) == f"31 % implied, 0.94 % measured: {reason}"
@@ -301,7 +301,7 @@ def test_modes_of_other_ends_are_wrong(crank_slider: Scene) -> None:
     found = {}
     for model in models:
         moved = motion(compiled(crank_slider, model), 1e-6, monitored=True)
-        ends = [m.value for m in moved.validity if m.cause is Cause.END_MOMENT]
+        ends = [m.value for m in moved.validity if m.cause is Cause.BENDING_MOMENT]
         found[model.label] = (100 * plot_errors((plot,), moved)[0], *ends)
     errors = {label: values[0] for label, values in found.items()}
     expected = {

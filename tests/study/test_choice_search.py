@@ -372,7 +372,7 @@ def test_the_beams_that_matter_bend(beams: int, monkeypatch: pytest.MonkeyPatch)
 
 def test_a_model_of_a_beam_that_a_monitor_doubts_is_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
     matter = {"b0": 0.003, "b1": 1e-5}
-    warning = Monitor("b0", 1, Cause.END_MOMENT, TRUNCATED, 0.3, 0.2, 0.0)
+    warning = Monitor("b0", 1, Cause.BENDING_MOMENT, TRUNCATED, 0.3, 0.2, 0.0)
 
     def implied(model: LadderModel) -> Monitor | None:
         return warning if model.of("b0").shapes is Shapes.SINES else None

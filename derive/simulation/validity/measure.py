@@ -39,8 +39,8 @@ def _of_beam(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> Iterator
         yield monitor(Cause.DEFLECTION, value, errors.of_deflection, t)
     yield monitor(Cause.AXIAL_FORCE, seen.largest[watched.axial], errors.of_axial_force, seen.times[watched.axial])
     if not errors.straight:
-        missed = np.sqrt(max(seen.mean_squares[gap] for gap in watched.gaps) / seen.mean_squares[watched.moment])
-        yield monitor(Cause.END_MOMENT, missed, errors.of_shapes, seen.times[watched.moment])
+        missed = np.sqrt(seen.mean_squares[watched.missed_moment] / seen.mean_squares[watched.moment])
+        yield monitor(Cause.BENDING_MOMENT, missed, errors.of_shapes, seen.times[watched.moment])
     if beam.beam.order is DisplacementOrder.TRUNCATED:
         t, lost = lost_inertia(scene, watched, seen)
         yield monitor(Cause.MASS_MATRIX, lost, errors.of_lost_inertia(lost), t)

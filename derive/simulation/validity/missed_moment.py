@@ -11,6 +11,7 @@ the moment missed at its place determines the angle.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -22,11 +23,30 @@ from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 ENDS = np.array([-1.0, 1.0])
 
 
-def missed_deflections(shapes: PieceShapes, known: Sequence[tuple[float, int]]) -> tuple[Matrix, Matrix]:
-    """Of a piece, per unit of what is missed: the deflections (len(known), PLACES) and their slopes at both ends.
+SECTIONS = 9
+"""Sections of a piece at which bending moments are looked at, both ends among them."""
 
-    known: where and what is missed: xi, and 0 for the moment, N m, or 1 for its derivative along the axis, N.
+
+@dataclass(frozen=True, eq=False)
+class MissedFields:
+    """What a piece misses, for each unit that is known to be missed.
+
+    moments (units, SECTIONS): in `sections`. values (units, PLACES), slopes (units, 2): the deflection at `places`, and
+    its derivative along the axis at both ends, but for a rigid motion of the piece.
     """
+
+    moments: Matrix
+    values: Matrix
+    slopes: Matrix
+
+
+def sections() -> Vector:
+    """Those of a piece, xi."""
+    return np.linspace(-1, 1, SECTIONS)
+
+
+def missed_fields(shapes: PieceShapes, known: Sequence[tuple[float, int]]) -> MissedFields:
+    """What a piece misses; known: where and what, xi, and 0 for the moment, N m, or 1 for its derivative, N."""
     xi, weights = gauss_points()
     kept, half = shapes.moments(xi), shapes.length / 2
     kinks = np.array([place for place, order in known if order == 0 and abs(place) < 1])
@@ -38,13 +58,16 @@ def missed_deflections(shapes: PieceShapes, known: Sequence[tuple[float, int]]) 
         of_degrees = legendre.legder(unit, order) if order > 0 else legendre.legint(unit, -order)
         r = at - kinks[:, None]
         power = 1 - order
-        of_kinks = np.sign(r) * r**power / np.prod(np.arange(2, power + 1))
+        of_kinks = np.sign(r) * r**power / np.prod(np.arange(2, power + 1))  # |r| and its integrals
         return np.vstack([legendre.legval(at, of_degrees), of_kinks]).astype(np.float64)
 
     missed = np.array([each(order, np.array([place]))[:, 0] / half**order for place, order in known])
     conditions = np.vstack([(kept * weights) @ each(0, xi).T, missed])
     scale = np.linalg.norm(conditions, axis=1, keepdims=True)
     unit = np.vstack([np.zeros((len(kept), len(known))), np.eye(len(known))])
-    moments = np.linalg.lstsq(conditions / scale, unit / scale, rcond=None)[0].T  # for each unit, of each function
-    values = moments @ each(-2, places()) * half**2 / shapes.bending_stiffness
-    return values, moments @ each(-1, ENDS) * half / shapes.bending_stiffness
+    factors = np.linalg.lstsq(conditions / scale, unit / scale, rcond=None)[0].T  # for each unit, of each function
+    curvatures, slopes, values = (
+        factors @ each(-times, at) * half**times / shapes.bending_stiffness
+        for times, at in enumerate((sections(), ENDS, places()))
+    )
+    return MissedFields(curvatures * shapes.bending_stiffness, values, slopes)

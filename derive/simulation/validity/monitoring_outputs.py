@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 
 from derive.simulation.observables.beams import beam_bodies, piece_names
-from derive.simulation.validity.end_moments import held_ends, loaded_sections
+from derive.simulation.validity.loaded_sections import held_ends, loaded_sections
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene

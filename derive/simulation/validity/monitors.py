@@ -20,14 +20,14 @@ class Cause(Enum):
     """What is monitored; the values are the names in JSON.
 
     Deflection, over the length. Axial force: the stiffness that it adds or removes, over that in bending, which first
-    order leaves out. End moment: the largest root mean square of what the shapes miss of the bending moment, over that
-    of the largest moment: too few shapes, or those of other ends. Mass matrix: the part of the kinetic energy of a
+    order leaves out. Bending moment: the root mean square of the largest that the shapes miss of it, over that of the
+    largest moment: too few shapes, or those of other ends. Mass matrix: the part of the kinetic energy of a
     velocity that deflections take away; a truncated one is indefinite where nothing is left.
     """
 
     DEFLECTION = "deflection"
     AXIAL_FORCE = "axial_force"
-    END_MOMENT = "end_moment"
+    BENDING_MOMENT = "bending_moment"
     MASS_MATRIX = "mass_matrix"
 
 
@@ -84,7 +84,7 @@ class Monitor:
                 return "divide the beam into more pieces" + (" of order = 2" if self._first else "")
             case Cause.AXIAL_FORCE:
                 return "choose order = 2 and at least three shapes, or divide the beam into more pieces"
-            case Cause.END_MOMENT:
+            case Cause.BENDING_MOMENT:
                 return "add a shape, choose shapes that fit its ends, or divide the beam into more pieces"
             case Cause.MASS_MATRIX:
                 return 'choose terms = "full", or the mean frame'
@@ -98,6 +98,6 @@ class Monitor:
 _WHAT = {
     Cause.DEFLECTION: "it bends by {} of its length",
     Cause.AXIAL_FORCE: "its axial force changes its bending stiffness by {}, which first order leaves out,",
-    Cause.END_MOMENT: "its shapes miss the bending moment at an end, or between pieces, by {} of the largest one",
+    Cause.BENDING_MOMENT: "its shapes miss the bending moment by {} of the largest one",
     Cause.MASS_MATRIX: "deflections take away {} of the kinetic energy of a velocity",
 }

@@ -8,23 +8,21 @@ further part, the integral of 1/2 EI v''^2 v'^2.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
-from itertools import pairwise
 
 import numpy as np
 
-from derive.mechanics.multibody.bodies.beam import piece_of, place_in_piece
-from derive.runtime.integrators.watch import Watch, Watched, WatchedQuantity
+from derive.runtime.integrators.watch import Watch, Watched
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.observables.beams import beam_bodies, piece_names
 from derive.simulation.validity.beam_line import PLACES, deflections_along, places
-from derive.simulation.validity.end_moments import SECTIONS, free_ends, held_ends
+from derive.simulation.validity.forms import Forms
 from derive.simulation.validity.held_beam import LowestMode, lowest_mode
-from derive.simulation.validity.missed_moment import ENDS, missed_deflections
-from derive.simulation.validity.monitoring_outputs import MOMENT_GAP, SHEAR_GAP, monitored_pieces, monitored_sections
+from derive.simulation.validity.known_gaps import known_gaps
+from derive.simulation.validity.loaded_sections import held_ends
+from derive.simulation.validity.missed_moment import ENDS, SECTIONS, missed_fields, sections
+from derive.simulation.validity.monitoring_outputs import monitored_pieces
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.spec.model.scene import BeamBody, Scene
 
@@ -39,11 +37,11 @@ class WatchedBeam:
     deflection, rate: of the beam, m and m/s; late: the rate times the time; cubed: the third power of the deflection.
     middle, middle_rate: the deflection, m, and its rate where that of the lowest mode is largest. axial: the stiffness
     that the axial force adds, relative to that of the lowest mode; axial_product: times the deflection. moment: the
-    bending moment, N m; gaps: what the shapes miss of it, at the ends of the beam and between pieces. missed: the
-    deflection that they miss, m. energies: square roots of the parts of the strain energy, one for each shape of each
-    piece. piece_deflections: of each piece, over its length. frequency: that of the lowest mode, rad/s; hardening: the
-    stiffness that a large deflection adds, relative to that of the lowest mode, over the square of the deflection,
-    1/m^2. rotations_act: whether a joint acts on the rotation of an end of a piece that can rotate.
+    bending moment, N m; missed_moment, missed: what the shapes miss of it, and of the deflection, m. energies: square
+    roots of the parts of the strain energy, one for each shape of each piece. piece_deflections: of each piece, over
+    its length. frequency: that of the lowest mode, rad/s; hardening: the stiffness that a large deflection adds,
+    relative to that of the lowest mode, over the square of the deflection, 1/m^2. rotations_act: whether a joint acts
+    on the rotation of an end of a piece that can rotate.
     """
 
     shapes: PieceShapes
@@ -56,7 +54,7 @@ class WatchedBeam:
     axial: int
     axial_product: int
     moment: int
-    gaps: tuple[int, ...]
+    missed_moment: int
     missed: int
     energies: tuple[tuple[int, ...], ...]
     piece_deflections: tuple[int, ...]
@@ -96,7 +94,7 @@ class SceneWatch:
 
 def scene_watch(scene: Scene, native: NativeScene, k: Vector, t: float, q: Vector) -> SceneWatch:
     """What is watched of a scene that was compiled with the outputs of `with_monitors`; q (nq,): a state at t (s)."""
-    forms = _Forms(native)
+    forms = Forms(native)
     beams = []
     for beam in beam_bodies(scene):
         shapes = PieceShapes(beam)
@@ -107,35 +105,10 @@ def scene_watch(scene: Scene, native: NativeScene, k: Vector, t: float, q: Vecto
     return SceneWatch(native, k, tuple(beams), Watch(tuple(forms.quantities)))
 
 
-class _Forms:
-    """The quantities of a watch, in the order in which they are added, as forms of z = [q; v; outputs; t]."""
-
-    def __init__(self, native: NativeScene) -> None:
-        self.native, self.quantities = native, list[WatchedQuantity]()
-        self.size = native.nq + native.nv + len(native.outputs) + 1
-
-    def add(self, columns: Sequence[int], factors: Matrix, factor: int | None = None) -> int:
-        """The number of a new quantity whose forms have these factors (forms, columns) of some elements of z."""
-        matrix = np.zeros((len(factors), self.size))
-        matrix[:, columns] = factors
-        self.quantities.append(WatchedQuantity(matrix, factor))
-        return len(self.quantities) - 1
-
-    def output(self, name: str) -> int:
-        """The number of an output in z."""
-        return int(self.native.nq + self.native.nv + self.native.outputs.index(name))
-
-    def of_output(self, name: str) -> Vector:
-        """An output as a form (z,)."""
-        form = np.zeros(self.size)
-        form[self.output(name)] = 1
-        return form
-
-
 class _BeamForms:
     """The forms of a beam with its lowest mode."""
 
-    def __init__(self, scene: Scene, forms: _Forms, shapes: PieceShapes, mode: LowestMode) -> None:
+    def __init__(self, scene: Scene, forms: Forms, shapes: PieceShapes, mode: LowestMode) -> None:
         self.scene, self.forms, self.shapes, self.mode = scene, forms, shapes, mode
         beam, native = shapes.beam, forms.native
         self.pieces = piece_names(beam)
@@ -155,7 +128,8 @@ class _BeamForms:
         deflection, rate = forms.add(columns, bent), forms.add(rates, bent)
         squared = forms.add(columns, bent, deflection)
         place = int(np.abs(bent @ self.mode.amplitudes.ravel()).argmax())
-        moment, gaps = self.moments()
+        moments, deflections = self.missed()
+        every_section = np.kron(np.eye(len(self.pieces)), shapes.moments(sections()).T).astype(np.float64)
         parts = np.linalg.cholesky(shapes.stiffness).T / np.sqrt(2)
         xi = np.linspace(-1, 1, 2 * SECTIONS)
         axial_columns, axial_factors = self.axial()
@@ -170,9 +144,9 @@ class _BeamForms:
             forms.add(rates, bent[place, None]),
             axial,
             forms.add(axial_columns, axial_factors, deflection),
-            moment,
-            self.monitored_gaps(gaps),
-            forms.add(range(forms.size), self.missed(gaps)),
+            forms.add(columns, every_section),
+            forms.add(range(forms.size), moments),
+            forms.add(range(forms.size), deflections),
             tuple(tuple(forms.add(own, part[None]) for part in parts) for own in self.amplitudes),
             tuple(forms.add(own, shapes.values(xi).T / shapes.length) for own in self.amplitudes),
             self.mode.frequency,
@@ -184,40 +158,15 @@ class _BeamForms:
         """The deflection of the beam per unit of fields of its pieces."""
         return deflections_along(values, slopes, self.shapes.length, len(self.pieces), self.held)
 
-    def missed(self, gaps: Matrix) -> Matrix:
-        """The deflection of the beam that its shapes miss (places, z), of the moments that they miss (pieces, 2, z)."""
-        within, shear = self.missed_within(), self.missed_shear()
-        result = np.zeros((PLACES, self.forms.size))
-        for i, (left, right) in enumerate(gaps):
-            known = [(-1.0, 0, left), (1.0, 0, right), *within[i], *shear[i]]
-            values, slopes = missed_deflections(self.shapes, [(xi, order) for xi, order, _ in known])
-            own = self.along(values, slopes).reshape(PLACES, -1, len(known))[:, i]
-            result += own @ np.array([form for _, _, form in known])
-        return result
-
-    def missed_within(self) -> list[list[tuple[float, int, Vector]]]:
-        """What each piece misses of the moment where something acts within it: xi, 0, and its form (z,)."""
-        result: list[list[tuple[float, int, Vector]]] = [[] for _ in self.pieces]
-        for (beam, at, kind), output in monitored_sections(self.scene).items():
-            xi = place_in_piece(at, len(self.pieces))
-            if beam == self.shapes.beam.name and kind == MOMENT_GAP and abs(xi) < 1:
-                result[piece_of(at, len(self.pieces))].append((float(xi), 0, self.forms.of_output(output.name)))
-        return result
-
-    def missed_shear(self) -> list[list[tuple[float, int, Vector]]]:
-        """What each piece misses of the derivative of the moment at ends of the beam where it is known, likewise."""
-        forms, shapes = self.forms, self.shapes
-        result: list[list[tuple[float, int, Vector]]] = [[] for _ in self.pieces]
-        outputs, free = monitored_sections(self.scene), free_ends(self.scene, shapes.beam)
-        for i, (piece, end) in enumerate(((0, -1), (-1, 1))):
-            output = outputs.get((shapes.beam.name, Fraction(end), SHEAR_GAP))
-            if output is not None:
-                result[piece].append((float(end), 1, forms.of_output(output.name)))
-            elif free[i]:
-                form = np.zeros(forms.size)
-                form[self.amplitudes[piece]] = -shapes.shear_forces(ENDS)[:, i]
-                result[piece].append((float(end), 1, form))
-        return result
+    def missed(self) -> tuple[Matrix, Matrix]:
+        """What the shapes miss: of the moment in sections of all pieces, and of the deflection of the beam (., z)."""
+        moments, deflections = list[Matrix](), np.zeros((PLACES, self.forms.size))
+        for i, known in enumerate(known_gaps(self.scene, self.forms, self.shapes, self.amplitudes)):
+            form = np.array([gap.form for gap in known])
+            missed = missed_fields(self.shapes, [(gap.xi, gap.order) for gap in known])
+            moments.append(missed.moments.T @ form)
+            deflections += self.along(missed.values, missed.slopes).reshape(PLACES, -1, len(known))[:, i] @ form
+        return np.vstack(moments), deflections
 
     @property
     def strain(self) -> float:
@@ -245,26 +194,3 @@ class _BeamForms:
                 columns.append(self.forms.output(output.name))
                 factors.append(float(np.sum(a * (a @ self.shapes.geometric_stiffness(power)))) / self.strain)
         return columns, np.array([factors])
-
-    def moments(self) -> tuple[int, Matrix]:
-        """The bending moment in sections of all pieces; and what is missed at both ends of each (pieces, 2, z)."""
-        forms, shapes = self.forms, self.shapes
-        of_shapes = shapes.moments(np.linspace(-1, 1, SECTIONS)).T  # sections, shapes
-        every_section = np.kron(np.eye(len(self.pieces)), of_shapes).astype(np.float64)
-        at_ends = np.zeros((len(self.pieces), 2, forms.size))
-        for i, own in enumerate(self.amplitudes):
-            at_ends[i][:, own] = of_shapes[[0, -1]]
-        gaps = -at_ends
-        for left, right in pairwise(range(len(self.pieces))):  # the moment between them is the mean of theirs
-            jump = (at_ends[right, 0] - at_ends[left, 1]) / 2
-            gaps[left, 1], gaps[right, 0] = jump, -jump
-        for (beam, at, kind), output in monitored_sections(self.scene).items():
-            if beam == shapes.beam.name and kind == MOMENT_GAP and abs(at) == 1:
-                gaps[0 if at == -1 else -1, 0 if at == -1 else 1] = forms.of_output(output.name)
-        return forms.add(self.columns, every_section), gaps
-
-    def monitored_gaps(self, gaps: Matrix) -> tuple[int, ...]:
-        """What is missed at both ends of the beam, and the jumps between pieces."""
-        forms = self.forms
-        rows = [gaps[0, 0], *(2 * gap[1] for gap in gaps[:-1]), gaps[-1, 1]]
-        return tuple(forms.add(range(forms.size), row[None]) for row in rows)

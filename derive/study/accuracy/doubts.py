@@ -11,7 +11,7 @@ from derive.study.accuracy.measurement import Line
 CAUSES = {
     Cause.DEFLECTION: "the deflection",
     Cause.AXIAL_FORCE: "the axial force",
-    Cause.END_MOMENT: "the moment at the ends",
+    Cause.BENDING_MOMENT: "the bending moment",
     Cause.MASS_MATRIX: "the mass matrix",
 }
 SMALLER = 2

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from derive.simulation.validity.end_moments import held_ends
+from derive.simulation.validity.loaded_sections import held_ends
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import BeamBody, Scene
 from derive.study.accuracy.models import FAMILIES, LadderModel, Shapes

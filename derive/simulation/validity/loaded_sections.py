@@ -1,12 +1,4 @@
-"""How well the shapes of a beam represent its bending moment: at its ends, where loads act, and where two pieces meet.
-
-The bending moment EI v'' of the exact deflection vanishes at free and pinned ends, is in equilibrium with the forces at
-ends that are held against rotation, and is the same on both sides of a weld between two pieces. Its derivative along
-the axis is the shear force, which at an end is in equilibrium with the forces there. Where a force acts within a beam,
-equilibrium gives the moment as well. Shapes fulfil this only as far as they can represent the deflection: the curvature
-of two polynomials of degree 2 and 3 is linear, that of a rod between two pins is not; and sine waves know no moment at
-a clamped end.
-"""
+"""The sections of a beam that something acts on: its ends, and where forces act within it."""
 
 from __future__ import annotations
 
@@ -17,8 +9,6 @@ from derive.spec.model.body import Marker
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import BeamBody, Scene
 
-SECTIONS = 9
-"""Sections of a piece in which the largest bending moment is looked for, both ends among them."""
 TORQUE = "N m"
 """The unit of multipliers that hold a section against rotation."""
 
