@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -128,17 +128,12 @@ def reliable(row: Row) -> bool:
 def table(known: Sequence[Row]) -> str:
     """Ratios of estimates to errors: by the quantity with the largest error, by kinds of scenes, and of all."""
     ratios: dict[str, list[float]] = {"all": []}
-    verdicts = {(wrong, warned): 0 for wrong in (True, False) for warned in (True, False)}
-    for row in known:
-        if "rms" not in row:
-            continue
+    measured = [row for row in known if "rms" in row]
+    for row in filter(reliable, measured):
         estimate, quantity = implied(row)
-        if reliable(row):
-            ratio = min(estimate, 1.0) / min(row["rms"], 1.0)
-            for key in ("all", quantity, f"scenes {row['scene'].split('_')[0]}"):
-                ratios.setdefault(key, []).append(ratio)
-        if reliable(row) or row["rms"] < ERROR_LIMIT:
-            verdicts[row["rms"] > ERROR_LIMIT, estimate > ERROR_LIMIT] += 1
+        ratio = min(estimate, 1.0) / min(row["rms"], 1.0)
+        for key in ("all", quantity, f"scenes {row['scene'].split('_')[0]}"):
+            ratios.setdefault(key, []).append(ratio)
     lines = [
         "| estimates by | runs | 5 % | median | 95 % | within 2 | within 4 |",
         "|---|---:|---:|---:|---:|---:|---:|",
@@ -148,11 +143,26 @@ def table(known: Sequence[Row]) -> str:
         off = np.exp(np.abs(np.log(np.maximum(values, 1e-12))))
         within = (percent(float(np.mean(off <= limit))) for limit in (2, 4))
         lines.append(f"| {key} | {len(values)} | {low:.2f} | {middle:.2f} | {high:.2f} | {' | '.join(within)} |")
-    lines.append(
-        f"\nerror above {percent(ERROR_LIMIT)}: {verdicts[True, True]} runs warn, {verdicts[True, False]} do not; "
-        f"below: {verdicts[False, True]} warn, {verdicts[False, False]} do not"
+    beams = {(row["scene"], row["model"], row["beam"]): [row] for row in measured}
+    runs: dict[Any, list[Row]] = {}
+    for row in measured:
+        runs.setdefault((row["scene"], row["model"]), []).append(row)
+    return "\n".join(
+        [*lines, "", verdicts("beams", beams.values()), verdicts("runs, with all their beams", runs.values())]
     )
-    return "\n".join(lines)
+
+
+def verdicts(of: str, groups: Iterable[Sequence[Row]]) -> str:
+    """How many groups of beams warn, of those in which an error is above the limit, and of the others."""
+    counts = {(wrong, warned): 0 for wrong in (True, False) for warned in (True, False)}
+    for rows in groups:
+        if all(reliable(row) or row["rms"] < ERROR_LIMIT for row in rows):
+            wrong = any(row["rms"] > ERROR_LIMIT for row in rows)
+            counts[wrong, any(implied(row)[0] > ERROR_LIMIT for row in rows)] += 1
+    return (
+        f"{of}: error above {percent(ERROR_LIMIT)}: {counts[True, True]} warn, {counts[True, False]} do not; "
+        f"below: {counts[False, True]} warn, {counts[False, False]} do not"
+    )
 
 
 def main() -> None:

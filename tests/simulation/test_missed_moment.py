@@ -21,8 +21,8 @@ FORCE = 0.3
 """Where a force acts, xi."""
 
 
-def pinned(ansatz: object, **acting: dict[str, object]) -> Scene:
-    """A beam between two pins in equilibrium with `loads` or `forces`; m = l = EI = 1."""
+def pinned(ansatz: object, left: str = "revolute", **acting: dict[str, object]) -> Scene:
+    """A beam between two pins, or other joints, in equilibrium with `loads` or `forces`; m = l = EI = 1."""
     beam = {"ansatz": ansatz, "frame": "chord", "mass": 1, "length": 1, "bending_stiffness": 1}
     markers = {"left": -1, "right": 1, "loaded": FORCE}
     head = {"mass": 0.01, "inertia": 1e-4, "markers": {"pin": [0, 0]}, "start": {"position": [1, 0]}}
@@ -35,7 +35,7 @@ def pinned(ansatz: object, **acting: dict[str, object]) -> Scene:
             "head": head,
         },
         joints={
-            "foot": {"kind": "revolute", "between": ["ground.foot", "rod.left"]},
+            "foot": {"kind": left, "between": ["ground.foot", "rod.left"]},
             "top": {"kind": "revolute", "between": ["rod.right", "head.pin"]},
             "guide": {"kind": "translational", "between": ["ground.foot", "head.pin"], "axis": [1, 0]},
         },
@@ -115,3 +115,10 @@ def test_a_run_knows_what_sine_waves_miss_between_pins(
     exact = deflection(moment)
     error = np.abs(kept - exact).max() / np.abs(exact).max()
     assert implied == pytest.approx(error, rel=0.15)
+
+
+def test_a_beam_whose_shapes_no_joint_admits_warns_that_it_cannot_bend() -> None:
+    force = {"at": "rod.loaded", "components": [0, 1]}
+    moved = derive.simulate(pinned({"kind": "pinned", "count": 1}, "weld", forces={"push": force}))
+    missed = next(m for m in moved.validity if m.cause is Cause.BENDING_MOMENT)
+    assert missed.value == 1 and missed.error > 0.99 and len(moved.warnings) == 1

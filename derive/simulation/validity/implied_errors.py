@@ -56,6 +56,11 @@ class ImpliedErrors:
         return self.peak < STRAIGHT * self.watched.length
 
     @property
+    def ought_to_bend(self) -> bool:
+        """Whether the beam bends, or would with other shapes."""
+        return not self.straight or self.seen.largest[self.watched.missed] > STRAIGHT * self.watched.length
+
+    @property
     def of_deflection(self) -> float:
         """That of the strain energy that a large deflection adds."""
         hardening = self.watched.hardening
@@ -78,15 +83,28 @@ class ImpliedErrors:
     def of_shapes(self) -> float:
         """That of the deflection that the shapes miss, which makes the beam stiffer than it is.
 
-        The stiffness that axial forces add at second order is not affected.
+        A vibration in one shape is too stiff by the share of the strain energy that is missed: a force that bends the
+        beam into another shape does not make it late. Where fast vibrations have most of the energy and little of the
+        deflection, the share of the deflection is the smaller one. The stiffness that axial forces add at second order
+        is not affected. Of a beam that never bends, since joints admit none of its shapes, all is missed.
         """
         watched, seen = self.watched, self.seen
         missed, rms = self._rms(watched.missed), self._rms(watched.deflection)
+        if self.straight:
+            return missed / (rms + missed)
         flexibility = 1.0
         if watched.beam.beam.order is not FIRST:
             flexibility = 1 / max(1 + float(seen.means[watched.axial]), NEARLY_BUCKLED)
-        share = flexibility * missed / (rms + missed)
-        return self._error(share * rms, share)
+        share = missed / (rms + missed)
+        return self._error(flexibility * share * rms, flexibility * min(share, self.missed_energy))
+
+    @property
+    def missed_energy(self) -> float:
+        """The part of the strain energy that the shapes miss."""
+        squares = self.seen.mean_squares
+        missed = float(sum(squares[part] for part in self.watched.missed_energies))
+        kept = float(sum(squares[part] for piece in self.watched.energies for part in piece))
+        return missed / (missed + kept)
 
     def of_lost_inertia(self, lost: float) -> float:
         """That of the largest part of a kinetic energy that deflections take away: of it vibrations alone know."""

@@ -38,9 +38,10 @@ def _of_beam(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> Iterator
         value, t = errors.peak / watched.length, seen.times[watched.deflection]
         yield monitor(Cause.DEFLECTION, value, errors.of_deflection, t)
     yield monitor(Cause.AXIAL_FORCE, seen.largest[watched.axial], errors.of_axial_force, seen.times[watched.axial])
-    if not errors.straight:
-        missed = np.sqrt(seen.mean_squares[watched.missed_moment] / seen.mean_squares[watched.moment])
-        yield monitor(Cause.BENDING_MOMENT, missed, errors.of_shapes, seen.times[watched.moment])
+    if errors.ought_to_bend:
+        missed, kept = np.sqrt([seen.mean_squares[i] for i in (watched.missed_moment, watched.moment)])
+        value, t = (1.0, seen.times[watched.missed]) if errors.straight else (missed / kept, seen.times[watched.moment])
+        yield monitor(Cause.BENDING_MOMENT, value, errors.of_shapes, t)
     if beam.beam.order is DisplacementOrder.TRUNCATED:
         t, lost = lost_inertia(scene, watched, seen)
         yield monitor(Cause.MASS_MATRIX, lost, errors.of_lost_inertia(lost), t)

@@ -32,12 +32,14 @@ class MissedFields:
     """What a piece misses, for each unit that is known to be missed.
 
     moments (units, SECTIONS): in `sections`. values (units, PLACES), slopes (units, 2): the deflection at `places`, and
-    its derivative along the axis at both ends, but for a rigid motion of the piece.
+    its derivative along the axis at both ends, but for a rigid motion of the piece. energies (parts, units): square
+    roots of parts of the strain energy.
     """
 
     moments: Matrix
     values: Matrix
     slopes: Matrix
+    energies: Matrix
 
 
 def sections() -> Vector:
@@ -70,4 +72,7 @@ def missed_fields(shapes: PieceShapes, known: Sequence[tuple[float, int]]) -> Mi
         factors @ each(-times, at) * half**times / shapes.bending_stiffness
         for times, at in enumerate((sections(), ENDS, places()))
     )
-    return MissedFields(curvatures * shapes.bending_stiffness, values, slopes)
+    along = factors @ each(0, xi)
+    squares, axes = np.linalg.eigh((along * weights) @ along.T * half / (2 * shapes.bending_stiffness))
+    energies = np.sqrt(np.maximum(squares, 0))[:, None] * axes.T
+    return MissedFields(curvatures * shapes.bending_stiffness, values, slopes, energies)

@@ -37,11 +37,12 @@ class WatchedBeam:
     deflection, rate: of the beam, m and m/s; late: the rate times the time; cubed: the third power of the deflection.
     middle, middle_rate: the deflection, m, and its rate where that of the lowest mode is largest. axial: the stiffness
     that the axial force adds, relative to that of the lowest mode; axial_product: times the deflection. moment: the
-    bending moment, N m; missed_moment, missed: what the shapes miss of it, and of the deflection, m. energies: square
-    roots of the parts of the strain energy, one for each shape of each piece. piece_deflections: of each piece, over
-    its length. frequency: that of the lowest mode, rad/s; hardening: the stiffness that a large deflection adds,
-    relative to that of the lowest mode, over the square of the deflection, 1/m^2. rotations_act: whether a joint acts
-    on the rotation of an end of a piece that can rotate.
+    bending moment, N m; missed_moment, missed: what the shapes miss of it, and of the deflection, m; missed_energies:
+    square roots of parts of the strain energy that they miss. energies: likewise of the strain energy that there is,
+    one for each shape of each piece. piece_deflections: of each piece, over its length. frequency: that of the lowest
+    mode, rad/s; hardening: the stiffness that a large deflection adds, relative to that of the lowest mode, over the
+    square of the deflection, 1/m^2. rotations_act: whether a joint acts on the rotation of an end of a piece that can
+    rotate.
     """
 
     shapes: PieceShapes
@@ -56,6 +57,7 @@ class WatchedBeam:
     moment: int
     missed_moment: int
     missed: int
+    missed_energies: tuple[int, ...]
     energies: tuple[tuple[int, ...], ...]
     piece_deflections: tuple[int, ...]
     frequency: float
@@ -128,7 +130,7 @@ class _BeamForms:
         deflection, rate = forms.add(columns, bent), forms.add(rates, bent)
         squared = forms.add(columns, bent, deflection)
         place = int(np.abs(bent @ self.mode.amplitudes.ravel()).argmax())
-        moments, deflections = self.missed()
+        moments, deflections, energies = self.missed()
         every_section = np.kron(np.eye(len(self.pieces)), shapes.moments(sections()).T).astype(np.float64)
         parts = np.linalg.cholesky(shapes.stiffness).T / np.sqrt(2)
         xi = np.linspace(-1, 1, 2 * SECTIONS)
@@ -147,6 +149,7 @@ class _BeamForms:
             forms.add(columns, every_section),
             forms.add(range(forms.size), moments),
             forms.add(range(forms.size), deflections),
+            tuple(forms.add(range(forms.size), part[None]) for part in energies),
             tuple(tuple(forms.add(own, part[None]) for part in parts) for own in self.amplitudes),
             tuple(forms.add(own, shapes.values(xi).T / shapes.length) for own in self.amplitudes),
             self.mode.frequency,
@@ -158,15 +161,16 @@ class _BeamForms:
         """The deflection of the beam per unit of fields of its pieces."""
         return deflections_along(values, slopes, self.shapes.length, len(self.pieces), self.held)
 
-    def missed(self) -> tuple[Matrix, Matrix]:
-        """What the shapes miss: of the moment in sections of all pieces, and of the deflection of the beam (., z)."""
-        moments, deflections = list[Matrix](), np.zeros((PLACES, self.forms.size))
+    def missed(self) -> tuple[Matrix, Matrix, Matrix]:
+        """What the shapes miss: of moments in sections of all pieces, of the deflection, and energies (., z)."""
+        moments, deflections, energies = list[Matrix](), np.zeros((PLACES, self.forms.size)), list[Matrix]()
         for i, known in enumerate(known_gaps(self.scene, self.forms, self.shapes, self.amplitudes)):
             form = np.array([gap.form for gap in known])
             missed = missed_fields(self.shapes, [(gap.xi, gap.order) for gap in known])
             moments.append(missed.moments.T @ form)
+            energies.append(missed.energies @ form)
             deflections += self.along(missed.values, missed.slopes).reshape(PLACES, -1, len(known))[:, i] @ form
-        return np.vstack(moments), deflections
+        return np.vstack(moments), deflections, np.vstack(energies)
 
     @property
     def strain(self) -> float:
