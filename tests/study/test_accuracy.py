@@ -184,7 +184,7 @@ def test_where_monitor_and_measurement_differ_both_are_shown_with_the_reason() -
     """The monitor of the crank implies 31 %, and the plot, in which 0.94 % is measured, shows the rod."""
     crank = replace(WARNING, beam="crank", cause=Cause.BENDING_MOMENT, error=0.31)
     doubted = line(1, (0.02, 1e-5), (0.0094, 3e-5), warning=crank)
-    reason = "the moment at the ends of crank is in doubt, and the plot shows rod"
+    reason = "the bending moment of crank is in doubt, and the plot shows rod"
     assert doubt(doubted, ("rod",)) == f"31 % implied, 0.94 % measured: {reason}"
     assert doubt_lines((doubted,), ("rod",))[1:] == [f"{reason}: {doubted.label} (31 %, 0.94 %)"]
     assert doubt(replace(doubted, warning=WARNING), ("rod",)).endswith("the measurement of what the plot shows")

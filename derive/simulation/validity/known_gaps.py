@@ -17,11 +17,11 @@ import numpy as np
 
 from derive.mechanics.multibody.bodies.beam import piece_of, place_in_piece
 from derive.runtime.native_call import Vector
-from derive.simulation.validity.forms import Forms
 from derive.simulation.validity.loaded_sections import free_ends
 from derive.simulation.validity.missed_moment import ENDS
 from derive.simulation.validity.monitoring_outputs import MOMENT_GAP, monitored_sections
 from derive.simulation.validity.piece_shapes import PieceShapes
+from derive.simulation.validity.watched_forms import WatchedForms
 from derive.spec.model.scene import Scene
 
 
@@ -38,7 +38,7 @@ class KnownGap:
 
 
 def known_gaps(
-    scene: Scene, forms: Forms, shapes: PieceShapes, amplitudes: Sequence[Sequence[int]]
+    scene: Scene, forms: WatchedForms, shapes: PieceShapes, amplitudes: Sequence[Sequence[int]]
 ) -> list[list[KnownGap]]:
     """Those of each piece of a beam; `amplitudes`: the numbers of the coordinates of each piece."""
     last = len(amplitudes) - 1

@@ -17,13 +17,13 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.observables.beams import beam_bodies, piece_names
 from derive.simulation.validity.beam_line import PLACES, deflections_along, places
-from derive.simulation.validity.forms import Forms
 from derive.simulation.validity.held_beam import LowestMode, lowest_mode
 from derive.simulation.validity.known_gaps import known_gaps
 from derive.simulation.validity.loaded_sections import held_ends
 from derive.simulation.validity.missed_moment import ENDS, SECTIONS, missed_fields, sections
 from derive.simulation.validity.monitoring_outputs import monitored_pieces
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
+from derive.simulation.validity.watched_forms import WatchedForms
 from derive.spec.model.scene import BeamBody, Scene
 
 SLOPE = 1e-9
@@ -96,7 +96,7 @@ class SceneWatch:
 
 def scene_watch(scene: Scene, native: NativeScene, k: Vector, t: float, q: Vector) -> SceneWatch:
     """What is watched of a scene that was compiled with the outputs of `with_monitors`; q (nq,): a state at t (s)."""
-    forms = Forms(native)
+    forms = WatchedForms(native)
     beams = []
     for beam in beam_bodies(scene):
         shapes = PieceShapes(beam)
@@ -110,7 +110,7 @@ def scene_watch(scene: Scene, native: NativeScene, k: Vector, t: float, q: Vecto
 class _BeamForms:
     """The forms of a beam with its lowest mode."""
 
-    def __init__(self, scene: Scene, forms: Forms, shapes: PieceShapes, mode: LowestMode) -> None:
+    def __init__(self, scene: Scene, forms: WatchedForms, shapes: PieceShapes, mode: LowestMode) -> None:
         self.scene, self.forms, self.shapes, self.mode = scene, forms, shapes, mode
         beam, native = shapes.beam, forms.native
         self.pieces = piece_names(beam)

@@ -11,7 +11,7 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 
 
-class Forms:
+class WatchedForms:
     """The quantities of a watch, in the order in which they are added, as forms of z = [q; v; outputs; t]."""
 
     def __init__(self, native: NativeScene) -> None:
