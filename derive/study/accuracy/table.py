@@ -28,10 +28,11 @@ def accuracy_text(chart: LadderChart) -> str:
     reference = f"{chart.reference.plots[0].name} of {chart.name}, against {chart.reference.source}"
     if chart.reference.error is not None:
         reference += f", which has an error of {percent(chart.reference.error)} itself"
-    rows = [reference, f"{'model':{width}}  coordinates      rms  largest        ms  evaluations  operations"]
+    heading = f"{'model':{width}}  coordinates{'rms':>11}{'largest':>11}{'ms':>10}{'evaluations':>13}{'operations':>12}"
+    rows = [reference, heading]
     for line in sorted(chart.drawn, key=lambda line: -line.best):
         p = cheapest(line)
-        numbers = f"{percent(p.rms):>9}{percent(p.worst):>9}{1e3 * p.seconds[0]:10.3f}{p.evaluations:13}"
+        numbers = f"{percent(p.rms):>11}{percent(p.worst):>11}{1e3 * p.seconds[0]:10.3f}{p.evaluations:13}"
         numbers += f"{p.operations or '':12}"
         rows.append(f"{line.label:{width}}{line.coordinates:13}{numbers}{'' if line.valid else '  not valid'}")
     rows += [f"{peer.name:{width}}               {peer_text(peer.runs[-1])}" for peer in chart.peers]
