@@ -295,7 +295,10 @@ def test_one_sine_of_second_order_costs_little_and_is_right(tmp_path: Path, caps
 
 @pytest.mark.long
 def test_modes_of_other_ends_are_wrong(crank_slider: Scene) -> None:
-    """Set A, first order, rms: pinned 12.5 %, free-free 14 and 12 %, clamped-free 130 %; and the monitors say so."""
+    """Set A, first order, rms: pinned 12.5 %, free-free 14 and 12 %, clamped-free 130 %; and the monitors say so.
+
+    One free-free mode misses the shear forces at the pins.
+    """
     plot = replace(crank_slider.plots[0], cut=None, pieces=())
     models = ladder(LadderRange(("first",), ("mean",), (), (), (1, 3), ("free-free", "clamped-free")))
     found = {}
@@ -309,9 +312,8 @@ def test_modes_of_other_ends_are_wrong(crank_slider: Scene) -> None:
         "3 sines, first": 12.46, "3 free-free modes, first": 11.99, "3 clamped-free modes, first": 134.2,
     }  # fmt: skip
     assert errors == pytest.approx(expected, rel=5e-3)
-    assert {label: values[1] > 0.2 for label, values in found.items() if len(values) > 1} == {
-        label: "clamped" in label for label in errors if label != "rigid"
-    }
+    wrong = {"1 free-free mode, first", "1 clamped-free mode, first", "3 clamped-free modes, first"}
+    assert {label for label, values in found.items() if len(values) > 1 and values[1] > 0.2} == wrong
 
 
 def test_a_reference_of_its_own_knows_its_error(crank_slider: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
