@@ -70,9 +70,8 @@ class BeamSection:
         """A derivative of the deflection along the axis."""
         total = sp.S.Zero
         for i, value in self._derivatives(order).items():
-            total += (
-                self.constant(f"{label}_{i}", value, f"{doc} of shape {i}", unit) * self.instance.coordinates[2 + i].q
-            )
+            factor = self.constant(f"{label}_{i}", value, f"{doc} of shape {i}", unit)
+            total += factor * self.instance.coordinates[2 + i].q
         return total
 
     @property
@@ -87,19 +86,26 @@ class BeamSection:
     @property
     def damping_moment(self) -> sp.Expr:
         """The bending moment of the damping of the material."""
+        return self._damped(2, "damping", "moment of the damping", "N s")
+
+    @property
+    def damping_moment_slope(self) -> sp.Expr:
+        """Its derivative along the axis."""
+        return self._damped(3, "damping_slope", "derivative of the moment of the damping", "N s/m")
+
+    def _damped(self, order: int, label: str, doc: str, unit: str) -> sp.Expr:
+        """What the damping adds to a derivative of the deflection, times EI."""
         beam, total = self.rod.beam, sp.S.Zero
         if beam.damping is None:
             return total
-        curvatures = self._derivatives(2)
-        n, pieces = len(curvatures), self.rod.pieces
+        derivatives = self._derivatives(order)
+        n, pieces = len(derivatives), self.rod.pieces
         own = retardation_times(beam, pieces)[n * self.piece : n * (self.piece + 1), :]
-        factors = quantity.value(beam.bending_stiffness) * sp.Matrix([list(curvatures.values())]) * own
+        factors = quantity.value(beam.bending_stiffness) * sp.Matrix([list(derivatives.values())]) * own
         instances = (self.scene.instances[piece_name(self.rod, k)] for k in range(pieces))
-        rates = [instance.rows[2 + i].v for instance in instances for i in curvatures]
+        rates = [instance.rows[2 + i].v for instance in instances for i in derivatives]
         for j, (value, rate) in enumerate(zip(factors, rates, strict=True), 1):
-            total += (
-                self.constant(f"damping_{j}", value, f"moment of the damping, per rate of amplitude {j}", "N s") * rate
-            )
+            total += self.constant(f"{label}_{j}", value, f"{doc}, per rate of amplitude {j}", unit) * rate
         return total
 
     def _derivatives(self, order: int) -> dict[int, sp.Expr]:

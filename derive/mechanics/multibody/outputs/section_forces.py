@@ -88,7 +88,7 @@ class ShearGap(OutputType):
     across e1 of the floating frame.
     """
 
-    doc = "shear force from equilibrium, less that from the third derivative of the deflection, reversed,"
+    doc = "derivative of the bending moment, from the shear force in equilibrium, less that of the shapes"
     keys = (SECTION,)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
@@ -97,7 +97,7 @@ class ShearGap(OutputType):
         first = section.rod.beam.order is DisplacementOrder.FIRST_ORDER
         angle = section.instance.coordinates[2].q if first else scene.point(values["section"]).rotation
         shear = sp.Matrix([-sp.sin(angle), sp.cos(angle)]).dot(section.resultant().force)
-        gap = -shear - section.bending_stiffness * section.curvature_slope
+        gap = -shear - section.bending_stiffness * section.curvature_slope - section.damping_moment_slope
         doc = f"{self.doc} at {values['section']}"
         return OutputComponents((OutputComponent("", "N", doc, gap),), section.constants)
 
