@@ -26,6 +26,7 @@ REFUSALS: dict[str, str] = {
     r"Their multipliers have no unique value": "redundant joints: which of them carries a load is not determined",
     r"all motion is prescribed; nothing is left to be computed": "there is no motion to compute",
     r"is not that of a rigid rotation of the whole scene": "the stability is that of steady motions",
+    r"no model has a steady motion": "likewise",
     r"no motion is steady, since these functions of time never come to rest": "stability is that of a steady motion",
     r"loops have no derivatives by parameters": "the message names the lowering that has them",
     r"an export for arrays or symbols has straight-line code": "likewise",
