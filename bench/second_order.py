@@ -137,7 +137,9 @@ def measured(runs: int) -> list[Row]:
             t, q, v = (np.array([state[n] for state in states]) for n in range(3))
             systems = equilibrated(*kkt_systems(native, native.setup(), states))
             vanishing = int(eliminate(*systems, model.kkt.order, model.kkt.order).vanished.sum())
-            found[rule] = Elimination(operation_counts(equations, rule), is_safe(model.kkt, native.nv), vanishing)
+            found[rule] = Elimination(
+                operation_counts(equations, model, rule), is_safe(model.kkt, native.nv), vanishing
+            )
             timed.append(lambda native=native, t=t, q=q, v=v: repeater.seconds(native, "accel", CALLS, t, q, v))
         safe, best = found[EliminationRule.SAFE], found[EliminationRule.MATCHED]
         assert safe.safe, "the order of generated code"

@@ -148,7 +148,8 @@ def test_the_page_of_frames_says_of_each_elimination_order_whether_it_is_safe(be
     equations = derive.derive(replace(scene, outputs=())).expanded()
     found = []
     for rule in EliminationRule:
-        kkt, counts = lower(equations, elimination=rule).kkt, operation_counts(equations, rule)
+        model = lower(equations, elimination=rule)
+        kkt, counts = model.kkt, operation_counts(equations, model, rule)
         assert kkt is not None and work(kkt.pattern, kkt.order) == counts.flops
         found.append(second_order.Elimination(counts, second_order.is_safe(kkt, counts.coordinates), 0, 1e-7))
     assert [order.safe for order in found] == [True, False]

@@ -90,7 +90,7 @@ def _build(
     marks.append(time.perf_counter())
     model = lower(equations, elimination=elimination)
     marks.append(time.perf_counter())
-    files, counts = model_files(model, variant.scene), operation_counts(equations, elimination)
+    files, counts = model_files(model, variant.scene), operation_counts(equations, model, elimination)
     marks.append(time.perf_counter())
     seconds = dict(zip(("derive", "lower", "emit"), np.diff(marks).tolist(), strict=True))
 

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.backends.model_files import model_files
-from derive.derivation import derive, lower
+from derive.backends.model_files import explicit_files
+from derive.derivation import derive
 from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.constraints import kkt_pattern
 from derive.lowering.flat.context import Context
+from derive.lowering.flat.lower import lower
 from derive.mechanics.equations import Equations
 from derive.runtime.compiler import ESSENTIAL
 from derive.runtime.loading import load_scene
@@ -88,7 +89,8 @@ def frame_stability(variant: SceneVariant, count: int, numberings: int) -> Frame
     show_progress(f"{label}deriving and compiling")
     equations = derive(variant.scene).expanded()
     assert isinstance(equations, Equations)
-    native = load_scene(model_files(lower(equations), variant.scene), QUICK)
+    model = lower(equations, explicit=True)
+    native = load_scene(explicit_files(model, variant.scene), QUICK)
     k, shape = native.setup(), kkt_pattern(Context(equations))
     show_progress(f"{label}simulating")
     moving_states = simulated_states(variant.scene, native, k, count)
@@ -102,7 +104,7 @@ def frame_stability(variant: SceneVariant, count: int, numberings: int) -> Frame
     tried = [np.concatenate([a[some], b[some]]) for a, b in zip(scaled_at_rest, scaled, strict=True)]
     return FrameStability(
         variant.frame,
-        operation_counts(equations),
+        operation_counts(equations, model),
         _neighbours(shape, native.nv),
         _statistics(
             at_rest[0], vanishing(at_rest[0], largest, entry_mask(shape)), scaled_at_rest, shape, native.nv, orders

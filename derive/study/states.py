@@ -16,7 +16,8 @@ from derive.simulation.constraints.projection import UNAVOIDABLE
 from derive.simulation.initial.closest_consistent_state import closest_consistent_state
 from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_state import initial_state
-from derive.simulation.integration.scipy_methods import integrate
+from derive.simulation.integration.adaptive import adaptive
+from derive.simulation.integration.integrator import Settings
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.scene import Scene
 
@@ -51,7 +52,8 @@ def simulated_states(
     _, q, v = start_state(scene, native, k)
     assert scene.simulation is not None
     times = np.linspace(0.0, period(scene)[0], count)
-    solution = integrate(native, k, q, v, times, tolerance=scene.simulation.tolerance, progress=progress)
+    settings = Settings(scene.simulation.tolerance, progress=progress)
+    solution = adaptive(native).integrate(k, q, v, times, settings)
     return [(float(t), solution.q[i], solution.v[i]) for i, t in enumerate(times)]
 
 

@@ -8,11 +8,11 @@ import casadi as ca
 
 from derive.errors import Problem, SpecError
 from derive.ir.analysis import operations
+from derive.ir.model import Model
 from derive.lowering.elimination_orders import EliminationRule, work
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries, kkt_factors, kkt_pattern
 from derive.lowering.flat.context import Context, stores
-from derive.lowering.flat.lower import lower
 from derive.lowering.flat.schedule import Step
 from derive.mechanics.bodies.displacement_fields import displacement_fields
 from derive.mechanics.bodies.reference_conditions import ConditionError
@@ -60,7 +60,7 @@ class OperationCounts:
 
     fill: the fill-in of LDL^T in one triangle. flops: the operations of LDL^T, if no entry is known before run time.
     factorise: those of LDL^T in the generated code, which computes what depends on parameters alone in setup. force,
-    accel: those of these kernels, in which a sine operation_counts as one.
+    accel: those of these kernels, in which a sine counts as one.
     """
 
     coordinates: int
@@ -74,10 +74,11 @@ class OperationCounts:
     accel: int
 
 
-def operation_counts(equations: Equations, elimination: EliminationRule = EliminationRule.SAFE) -> OperationCounts:
-    """The operation_counts of the equations of a scene, with an elimination order of the KKT matrix."""
+def operation_counts(
+    equations: Equations, model: Model, elimination: EliminationRule = EliminationRule.SAFE
+) -> OperationCounts:
+    """The counts of a scene: of its expanded equations, and of the model that is lowered with this elimination order."""
     context = Context(equations, elimination)
-    model = lower(equations, elimination=elimination)
     factors = kkt_factors(context, context.symbols(context.t, context.q))
     return OperationCounts(
         coordinates=len(context.rows),
