@@ -77,7 +77,7 @@ class OperationCounts:
 def operation_counts(
     equations: Equations, model: Model, elimination: EliminationRule = EliminationRule.SAFE
 ) -> OperationCounts:
-    """The counts of a scene: of its expanded equations, and of the model that is lowered with this elimination order."""
+    """The counts of the expanded equations of a scene, and of their model, which is lowered with this elimination."""
     context = Context(equations, elimination)
     factors = kkt_factors(context, context.symbols(context.t, context.q))
     return OperationCounts(
