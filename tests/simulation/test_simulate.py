@@ -175,3 +175,15 @@ def test_a_step_that_does_not_divide_the_rows_is_shortened_with_a_note() -> None
     assert "-> 0.0075 s between rows that are 0.03 s apart" in notes[0]
     assert "-> 0.00666667 s between rows that are 0.02 s apart" in notes[1]
     assert derive.simulate(pendulum(), duration=0.006, output=0.003, integrator="rk4", step=0.001).solution.notes == ()
+
+
+def test_a_step_of_rk4_that_is_too_long_for_the_motion_is_named() -> None:
+    """Two rods at rest have no frequency that limits the step, but a torque soon turns one by radians in each step."""
+    rod = {"mass": 1, "inertia": 0.1, "centre": [0.5, 0], "markers": {"left": [0, 0], "right": [1, 0]}}
+    pin = {"kind": "revolute"}
+    joints = {"hinge": {**pin, "between": ["ground.o", "a.left"]}, "elbow": {**pin, "between": ["a.right", "b.left"]}}
+    torque = {"push": {"at": "b.right", "value": 10000}}
+    scene = derive.scene("whirl", ground={"o": [0, 0]}, bodies={"a": rod, "b": rod}, joints=joints, torques=torque)
+    with pytest.raises(derive.SimulationError, match=r"a step shorter than 0\.01 s may pass, such as --step 0\.001;"):
+        derive.simulate(scene, duration=0.05, output=0.05, integrator="rk4", step=0.01)
+    assert derive.simulate(scene, duration=0.05, output=0.05, integrator="rk4", step=0.001).solution.notes == ()

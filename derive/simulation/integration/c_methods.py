@@ -15,7 +15,7 @@ from derive.runtime.integrators.observer import Observe
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.errors import SimulationError
+from derive.simulation.errors import IntegrationStopped, SimulationError
 from derive.simulation.integration.c_rows import CRows
 from derive.simulation.integration.integrator import Integrator, Settings, scene_of
 from derive.simulation.integration.pieces import Piece, pieces
@@ -65,7 +65,12 @@ def rk4(files: Sequence[File]) -> Integrator:
         try:
             return CRows(native, run, k, settings).solution(q, v, times, notes)
         except SimulationError as error:
-            raise error if longest <= limit else SimulationError(f"{unstable}. {error}") from error
+            if longest > limit:
+                raise SimulationError(f"{unstable}. {error}") from error
+            if isinstance(error, IntegrationStopped):
+                shorter = f"a step shorter than {longest:.3g} s may pass, such as --step {longest / 10:.2g}"
+                raise SimulationError(f"{error} With rk4 {shorter}; adaptive finds its steps itself.") from error
+            raise
 
     return Integrator(native, integrate)
 
