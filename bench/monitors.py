@@ -1,6 +1,7 @@
 """What the monitors of runs imply, against converged models.
 
-python bench/monitors.py FILE [NAME...]        (about an hour; NAME: some scenes of `bench/monitor_scenes.py`)
+python bench/monitors.py FILE [NAME...]            (about an hour; NAME: some scenes of `bench/monitor_scenes.py`)
+python bench/monitors.py FILE --seeds 0:100        (scenes of the random corpus that have beams, about a minute each)
 
 Every scene is run with many models of its beams; a line of FILE in JSON has the error and the monitors of a beam in a
 run. What FILE has already is not run again. The truth is a model of full second order in four beams; that in three says
@@ -12,16 +13,19 @@ rotation, if there is one. Errors and estimates above 100 % count as 100 %.
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
+import tempfile
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from monitor_scenes import scenes
 
+import derive
 from derive.errors import TisserandError, first_line
 from derive.percentages import percent
 from derive.simulation.observables.beams import axis_points, beam_bodies, piece_names
@@ -165,11 +169,28 @@ def verdicts(of: str, groups: Iterable[Sequence[Row]]) -> str:
     )
 
 
+def corpus(seeds: range) -> Iterator[Scene]:
+    """The scenes of the random corpus with flexible beams, without outputs, which their models may not have."""
+    sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+    from corpus.generator import corpus_scene
+
+    for seed in seeds:
+        with tempfile.TemporaryDirectory() as folder:
+            spec = derive.read(corpus_scene(seed).write(Path(folder) / "scene"))
+        if isinstance(spec, Scene) and spec.simulation is not None and any(beam_bodies(spec)):
+            yield replace(spec, outputs=(), plots=(), simulation=replace(spec.simulation, until=None))
+
+
 def main() -> None:
-    path, names = Path(sys.argv[1]), sys.argv[2:]
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("file", type=Path)
+    parser.add_argument("names", nargs="*")
+    parser.add_argument("--seeds", type=lambda text: range(*map(int, text.split(":"))))
+    options = parser.parse_args()
+    path, names = options.file, options.names
     known = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
     finished = {row["scene"] for row in known}
-    for scene in scenes():
+    for scene in corpus(options.seeds) if options.seeds else scenes():
         if scene.name in finished or (names and scene.name not in names):
             continue
         try:

@@ -1,9 +1,10 @@
 """Every command on a scene of the corpus, in process, with its streams captured and all that it writes in a folder.
 
 `build` and `simulate` run on every scene, and `simulate` once more with one of the other integrators in turn. Each
-scene gets one of the light commands (`LIGHT` and an export), each with an even seed one of the `HEAVY` ones, and each
-with an odd seed `modes`, in rotation over the seeds: 300 scenes run each other integrator 43 times, each light command
-about 14 times, each heavy one 25 times, with options that make it short, and `modes` 150 times.
+scene gets one of the light commands (`LIGHT` and an export), each fourth one of the `HEAVY` ones, and each with an odd
+seed `modes`, in rotation over the seeds: 300 scenes run each other integrator 43 times, each light command about 14
+times, each heavy one 12 times, with options that make it short, and `modes` 150 times. Studies get what they need, see
+`studied_scenes.py`.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from corpus import studied_scenes
 from corpus.generator import CorpusScene
 from corpus.refusals import refusal
 from derive.cli.main import main
@@ -127,10 +129,11 @@ def _sweep(scene: CorpusScene, spec: str, folder: Path) -> Arguments:
 
 
 def _stability(scene: CorpusScene, spec: str, folder: Path) -> Arguments:
-    name, value = changeable(scene)
+    at_rest, path = studied_scenes.resting(scene, Path(spec))
+    name, value = changeable(at_rest)
     span = f"{0.8 * value:.6g}:{1.2 * value:.6g}:3"
     short = ["--orders", "first,full", "--shapes", "2", "--pieces", "2", "--sines", "1"]
-    return ["study", "stability", spec, "--parameter", f"{name}={span}", *short, "--out", str(folder / "study")]
+    return ["study", "stability", path, "--parameter", f"{name}={span}", *short, "--out", str(folder / "study")]
 
 
 def _study(*words: str) -> Command:
@@ -145,8 +148,15 @@ def _frames(scene: CorpusScene, spec: str, folder: Path) -> Arguments:
     return ["study", "frames", spec, "--pieces", "1", "--runs", "1", "--chart", str(folder / "study" / "frames.svg")]
 
 
+def _accuracy(scene: CorpusScene, spec: str, folder: Path) -> Arguments:
+    short = ["--shapes", "2", "--pieces", "2", "--sines", "1", "--tolerances", "1e-4", "--runs", "1"]
+    _, plotted = studied_scenes.plotted(scene, Path(spec))
+    return ["study", "accuracy", plotted, "--own-reference", *short, "--out", str(folder / "study")]
+
+
 def _choose(scene: CorpusScene, spec: str, folder: Path) -> Arguments:
-    return ["choose", spec, "--error", "0.1", "--out", str(folder / "chosen" / "chosen.toml")]
+    _, plotted = studied_scenes.plotted(scene, Path(spec))
+    return ["choose", plotted, "--error", "0.1", "--out", str(folder / "chosen" / "chosen.toml")]
 
 
 LIGHT: tuple[Command, ...] = (
@@ -165,10 +175,7 @@ HEAVY: tuple[Command, ...] = (
     _pivots,
     _study("methods", "--steps", "300", "--states", "5"),
     _stability,
-    _study(
-        "accuracy",
-        *("--own-reference", "--shapes", "2", "--pieces", "2", "--sines", "1", "--tolerances", "1e-4", "--runs", "1"),
-    ),
+    _accuracy,
     _choose,
 )
 """The studies, in all forms, and the choice of a model."""
