@@ -241,7 +241,7 @@ class _References:
         difference = rms_difference(finer, coarser)
         if difference is None:
             names = ", ".join(dict.fromkeys(plot.name for plot in self._runs.bare))
-            text = f"{names}: a curve vanishes all the time, so that there is no error of it to be small"
+            text = f"{names}: a curve vanishes all the time, so that no error of it is known; choose another by --plot"
             raise NotConverged(text)
         return difference
 
