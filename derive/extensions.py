@@ -2,8 +2,9 @@
 
 A joint is a subclass of JointType, which `derive.JOINTS.register("name", MyJoint())` adds to the kinds that a
 specification may choose; bodies and forces likewise with BodyType and `derive.BODIES`, ForceType and `derive.FORCES`.
-The constraints of a joint are formulated with the RelativeMotion between its markers: displacement and rotation, each
-with two time derivatives, as SymPy expressions.
+A joint names the rows that it removes, or has RelativeRows of its own: functions of the displacement and the rotation
+of its second marker relative to the first, as SymPy expressions, whose time derivatives follow. Forces are formulated
+with the RelativeMotion between markers.
 """
 
 from __future__ import annotations
@@ -12,20 +13,27 @@ from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Com
 from derive.mechanics.multibody.bodies.rigid import marker_constants, rigid_component
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.forces.force_type import ForceType, GeneralisedForce, define, force_terms, torque_terms
-from derive.mechanics.multibody.joints.joint_type import (
-    Drawing,
-    DrivenCoordinate,
-    JointEquations,
-    JointType,
-    Multiplier,
-    PrescribedMotion,
-    Support,
+from derive.mechanics.multibody.joints.joint_type import Drawing, JointType
+from derive.mechanics.multibody.joints.relative_rows import (
+    ALONG_AXIS,
+    ALONG_E1,
+    ALONG_E2,
+    NORMAL_TO_AXIS,
+    ROTATION,
+    Axes,
+    RelativeRow,
 )
 from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.quantity import value as quantity_expression
 
 __all__ = [
+    "ALONG_AXIS",
+    "ALONG_E1",
+    "ALONG_E2",
+    "NORMAL_TO_AXIS",
+    "ROTATION",
+    "Axes",
     "BodyType",
     "Component",
     "ComponentDamping",
@@ -33,18 +41,14 @@ __all__ = [
     "CoordinateMap",
     "CrossSection",
     "Drawing",
-    "DrivenCoordinate",
     "ForceType",
     "GeneralisedForce",
-    "JointEquations",
     "JointType",
     "Key",
     "KeyType",
-    "Multiplier",
     "PointMotion",
-    "PrescribedMotion",
     "RelativeMotion",
-    "Support",
+    "RelativeRow",
     "define",
     "force_terms",
     "marker_constants",

@@ -1,8 +1,9 @@
 """A joint of my own: a rod without mass, which keeps the distance of two markers.
 
-A joint is a class that declares its keys and its constraints, here g = (d . d - L^2) / (2 L) with two time derivatives
-for the displacement d between its markers. Once it is registered, a specification may use it. A body on such a rod is a
-mathematical pendulum. The number is its period over the exact one, 4 sqrt(L/g) K(sin^2(amplitude/2)).
+A joint is a class that declares the relative motions that it removes, here g = (d . d - L^2) / (2 L) of the
+displacement d between its markers, with the keys that they depend on. Once it is registered, a specification may use
+it. A body on such a rod is a mathematical pendulum. The number is its period over the exact one,
+4 sqrt(L/g) K(sin^2(amplitude/2)).
 """
 
 import numpy as np
@@ -10,30 +11,24 @@ import scipy.interpolate
 import scipy.special
 
 import derive
-import derive.extensions
+import derive.extensions as ext
 
 AMPLITUDE, LENGTH, GRAVITY = 1.0, 0.5, 9.81
+KEY = ext.Key("distance", ext.KeyType.POSITIVE_QUANTITY, "m", "The distance, m.", required=True)
 
 
-class Distance(derive.extensions.JointType):
+def elongation(joint, displacement, rotation):
+    """Return g of the displacement (2, 1) between the markers; its time derivatives follow."""
+    length = joint.values["distance"]
+    return (displacement.dot(displacement) - length**2) / (2 * length)
+
+
+class Distance(ext.JointType):
     """A rod without mass."""
 
     doc = "the distance of the markers is constant"
-    keys = (
-        derive.extensions.Key(
-            "distance", derive.extensions.KeyType.POSITIVE_QUANTITY, "m", "The distance, m.", required=True
-        ),
-    )
-    freedom = 2
-    multipliers = (derive.extensions.Multiplier("tension", "{markers} keep their distance", "m", "N"),)
-    drawing = derive.extensions.Drawing(lines=(((-1, -2), (1, 2)),))
-
-    def equations(self, joint, link):
-        """Return g and its first two time derivatives."""
-        d, v, a = link.displacement
-        length = joint.values["distance"]
-        g = (d.dot(d) - length**2) / (2 * length)
-        return derive.extensions.JointEquations(((g, d.dot(v) / length, (v.dot(v) + d.dot(a)) / length),))
+    removes = (ext.RelativeRow("tension", "{markers} keep their distance", "m", elongation, (KEY,)),)
+    drawing = ext.Drawing(lines=(((-1, -2), (1, 2)),))
 
 
 def main() -> float:

@@ -226,7 +226,7 @@ class _Walk:
         joints = [
             joint.name
             for joint in self.scene.joints
-            if any(f"{joint.name}_{multiplier.label}" in unmet for multiplier in JOINTS[joint.kind].multipliers)
+            if any(f"{joint.name}_{row.label}" in unmet for row in JOINTS[joint.kind].removes)
         ]
         beams = any(isinstance(body, BeamBody) for body in self.scene.bodies)
         values = tuple((drive.name, float(value), unit) for drive, value, unit in drives)

@@ -88,9 +88,9 @@ def _residuals(scene: Scene, joint: Joint, poses: Poses) -> Iterator[float]:
         )
     equations = joint_type.equations(joint, relative)
     known = {definition.symbol: definition.expr for definition in equations.definitions}
-    for multiplier, (residual, _, _) in zip(joint_type.multipliers, equations.residuals, strict=True):
+    for row, (residual, _, _) in zip(joint_type.removes, equations.residuals, strict=True):
         value = float(sp.sympify(residual).xreplace(known))
-        yield _angle(value) if multiplier.unit == "rad" else value
+        yield _angle(value) if row.unit == "rad" else value
     drive = next((d for d in scene.drives if d.joint == joint.name), None)
     prescribed = float(drive_values(drive, np.zeros(1))[0]) if drive else joint.start.coordinate
     if prescribed is not None and joint_type.driven and equations.driven:

@@ -21,12 +21,11 @@ from derive.extensions import (
     Drawing,
     ForceType,
     GeneralisedForce,
-    JointEquations,
     JointType,
     Key,
     KeyType,
-    Multiplier,
     RelativeMotion,
+    RelativeRow,
     force_terms,
     marker_constants,
     quantity_expression,
@@ -42,20 +41,20 @@ from derive.visual.undeformed_poses import initial_poses
 G = 9.81
 
 
+def stretched(joint, d, rotation):
+    length = joint.values["distance"]
+    return (d.dot(d) - length**2) / (2 * length)
+
+
+LENGTH = Key("distance", KeyType.POSITIVE_QUANTITY, "m", "The distance of the markers, m.", required=True)
+
+
 class Distance(JointType):
     """A rod without mass: the distance of two markers is constant."""
 
     doc = "the distance of the markers is constant"
-    keys = (Key("distance", KeyType.POSITIVE_QUANTITY, "m", "The distance of the markers, m.", required=True),)
-    freedom = 2
-    multipliers = (Multiplier("tension", "{markers} keep their distance", "m", "N"),)
+    removes = (RelativeRow("tension", "{markers} keep their distance", "m", stretched, (LENGTH,)),)
     drawing = Drawing(lines=(((-1, -2), (1, 2)),))
-
-    def equations(self, joint, link):
-        d, v, a = link.displacement
-        length = joint.values["distance"]
-        g = (d.dot(d) - length**2) / (2 * length)
-        return JointEquations(((g, d.dot(v) / length, (v.dot(v) + d.dot(a)) / length),))
 
 
 class Disc(BodyType):

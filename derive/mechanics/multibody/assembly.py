@@ -17,6 +17,7 @@ from derive.mechanics.multibody.coordinates import CoordinateMap, free_coordinat
 from derive.mechanics.multibody.forces.force_type import define
 from derive.mechanics.multibody.forces.registry import FORCES, elements
 from derive.mechanics.multibody.instances import point_motions
+from derive.mechanics.multibody.joints.joint_elimination import minimal_coordinates
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion, Support
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import Key, KeyType
@@ -138,7 +139,7 @@ class _Assembly:
             sign=1 if own == joint.second else -1,
             drive=self.drives.get(joint.name),
         )
-        coordinates = JOINTS[joint.kind].minimal_coordinates(joint, support)
+        coordinates = minimal_coordinates(JOINTS[joint.kind], joint, support)
         return None if coordinates is None else (body, joint, component, coordinates)
 
     def _ends(self, body: SceneBody, joint: Joint) -> tuple[MarkerRef, MarkerRef]:

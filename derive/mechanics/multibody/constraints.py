@@ -24,14 +24,14 @@ def constraints(
     equations = joint_type.equations(joint, relative)
     texts = {"markers": _markers(joint), "second": joint.second.body, "joint": joint.name}
     result = []
-    for multiplier, residual in zip(joint_type.multipliers, equations.residuals, strict=True):
-        name, doc = f"{joint.name}_{multiplier.label}", multiplier.doc.format(**texts)
-        result.append(_constraint(joint, name, doc, multiplier.unit, multiplier.force_unit, residual, rows))
+    for row, residual in zip(joint_type.removes, equations.residuals, strict=True):
+        name, doc = f"{joint.name}_{row.label}", row.doc.format(**texts)
+        result.append(_constraint(joint, name, doc, row.unit, row.force_unit, residual, rows))
     if drive:
         driven = joint_type.driven
         assert driven is not None and equations.driven is not None, "the specification refuses other drives"
         residual = added(equations.driven, drive.motion, -1)
-        doc = driven.doc.format(drive=drive.name, **texts)
+        doc = driven.drive_doc.format(drive=drive.name, **texts)
         result.append(_constraint(joint, drive.name, doc, driven.unit, driven.force_unit, residual, rows))
     return equations.definitions, tuple(result)
 

@@ -174,7 +174,7 @@ def _of_joints(scene: Scene, native: NativeScene) -> list[Demand]:
     result = []
     for joint in scene.joints:
         functions = residuals(scene, joint, native)
-        units = tuple(multiplier.unit for multiplier in JOINTS[joint.kind].multipliers)
+        units = tuple(row.unit for row in JOINTS[joint.kind].removes)
         result.append(Demand("joint", joint.name, functions, (0.0,) * len(functions), units))
     return result
 

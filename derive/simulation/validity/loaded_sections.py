@@ -32,7 +32,7 @@ def held_ends(scene: Scene, beam: BeamBody) -> tuple[Marker, ...]:
     markers = [marker for element in (*scene.torques, *scene.springs) for marker in element.markers]
     for joint in scene.joints:
         known = JOINTS[joint.kind]
-        units = {m.force_unit for m in known.multipliers}
+        units = {row.force_unit for row in known.removes}
         if known.driven is not None and joint.name in driven:
             units.add(known.driven.force_unit)
         if TORQUE in units:

@@ -35,7 +35,7 @@ def _labels(kind: str) -> tuple[str, ...]:
         return ("", "_speed")
     if kind == "joints":
         labels_of_types = (
-            (*(m.label for m in joint.multipliers), *quantities(joint.keys), *joint.intermediates)
+            (*(m.label for m in joint.removes), *quantities(joint.keys), *joint.axes.intermediates)
             for joint in JOINTS.values()
         )
     else:
@@ -110,7 +110,7 @@ def made_names(view: SceneData) -> Iterator[Made]:
                 continue
             for k in range(1, count + 1):
                 yield from _coordinates(path, f"{name}_{k}", shapes, f"piece {k} of the body {name}")
-                for weld in JOINTS["weld"].multipliers:
+                for weld in JOINTS["weld"].removes:
                     yield path, f"{name}_cut_{k}_{weld.label}", f"a multiplier of cut {k} of the body {name}"
     for name, _ in _named(view, "inputs"):
         for rate in RATES:

@@ -58,11 +58,11 @@ def possible_columns(spec: Specification) -> tuple[str, ...] | None:
             counts = {body.pieces, *(n for plot in spec.plots if plot.cut == body.name for n in plot.pieces)}
             coordinates += _of_beam(body.name, body.beam, counts)
             cuts = range(1, max(counts))
-            multipliers += (f"{body.name}_cut_{k}_{weld.label}" for k in cuts for weld in JOINTS["weld"].multipliers)
+            multipliers += (f"{body.name}_cut_{k}_{weld.label}" for k in cuts for weld in JOINTS["weld"].removes)
         else:
             coordinates += coordinate_names(body.name, 0)
     for joint in spec.joints:
-        multipliers += (f"{joint.name}_{multiplier.label}" for multiplier in JOINTS[joint.kind].multipliers)
+        multipliers += (f"{joint.name}_{multiplier.label}" for multiplier in JOINTS[joint.kind].removes)
     drives = [drive.name for drive in spec.drives]
     inputs = (f"u_{each.name}{rate}" for each in spec.inputs for rate in RATES)
     outputs = (

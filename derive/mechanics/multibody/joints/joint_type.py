@@ -1,52 +1,16 @@
-"""What a type of joint declares: its keys, constraints, minimal coordinates, multipliers, drive and drawing."""
+"""What a type of joint declares: the rows that it removes, the one that a drive may prescribe, and its drawing."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
-import sympy as sp
-
 from derive.mechanics.motion.body_motion import Motion
-from derive.mechanics.multibody.coordinates import CoordinateMap
-from derive.mechanics.multibody.keys import Key, KeyType
+from derive.mechanics.multibody.joints.relative_rows import Axes, RelativeRow
+from derive.mechanics.multibody.keys import Key
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
 from derive.mechanics.terms import Intermediate
 from derive.spec.model.scene import Joint
-
-ANGLE = Key(
-    "angle", KeyType.FLOAT, "rad", "Constant rotation of body 2 relative to body 1, rad; not for revolute joints."
-)
-"""A key of the joints that keep a constant relative rotation."""
-
-
-@dataclass(frozen=True)
-class Multiplier:
-    """A constraint of a joint and its multiplier.
-
-    The name is that of the joint with `label` behind it. `doc` is a template with the fields {markers}, {second} (the
-    second body) and {joint}. `unit` is that of g, `force_unit` that of the multiplier.
-    """
-
-    label: str
-    doc: str
-    unit: str
-    force_unit: str
-
-
-@dataclass(frozen=True)
-class DrivenCoordinate:
-    """The relative coordinate of a joint that a drive prescribes: its unit, that of its speed and of the multiplier.
-
-    `doc` is a template with the fields {drive} and {second}.
-    """
-
-    unit: str
-    speed_unit: str
-    force_unit: str
-    doc: str
-
 
 Point = tuple[float, float]
 
@@ -66,10 +30,10 @@ class Drawing:
 
 @dataclass(frozen=True)
 class JointEquations:
-    """What a joint demands: g with its first and second time derivative for each multiplier, in their order.
+    """What a joint demands: g with its first and second time derivative for each row that it removes.
 
-    `driven` is the relative coordinate that a drive may prescribe, with its derivatives. `definitions` are
-    intermediate quantities of both.
+    `driven` is the row that a drive may prescribe, with its derivatives. `definitions` are intermediate quantities of
+    both.
     """
 
     residuals: tuple[Derivatives, ...]
@@ -102,36 +66,38 @@ class Support:
     drive: PrescribedMotion | None
 
 
-class JointType(ABC):
+class JointType:
     """A type of joint between two markers. Subclasses are registered in `registry.JOINTS`.
 
-    doc: what the joint does, in a clause; keys: what its table has besides `kind` and `between`; freedom: the number of
-    relative motions it leaves; multipliers: its constraints, in the order of `equations`; intermediates: the labels of
-    the definitions it makes, so that no other name of a scene meets them; driven: the coordinate that a drive may
-    prescribe; rigid_first: whether its first marker must be on a rigid body or on the ground.
+    doc: what the joint does, in a clause; axes: those along which displacements are resolved; removes: the rows that
+    vanish, each with a multiplier; driven: the row that a drive may prescribe; drawing: its symbol. Constraints with
+    their derivatives, multipliers, keys and minimal coordinates (`joint_elimination.py`) follow from the rows.
     """
 
     doc: ClassVar[str]
-    keys: ClassVar[tuple[Key, ...]] = ()
-    freedom: ClassVar[int]
-    multipliers: ClassVar[tuple[Multiplier, ...]]
-    intermediates: ClassVar[tuple[str, ...]] = ()
-    driven: ClassVar[DrivenCoordinate | None] = None
-    rigid_first: ClassVar[bool] = False
+    axes: ClassVar[Axes] = Axes.INERTIAL
+    removes: ClassVar[tuple[RelativeRow, ...]]
+    driven: ClassVar[RelativeRow | None] = None
     drawing: ClassVar[Drawing]
 
-    @abstractmethod
+    @property
+    def keys(self) -> tuple[Key, ...]:
+        """What its table has besides `kind` and `between`."""
+        return (*self.axes.keys, *dict.fromkeys(key for row in self.removes for key in row.keys))
+
+    @property
+    def freedom(self) -> int:
+        """The number of relative motions that it leaves."""
+        return len(self.axes.rows) - len(self.removes)
+
+    @property
+    def rigid_first(self) -> bool:
+        """Whether the first marker must be on a rigid body or on the ground, which carries the axes."""
+        return self.axes is not Axes.INERTIAL
+
     def equations(self, joint: Joint, relative: RelativeMotion) -> JointEquations:
-        """The constraints of a joint, from the motion of its markers."""
-
-    def minimal_coordinates(self, joint: Joint, support: Support) -> CoordinateMap | None:
-        """The coordinates that the joint leaves a rigid body; None if it takes none away.
-
-        With a drive they must follow the drive, since neither the joint nor the drive is a constraint then.
-        """
-        return None
-
-
-def offset(rotation: Derivatives, angle: float) -> Derivatives:
-    """A relative rotation that differs from a constant angle by nothing: g with its derivatives."""
-    return (rotation[0] - sp.Rational(angle), *rotation[1:])
+        """The rows of a joint, from the motion of its markers."""
+        motion, definitions = self.axes.relative_motion(joint, relative)
+        residuals = tuple(row.derivatives(joint, motion) for row in self.removes)
+        driven = None if self.driven is None else self.driven.derivatives(joint, motion)
+        return JointEquations(residuals, driven, definitions)

@@ -1,0 +1,180 @@
+"""The rows of a joint: functions of the relative motion of its markers, with their time derivatives.
+
+A row is a function of the displacement from the first marker to the second, along the axes of the joint, and of the
+relative rotation. A joint removes rows, which then vanish, and a drive may prescribe another one. Derivatives follow
+from the chain rule, so that nobody writes one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+
+import sympy as sp
+
+from derive.mechanics.multibody.keys import Key, KeyType
+from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
+from derive.mechanics.quantity import rounded
+from derive.mechanics.symbols import element
+from derive.mechanics.terms import Intermediate
+from derive.spec.model.scene import Joint
+
+AXIS = Key("axis", KeyType.DIRECTION, "", "Direction of the line of a translational joint in the frame of body 1.")
+ANGLE = Key(
+    "angle", KeyType.FLOAT, "rad", "Constant rotation of body 2 relative to body 1, rad; not for revolute joints."
+)
+
+FORCE_UNITS = {"m": "N", "rad": "N m"}
+
+MOTION = sp.Matrix([sp.Dummy("d1"), sp.Dummy("d2"), sp.Dummy("theta")])
+"""What rows are functions of: the displacement along the two axes, and the relative rotation."""
+
+RowFunction = Callable[[Joint, sp.Matrix, sp.Expr], sp.Expr]
+"""Of a joint, the displacement (2, 1) along its axes, m, and the relative rotation, rad."""
+
+
+@dataclass(frozen=True)
+class RelativeRow:
+    """A function of the relative motion of two markers, which a joint removes or a drive prescribes.
+
+    The name of the multiplier is that of the joint with `label` behind it. `doc` is a template with the fields
+    {markers}, {second} (the second body) and {joint}; `drive_doc` one with {drive} and {second}. `unit` is that of the
+    function. keys: those of the joint that the function depends on.
+    """
+
+    label: str
+    doc: str
+    unit: str
+    function: RowFunction
+    keys: tuple[Key, ...] = ()
+    drive_doc: str = ""
+
+    @property
+    def force_unit(self) -> str:
+        """The unit of the multiplier, whose product with the row is a work."""
+        return FORCE_UNITS.get(self.unit, f"J/({self.unit})")
+
+    @property
+    def speed_unit(self) -> str:
+        """The unit of the time derivative."""
+        return f"{self.unit}/s"
+
+    def derivatives(self, joint: Joint, motion: tuple[Derivatives, ...]) -> Derivatives:
+        """The row with two time derivatives; motion: displacement along the axes of the joint, and rotation."""
+        g = sp.sympify(self.function(joint, MOTION[:2, :], MOTION[2]))
+        rate, second = sp.S.Zero, sp.S.Zero
+        for a, (_, da, dda) in zip(MOTION, motion, strict=True):
+            slope = g.diff(a)
+            if slope != 0:
+                rate += slope * da
+                second += slope * dda
+                second += sum(slope.diff(b) * da * db for b, (_, db, _) in zip(MOTION, motion, strict=True))
+        now = dict(zip(MOTION, (of[0] for of in motion), strict=True))
+        return g.xreplace(now), rate.xreplace(now), second.xreplace(now)
+
+
+def _displacement(label: str, doc: str, k: int) -> RelativeRow:
+    return RelativeRow(label, doc, "m", lambda joint, d, rotation: d[k], (), "drive {drive} displaces {second}")
+
+
+ALONG_E1 = _displacement("1", "{markers} coincide along e1", 0)
+ALONG_E2 = _displacement("2", "{markers} coincide along e2", 1)
+ALONG_AXIS = _displacement("along", "{second} does not move along the axis of {joint}", 0)
+NORMAL_TO_AXIS = _displacement("normal", "{second} stays on the line of {joint}", 1)
+ROTATION = RelativeRow(
+    "turn",
+    "{markers} turn together",
+    "rad",
+    lambda joint, d, rotation: rotation - sp.Rational(joint.angle),
+    (ANGLE,),
+    "drive {drive} turns {second}",
+)
+
+
+class Axes(Enum):
+    """Along which the displacement between the markers is resolved; the values are its rows.
+
+    Those of the inertial frame, or the `axis` of the joint and its normal e3 x axis, which body 1 carries.
+    """
+
+    INERTIAL = (ALONG_E1, ALONG_E2)
+    OF_BODY_1 = (ALONG_AXIS, NORMAL_TO_AXIS)
+
+    @property
+    def rows(self) -> tuple[RelativeRow, ...]:
+        """All relative motions in the plane."""
+        return (*self.value, ROTATION)
+
+    def directions(self, joint: Joint) -> tuple[sp.Matrix, sp.Matrix]:
+        """The two axes in the frame that carries them."""
+        along = sp.Matrix([1, 0]) if self is Axes.INERTIAL else unit_axis(joint)
+        return along, _across(along)
+
+    def relative_motion(
+        self, joint: Joint, relative: RelativeMotion
+    ) -> tuple[tuple[Derivatives, ...], tuple[Intermediate, ...]]:
+        """The displacement along the axes and the rotation, with two derivatives, and the definitions in them."""
+        if self is Axes.INERTIAL:
+            return (relative.component(0), relative.component(1), relative.rotation), ()
+        along, definitions = _axis_of_body_1(joint, relative.first)
+        components = (_component(relative, direction) for direction in (along, _across(along)))
+        return (*components, relative.rotation), definitions
+
+    @property
+    def keys(self) -> tuple[Key, ...]:
+        """Those of a joint on which its axes depend."""
+        return () if self is Axes.INERTIAL else (AXIS,)
+
+    @property
+    def intermediates(self) -> tuple[str, ...]:
+        """The labels of the definitions that a joint makes of its axes, so that no other name of a scene meets them."""
+        return () if self is Axes.INERTIAL else ("axis_1", "axis_2")
+
+
+def unit_axis(joint: Joint) -> sp.Matrix:
+    """The axis of a joint, of length one exactly: a point of the circle that is rational."""
+    axis = sp.Matrix([sp.Rational(x) for x in joint.axis])
+    length = sp.sqrt(axis.dot(axis))
+    if length.is_Rational:
+        return axis / length
+    angle = math.atan2(*map(float, reversed(joint.axis)))
+    half = sp.Rational(Fraction(math.tan(angle / 2)).limit_denominator(10**9))
+    return sp.Matrix([1 - half**2, 2 * half]) / (1 + half**2)
+
+
+def _across(direction: sp.Matrix) -> sp.Matrix:
+    """The direction e3 x direction."""
+    return sp.Matrix([-direction[1], direction[0]])
+
+
+def _axis_of_body_1(joint: Joint, first: PointMotion) -> tuple[sp.Matrix, tuple[Intermediate, ...]]:
+    """The axis in the inertial frame; where the first body rotates, under names of its own."""
+    axis = unit_axis(joint)
+    if first.rotation.is_zero:
+        return axis, ()
+    cos, sin = rounded(sp.cos(first.rotation)), rounded(sp.sin(first.rotation))
+    along = sp.Matrix([element(joint.name, "axis", k) for k in (1, 2)])
+    values = sp.Matrix([[cos, -sin], [sin, cos]]) * axis
+    doc = f"axis of {joint.name} along e"
+    return along, tuple(
+        Intermediate(symbol, value, joint.name, "(26)", f"{doc}{k}")
+        for k, (symbol, value) in enumerate(zip(along, values, strict=True), 1)
+    )
+
+
+def _component(relative: RelativeMotion, direction: sp.Matrix) -> Derivatives:
+    """direction . displacement, differentiated with direction' = (angular velocity) e3 x direction."""
+    across = _across(direction)
+    displacement, rate, second = relative.displacement
+    _, omega, omegadot = relative.first.rotation_derivatives
+    return (
+        direction.dot(displacement),
+        direction.dot(rate) + omega * across.dot(displacement),
+        direction.dot(second)
+        + 2 * omega * across.dot(rate)
+        + omegadot * across.dot(displacement)
+        - omega**2 * direction.dot(displacement),
+    )
