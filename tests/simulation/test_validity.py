@@ -227,8 +227,36 @@ def test_modes_of_a_free_beam_warn_of_a_blow_in_its_middle() -> None:
     modes = (r"ansatz = \[.*\]", 'ansatz = { kind = "free-free", count = 2 }')
     trajectory = run(changed("spinning_beam", ("spin = 25", "spin = 2"), modes), 0.02, 0.01)
     missed = monitor(trajectory, Cause.BENDING_MOMENT)
-    assert missed.value > 0.2 and 0.24 < missed.error < 0.96
+    assert missed.value > 0.2 and 0.12 < missed.error < 0.96
     assert len(trajectory.warnings) == 1
+
+
+def pushed(highest: int, pieces: int) -> Trajectory:
+    """A rod between two pins that is pushed near one end from t = 0 on, so that all its modes vibrate."""
+    markers = ", ".join(f"at{i} = {xi}" for i, xi in enumerate(PLACES))
+    deflections = (
+        f'[outputs.bent{i}]\nkind = "deflection"\nmarker = "rod.at{i}"\nchord = ["rod.left", "rod.right"]\n'
+        for i in range(len(PLACES))
+    )
+    text = COLUMN.replace("LOAD", "0").replace("duration = 0.02", "duration = 2")
+    text = text.replace('"1", "xi", "xi^2", "xi^3"', ", ".join(f'"xi^{n}"' for n in range(highest + 1)))
+    text = text.replace("left = -1, right = 1", f"left = -1, right = 1, {markers}")
+    text = text.replace("bending_stiffness = 4\n", f"bending_stiffness = 4\npieces = {pieces}\n")
+    return derive.simulate(
+        parse(f'{text}\n[forces.push]\nat = "rod.at0"\ncomponents = [0, 0.01]\n{"".join(deflections)}')
+    )
+
+
+PLACES = (-0.8, -0.4, 0.1, 0.5, 0.8)
+
+
+@pytest.mark.parametrize(("highest", "pieces"), [(3, 1), (4, 1), (3, 2), (3, 3)])
+def test_each_vibration_is_late_by_its_own_missed_energy(highest: int, pieces: int) -> None:
+    """Most of the strain energy is in the slowest vibration, which is right; the faster ones lose their phase."""
+    exact, trajectory = pushed(4, 4), pushed(highest, pieces)
+    bent, truth = (np.array([of[f"bent{i}"] for i in range(len(PLACES))]) for of in (trajectory, exact))
+    error = np.sqrt(np.mean((bent - truth) ** 2, axis=1)).max() / np.abs(truth).max()
+    assert 0.5 < monitor(trajectory, Cause.BENDING_MOMENT, "rod").error / error < 2
 
 
 # ---- no false alarm ----

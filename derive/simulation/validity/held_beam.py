@@ -1,4 +1,4 @@
-"""The lowest natural frequency of a beam as the joints of its scene hold it, and the shape of that vibration.
+"""The natural frequencies of a beam as the joints of its scene hold it, and the shapes of its vibrations.
 
 The beam deforms alone: all bodies move as far as the constraints admit in the initial state, with their masses; other
 beams are rigid. Gravity, springs and spin are left out, so that what is found is what the beam itself resists with.
@@ -12,26 +12,28 @@ import numpy as np
 from scipy.linalg import eigh, null_space
 
 from derive.roles import Role
-from derive.runtime.native_call import Matrix, Vector
+from derive.runtime.native_call import ModelError, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
 from derive.simulation.observables.beams import piece_names
 from derive.simulation.validity.piece_shapes import PieceShapes
 
+SMALL = 1e-5
+"""Of the largest coordinate: a motion in which forces are linear."""
 RIGID = 1e-9
 """Squared frequencies below this, relative to the largest, are those of rigid motion."""
 
 
 @dataclass(frozen=True, eq=False)
-class LowestMode:
-    """The lowest frequency of a beam, rad/s, and the amplitudes (pieces, shapes) of its shape."""
+class HeldMode:
+    """A vibration of a beam: its frequency, rad/s, and the motion (nq,) of all coordinates of the scene."""
 
     frequency: float
-    amplitudes: Matrix
+    motion: Vector
 
 
-def lowest_mode(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q: Vector) -> LowestMode | None:
-    """The lowest mode of a beam; None where the joints admit no deformation of it alone.
+def held_modes(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q: Vector) -> tuple[HeldMode, ...]:
+    """The vibrations of a beam, the slowest first; none where the joints admit no deformation of it alone.
 
     native, k: its compiled scene and the constants (nk,). q: the state (nq,) at t (s) in which it vibrates.
     """
@@ -52,16 +54,36 @@ def lowest_mode(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q
         G = constraint_matrix(native, t, straight, k)[:, free] / scale
         admitted = null_space(G / np.maximum(np.linalg.norm(G, axis=1, keepdims=True), np.finfo(float).tiny))
     if not admitted.size:
-        return None
+        return ()
     reduced = [admitted.T @ (x[np.ix_(free, free)] / np.outer(scale, scale)) @ admitted for x in (K, M)]
     try:
         squares, modes = eigh(*reduced)
     except np.linalg.LinAlgError:  # a velocity without inertia
-        return None
+        return ()
+    motions = np.zeros((len(squares), native.nq))
+    motions[:, free] = (admitted @ modes / scale[:, None]).T
     elastic = squares > RIGID * squares[-1]
-    if not elastic.any():
-        return None
-    i = int(np.argmax(elastic))
-    motion_of_all = np.zeros(native.nq)
-    motion_of_all[free] = admitted @ modes[:, i] / scale
-    return LowestMode(float(np.sqrt(squares[i])), motion_of_all[pieces])
+    return tuple(map(HeldMode, np.sqrt(squares[elastic]).tolist(), motions[elastic]))
+
+
+@dataclass(frozen=True, eq=False)
+class StaticResponse:
+    """What a small motion from a state q (nq,) at rest at t (s) changes, and it alone."""
+
+    native: NativeScene
+    k: Vector
+    t: float
+    q: Vector
+
+    def __call__(self, motion: Vector) -> Vector:
+        """The change of z = [q; v; outputs; t] for a motion (nq,); zero where the model has no accelerations."""
+        step = SMALL * max(1.0, float(np.abs(self.q).max())) / float(np.abs(motion).max())
+        try:
+            ahead, behind = (self._outputs(self.q + sign * step * motion) for sign in (1, -1))
+        except ModelError:
+            return np.zeros(self.native.nq + self.native.nv + len(self.native.outputs) + 1)
+        return np.concatenate([motion, np.zeros(self.native.nv), (ahead - behind) / (2 * step), [0.0]])
+
+    def _outputs(self, q: Vector) -> Vector:
+        native, v = self.native, np.zeros(self.native.nv)
+        return native.evaluate_outputs(self.t, q, v, *native.solve(self.t, q, v, self.k), self.k)

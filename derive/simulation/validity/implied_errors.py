@@ -83,10 +83,10 @@ class ImpliedErrors:
     def of_shapes(self) -> float:
         """That of the deflection that the shapes miss, which makes the beam stiffer than it is.
 
-        A vibration in one shape is too stiff by the share of the strain energy that is missed: a force that bends the
-        beam into another shape does not make it late. Where fast vibrations have most of the energy and little of the
-        deflection, the share of the deflection is the smaller one. The stiffness that axial forces add at second order
-        is not affected. Of a beam that never bends, since joints admit none of its shapes, all is missed.
+        Each vibration is too stiff by the share of its strain energy that is missed, and late by that: a force that
+        bends the beam into another shape does not make it late. Where the vibration with the largest error is largest,
+        the others have half of their mean squares. The stiffness that axial forces add at second order is
+        not affected. Of a beam that never bends, since joints admit none of its shapes, all is missed.
         """
         watched, seen = self.watched, self.seen
         missed, rms = self._rms(watched.missed), self._rms(watched.deflection)
@@ -96,15 +96,12 @@ class ImpliedErrors:
         if watched.beam.beam.order is not FIRST:
             flexibility = 1 / max(1 + float(seen.means[watched.axial]), NEARLY_BUCKLED)
         share = missed / (rms + missed)
-        return self._error(flexibility * share * rms, flexibility * min(share, self.missed_energy))
-
-    @property
-    def missed_energy(self) -> float:
-        """The part of the strain energy that the shapes miss."""
-        squares = self.seen.mean_squares
-        missed = float(sum(squares[part] for part in self.watched.missed_energies))
-        kept = float(sum(squares[part] for piece in self.watched.energies for part in piece))
-        return missed / (missed + kept)
+        late = sorted(
+            min(flexibility * of.missed / 2 * self._rms(of.late), np.sqrt(2) * self._rms(of.rate) / of.frequency)
+            for of in watched.vibrations
+        )
+        together = np.hypot(late[-1], np.linalg.norm(late[:-1]) / np.sqrt(2)) if late else 0.0
+        return float(np.hypot(flexibility * share * rms, together) / self.peak)
 
     def of_lost_inertia(self, lost: float) -> float:
         """That of the largest part of a kinetic energy that deflections take away: of it vibrations alone know."""

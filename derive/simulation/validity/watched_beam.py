@@ -8,6 +8,7 @@ further part, the integral of 1/2 EI v''^2 v'^2.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.observables.beams import beam_bodies, piece_names
 from derive.simulation.validity.beam_line import PLACES, deflections_along, places
-from derive.simulation.validity.held_beam import LowestMode, lowest_mode
+from derive.simulation.validity.held_beam import HeldMode, StaticResponse, held_modes
 from derive.simulation.validity.known_gaps import known_gaps
 from derive.simulation.validity.loaded_sections import held_ends
 from derive.simulation.validity.missed_moment import ENDS, SECTIONS, missed_fields, sections
@@ -30,6 +31,19 @@ SLOPE = 1e-9
 """Shapes with smaller slopes at an end, per amplitude over the length, do not rotate it."""
 
 
+@dataclass(frozen=True)
+class WatchedVibration:
+    """A vibration of a beam: its rate, as the deflection where that is largest, m/s, and the rate times the time, m.
+
+    frequency: its own, rad/s. missed: the share of its strain energy that the shapes miss, by which it is too stiff.
+    """
+
+    rate: int
+    late: int
+    frequency: float
+    missed: float
+
+
 @dataclass(frozen=True, eq=False)
 class WatchedBeam:
     """The numbers of the quantities of a beam in the watch of its scene.
@@ -37,12 +51,11 @@ class WatchedBeam:
     deflection, rate: of the beam, m and m/s; late: the rate times the time; cubed: the third power of the deflection.
     middle, middle_rate: the deflection, m, and its rate where that of the lowest mode is largest. axial: the stiffness
     that the axial force adds, relative to that of the lowest mode; axial_product: times the deflection. moment: the
-    bending moment, N m; missed_moment, missed: what the shapes miss of it, and of the deflection, m; missed_energies:
-    square roots of parts of the strain energy that they miss. energies: likewise of the strain energy that there is,
-    one for each shape of each piece. piece_deflections: of each piece, over its length. frequency: that of the lowest
-    mode, rad/s; hardening: the stiffness that a large deflection adds, relative to that of the lowest mode, over the
-    square of the deflection, 1/m^2. rotations_act: whether a joint acts on the rotation of an end of a piece that can
-    rotate.
+    bending moment, N m; missed_moment, missed: what the shapes miss of it, and of the deflection, m; vibrations: those
+    of the beam as its joints hold it. energies: square roots of the strain energy, one for each shape of each piece.
+    piece_deflections: of each piece, over its length. frequency: that of the lowest mode, rad/s; hardening: the
+    stiffness that a large deflection adds, relative to that of the lowest mode, over the square of the deflection,
+    1/m^2. rotations_act: whether a joint acts on the rotation of an end of a piece that can rotate.
     """
 
     shapes: PieceShapes
@@ -57,7 +70,7 @@ class WatchedBeam:
     moment: int
     missed_moment: int
     missed: int
-    missed_energies: tuple[int, ...]
+    vibrations: tuple[WatchedVibration, ...]
     energies: tuple[tuple[int, ...], ...]
     piece_deflections: tuple[int, ...]
     frequency: float
@@ -100,22 +113,31 @@ def scene_watch(scene: Scene, native: NativeScene, k: Vector, t: float, q: Vecto
     beams = []
     for beam in beam_bodies(scene):
         shapes = PieceShapes(beam)
-        mode = lowest_mode(shapes, native, k, t, q)
-        if mode is None:  # nothing deforms it alone: its first shape stands for that of the loads
-            mode = LowestMode(np.inf, np.tile(np.eye(len(shapes.stiffness))[0], (beam.pieces, 1)))
-        beams.append(_BeamForms(scene, forms, shapes, mode).watched())
+        modes = held_modes(shapes, native, k, t, q)
+        beams.append(_BeamForms(scene, forms, shapes, modes, StaticResponse(native, k, t, q)).watched())
     return SceneWatch(native, k, tuple(beams), Watch(tuple(forms.quantities)))
 
 
 class _BeamForms:
-    """The forms of a beam with its lowest mode."""
+    """The forms of a beam with its vibrations."""
 
-    def __init__(self, scene: Scene, forms: WatchedForms, shapes: PieceShapes, mode: LowestMode) -> None:
-        self.scene, self.forms, self.shapes, self.mode = scene, forms, shapes, mode
+    def __init__(
+        self,
+        scene: Scene,
+        forms: WatchedForms,
+        shapes: PieceShapes,
+        modes: Sequence[HeldMode],
+        response: StaticResponse,
+    ) -> None:
+        self.scene, self.forms, self.shapes, self.modes, self.response = scene, forms, shapes, modes, response
         beam, native = shapes.beam, forms.native
         self.pieces = piece_names(beam)
         self.amplitudes = [shapes.amplitudes_in(native, piece) for piece in self.pieces]
         self.columns = [column for columns in self.amplitudes for column in columns]
+        if modes:
+            self.frequency, self.lowest = modes[0].frequency, modes[0].motion[self.amplitudes]
+        else:  # nothing deforms it alone: its first shape stands for that of the loads
+            self.frequency, self.lowest = np.inf, np.tile(np.eye(len(shapes.stiffness))[0], (beam.pieces, 1))
         ends = [int(marker.at) for marker in held_ends(scene, beam)]
         self.held = ends[0] if len(ends) == 1 else None
         self.rotations_act = len(self.pieces) > 1 or any(
@@ -129,7 +151,7 @@ class _BeamForms:
         bent = self.along(shapes.values(places()), shapes.slopes(ENDS))
         deflection, rate = forms.add(columns, bent), forms.add(rates, bent)
         squared = forms.add(columns, bent, deflection)
-        place = int(np.abs(bent @ self.mode.amplitudes.ravel()).argmax())
+        place = int(np.abs(bent @ self.lowest.ravel()).argmax())
         moments, deflections, energies = self.missed()
         every_section = np.kron(np.eye(len(self.pieces)), shapes.moments(sections()).T).astype(np.float64)
         parts = np.linalg.cholesky(shapes.stiffness).T / np.sqrt(2)
@@ -149,13 +171,25 @@ class _BeamForms:
             forms.add(columns, every_section),
             forms.add(range(forms.size), moments),
             forms.add(range(forms.size), deflections),
-            tuple(forms.add(range(forms.size), part[None]) for part in energies),
+            tuple(self.vibration(mode, bent, energies) for mode in self.modes),
             tuple(tuple(forms.add(own, part[None]) for part in parts) for own in self.amplitudes),
             tuple(forms.add(own, shapes.values(xi).T / shapes.length) for own in self.amplitudes),
-            self.mode.frequency,
+            self.frequency,
             self.hardening(bent),
             self.rotations_act,
         )
+
+    def vibration(self, mode: HeldMode, bent: Matrix, energies: Matrix) -> WatchedVibration:
+        """Modes are orthogonal with respect to the strain energy, of which the loads of the vibration show the rest."""
+        amplitudes = mode.motion[self.amplitudes]
+        forces = (amplitudes @ self.shapes.stiffness).ravel()
+        kept = float(forces @ amplitudes.ravel()) / 2
+        missed = float(np.sum((energies @ self.response(mode.motion)) ** 2))
+        size = float(np.abs(bent @ amplitudes.ravel()).max())
+        rates = [self.forms.native.nq + column for column in self.columns]
+        rate = self.forms.add(rates, size * forces[None] / (2 * kept))
+        late = self.forms.add([self.forms.size - 1], np.eye(1), rate)
+        return WatchedVibration(rate, late, mode.frequency, missed / (missed + kept))
 
     def along(self, values: Matrix, slopes: Matrix) -> Matrix:
         """The deflection of the beam per unit of fields of its pieces."""
@@ -175,13 +209,13 @@ class _BeamForms:
     @property
     def strain(self) -> float:
         """Twice the strain energy of the mode."""
-        a = self.mode.amplitudes
+        a = self.lowest
         return float(np.sum(a * (a @ self.shapes.stiffness)))
 
     def hardening(self, bent: Matrix) -> float:
         """The stiffness that a large deflection adds, relative to that of the mode, over its square, 1/m^2."""
         xi, weights = gauss_points()
-        a, shapes = self.mode.amplitudes, self.shapes
+        a, shapes = self.lowest, self.shapes
         squares = (a @ shapes.moments(xi)) ** 2 * weights
         added = 2 * float(np.sum(squares * (a @ shapes.slopes(xi)) ** 2) / np.sum(squares))
         return added / float(np.abs(bent @ a.ravel()).max()) ** 2
@@ -193,7 +227,7 @@ class _BeamForms:
         nearest = [int(np.abs(where - i).argmin()) for i in range(len(self.pieces))]
         columns, factors = list[int](), list[float]()
         for number, piece in enumerate(monitored):
-            a = self.mode.amplitudes[[i for i, near in enumerate(nearest) if near == number]]
+            a = self.lowest[[i for i, near in enumerate(nearest) if near == number]]
             for power, output in enumerate(piece.outputs):
                 columns.append(self.forms.output(output.name))
                 factors.append(float(np.sum(a * (a @ self.shapes.geometric_stiffness(power)))) / self.strain)

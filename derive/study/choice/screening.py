@@ -18,7 +18,7 @@ from derive.mechanics.prescribed_motion import drive_speed
 from derive.percentages import percent
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.motion import si_value
-from derive.simulation.validity.held_beam import lowest_mode
+from derive.simulation.validity.held_beam import held_modes
 from derive.simulation.validity.monitors import Cause
 from derive.simulation.validity.piece_shapes import PieceShapes
 from derive.spec.model.markers import MarkerRef
@@ -102,9 +102,9 @@ def _flexible(runs: ModelRuns, beams: list[BeamBody]) -> tuple[dict[str, float],
         seen = ()
     modelled = {body.name: body for body in flexible.scene.bodies if isinstance(body, BeamBody)}
     start = flexible.native, flexible.k, 0.0, flexible.start.q
-    modes = ((beam.name, lowest_mode(PieceShapes(modelled[beam.name]), *start)) for beam in beams)
+    modes = ((beam.name, held_modes(PieceShapes(modelled[beam.name]), *start)) for beam in beams)
     axial = {monitor.beam: monitor.value for monitor in seen if monitor.cause is Cause.AXIAL_FORCE}
-    return {name: mode.frequency for name, mode in modes if mode is not None}, axial
+    return {name: of_beam[0].frequency for name, of_beam in modes if of_beam}, axial
 
 
 def _driving(scene: Scene) -> float | None:
