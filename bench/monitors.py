@@ -5,10 +5,11 @@ python bench/monitors.py FILE --seeds 0:100        (scenes of the random corpus 
 
 Every scene is run with many models of its beams; a line of FILE in JSON has the error and the monitors of a beam in a
 run. What FILE has already is not run again. The truth is a model of full second order in four beams; that in three says
-how well it has converged, and errors that are not three times larger, or below .2 %, are left out of the table. The
-error of a beam is the root mean square over the run of the difference of its deflections, where it is largest along the
-beam, over the largest deflection of the truth: from the chord, or from the tangent at the end that is held against
-rotation, if there is one. Errors and estimates above 100 % count as 100 %.
+how well it has converged, and errors that are not three times larger, or below .2 %, are left out of the table, and so
+are beams that bend by less than a millionth of their length. The error of a beam is the root mean square over the run
+of the difference of its deflections, where it is largest along the beam, over the largest deflection of the truth: from
+the chord, or from the tangent at the end that is held against rotation, if there is one. Errors and estimates above
+100 % count as 100 %.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from derive.percentages import percent
 from derive.simulation.observables.beams import axis_points, beam_bodies, piece_names
 from derive.simulation.trajectory import Trajectory
 from derive.simulation.validity.loaded_sections import held_ends
-from derive.simulation.validity.monitors import ERROR_LIMIT
+from derive.simulation.validity.monitors import ERROR_LIMIT, Cause
 from derive.spec.model.scene import BeamBody, Scene
 from derive.study.accuracy.measurement import compiled, motion
 from derive.study.accuracy.models import ORDERS, LadderModel, Shapes
@@ -125,8 +126,9 @@ def implied(row: Row) -> tuple[float, str]:
 
 
 def reliable(row: Row) -> bool:
-    """Whether the error of a run is large enough, and that of the truth small against it."""
-    return bool(row["rms"] > LEAST and row["reference"] < row["rms"] / 3)
+    """Whether a beam bends, its error is large enough, and that of the truth small against it."""
+    bends = any(m["quantity"] == Cause.DEFLECTION.value for m in row["monitors"]) or implied(row)[0] > ERROR_LIMIT
+    return bool(bends and row["rms"] > LEAST and row["reference"] < row["rms"] / 3)
 
 
 def table(known: Sequence[Row]) -> str:
