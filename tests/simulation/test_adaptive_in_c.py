@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _thread
+import signal
 import threading
 from dataclasses import replace
 from functools import cache
@@ -95,13 +96,17 @@ def test_progress_is_reported_for_each_row() -> None:
 
 
 def test_a_run_can_be_interrupted() -> None:
-    """It would take seconds."""
+    """It would take seconds. A shell that runs the tests in the background has SIGINT ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.1, _thread.interrupt_main)
     made, times = crank_slider(1), np.linspace(0, 200, 200_001)
     made.start()
     timer.start()
-    with pytest.raises(KeyboardInterrupt):
-        run(made, times, 1e-9)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            run(made, times, 1e-9)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_a_step_is_refused() -> None:

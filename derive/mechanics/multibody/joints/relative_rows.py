@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
+from functools import lru_cache
 
 import sympy as sp
 
@@ -65,15 +66,20 @@ class RelativeRow:
     def derivatives(self, joint: Joint, motion: tuple[Derivatives, ...]) -> Derivatives:
         """The row with two time derivatives; motion: displacement along the axes of the joint, and rotation."""
         g = sp.sympify(self.function(joint, MOTION[:2, :], MOTION[2]))
-        rate, second = sp.S.Zero, sp.S.Zero
-        for a, (_, da, dda) in zip(MOTION, motion, strict=True):
-            slope = g.diff(a)
-            if slope != 0:
-                rate += slope * da
-                second += slope * dda
-                second += sum(slope.diff(b) * da * db for b, (_, db, _) in zip(MOTION, motion, strict=True))
-        now = dict(zip(MOTION, (of[0] for of in motion), strict=True))
+        slopes, curvatures = _slopes(g)
+        rate = sum((slope * motion[a][1] for a, slope in slopes), sp.S.Zero)
+        second = sum((slope * motion[a][2] for a, slope in slopes), sp.S.Zero)
+        second += sum(curvature * motion[a][1] * motion[b][1] for a, b, curvature in curvatures)
+        now = {symbol: of[0] for symbol, of in zip(MOTION, motion, strict=True)}
         return g.xreplace(now), rate.xreplace(now), second.xreplace(now)
+
+
+@lru_cache(256)
+def _slopes(g: sp.Expr) -> tuple[tuple[tuple[int, sp.Expr], ...], tuple[tuple[int, int, sp.Expr], ...]]:
+    """The first and second derivatives of a row by MOTION that do not vanish, each after its numbers there."""
+    slopes = tuple((a, slope) for a, symbol in enumerate(MOTION) if (slope := g.diff(symbol)) != 0)
+    second = ((a, b, slope.diff(symbol)) for a, slope in slopes for b, symbol in enumerate(MOTION))
+    return slopes, tuple(of for of in second if of[2] != 0)
 
 
 def _displacement(label: str, doc: str, k: int) -> RelativeRow:
