@@ -16,7 +16,7 @@ import pytest
 import derive
 from corpus.generator import corpus_scene
 from derive.errors import TisserandError
-from derive.generated_models import generated
+from derive.generated_models import generated_explicit
 from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import Adaptive
 from derive.runtime.loading import load_scene
@@ -86,7 +86,7 @@ output = 1e-3
 
 @cache
 def compiled(spec: Scene) -> NativeScene:
-    return load_scene(generated(spec)[1], RUN_FLAGS)
+    return load_scene(generated_explicit(spec)[1], RUN_FLAGS)
 
 
 @cache
