@@ -78,7 +78,7 @@ class Pattern:
 
     @property
     def full_nnz(self) -> int:
-        """Structural non-zeros of the whole matrix, both triangles counted."""
+        """The number of structural non-zeros of the whole matrix, both triangles counted."""
         return len(self.rowidx) + sum(i != j for i, j in self.entries if self.symmetric)
 
     def dense(self, values: ArrayLike) -> NDArray[np.float64]:

@@ -228,7 +228,7 @@ class _Writer:
                 yield node
 
     def _interrupted_below(self, node: int) -> list[int]:
-        """Those of the interrupted nodes that a value follows from, operands first; they are written one by one."""
+        """The interrupted nodes on which a node depends, operands first; they are written one by one."""
         if not self.interrupted:
             return []
         known, waiting = {node}, [node]
