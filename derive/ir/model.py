@@ -70,7 +70,7 @@ class Argument:
 
     @property
     def size(self) -> int:
-        """The number of elements of the array, 1 for a scalar."""
+        """The number of elements of the array; 0 for a scalar."""
         return len(self.elements) + sum(view.size for view in self.arrays)
 
 

@@ -22,7 +22,7 @@ SUMS = {
 """The name of the sum of a table over one of its indices with rates or accelerations."""
 
 AMPLITUDE_SUMS = SUMS | {Family.C7: Family.C7_AMPLITUDES, Family.C10: Family.C10_AMPLITUDES}
-"""The name of the sum of a table over one of its indices with amplitudes, of which only c7 and c10 have their own."""
+"""The name of the sum of a table over one of its indices with amplitudes; `c7` and `c10` name the tables themselves."""
 
 DERIVATIVES = {ALPHA: 0, ALPHADOT: 1, ALPHADDOT: 2}
 
