@@ -97,7 +97,7 @@ def text(expr: Expr, dialect: Dialect, name: Callable[[Named], BreakableText] | 
 def element(leaf: Named, index: BreakableText | None = None) -> BreakableText:
     """A name, or an element of an array in a loop, in C.
 
-    `index` is the text of the loop index, broken between the terms of a sum; by default the index of the leaf.
+    `index` is the text of the loop index, broken between the terms of a sum; by default i.
     """
     match leaf:
         case ScalarRef():

@@ -13,7 +13,7 @@ from derive.ir.statements import Statement
 
 @dataclass(frozen=True)
 class StoredValue:
-    """The value that a line writes: element `index` of an output, or the first one that a loop over the modes writes."""
+    """The value that a line writes: element `index` of an output, or the first one that a loop over modes writes."""
 
     output: str
     index: int

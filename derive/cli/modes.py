@@ -124,7 +124,7 @@ def _state(result: Modes) -> str:
 
 
 def _state_space(result: Modes) -> Iterator[str]:
-    """The sizes of the state space, and what its inputs and outputs are, in words."""
+    """The sizes of the state space and its inputs and outputs, in words."""
     linear, native = result.linear, result.native
     yield f"state space: {len(linear.states)} states, {len(linear.inputs)} inputs, {len(linear.outputs)} outputs"
     if isinstance(native, NativeScene) and native.inputs:

@@ -40,7 +40,7 @@ def equations_html(equations: Equations) -> str:
 
 
 def model_html(model: Model) -> str:
-    """What a model is, its operations, and the pattern of its mass matrix."""
+    """A model as HTML: its kind, its operations, and the pattern of its mass matrix."""
     pattern = model.pattern("mass", "M")
     names = tuple(name for row in model.equations for name in row.elements)
     entries = frozenset(pattern.entries) | {(j, i) for i, j in pattern.entries}

@@ -136,7 +136,7 @@ class StateBlock:
         return statement("    ", f"const double {line.name} = ", value, ";")
 
     def _check(self, line: Require) -> Lines:
-        """The lines of a requirement, which compute both values before they choose one, so that compilers need no branch."""
+        """The lines of a requirement; they compute both values before they choose one, so that no branch is needed."""
         value = self.loops.names.text(line.expr)
         end = f" ? code : {line.code}.0; /* {line.text} */"
         match line.kind:
@@ -165,7 +165,7 @@ class StateBlock:
 
 
 def declarations(kind: str, arrays: Iterable[str]) -> Lines:
-    """Declarations of arrays, each on one line."""
+    """Declarations of arrays, on as few lines as possible."""
     lines: Lines = []
     for name in arrays:
         if lines and len(lines[-1]) + len(name) + 3 <= WIDTH:

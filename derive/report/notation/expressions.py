@@ -129,7 +129,7 @@ class Notation:
         return (*result, sp.default_sort_key(summand))
 
     def _rank(self, symbol: sp.Symbol) -> Key:
-        """The place of a factor: its rank; the order of the specification, or c, phi, alpha; then its indices."""
+        """The position of a factor: its rank; the order of the specification, or c, phi, alpha; then its indices."""
         rank = self.written(symbol).rank
         if not isinstance(symbol, Symbol):
             return int(rank), len(self.constants), (symbol.name,)

@@ -25,7 +25,7 @@ def integral(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
 
 
 SUMMED = {Family.D1: Family.C2, **{family: family for family in (Family.D2, Family.D3, Family.D4, Family.S)}}
-"""What the time derivatives of moments sum over the shapes, with the velocities or accelerations of the amplitudes."""
+"""The families that the time derivatives of moments sum over the shapes, times derivatives of the amplitudes."""
 
 
 def moment(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:

@@ -81,7 +81,7 @@ HEAD = ("integral", "definition", "entries", "of which not zero", "unit")
 
 
 def _kind(family: Family) -> str:
-    """What the entries of a family are that is no integral."""
+    """The kind of the entries of a family that is no integral, in words; empty for other families."""
     names = {
         Family.STIFFNESS: "stiffness",
         Family.PRELOAD: "force at rest",

@@ -12,12 +12,12 @@ COMMENTS = {"c": "//", "python": "#", "toml": "#", "sh": "#"}
 
 
 def gaps(lines: Sequence[CodeLine]) -> list[bool]:
-    """Whether lines were left out before each line."""
+    """For each line of code, whether lines were left out before it."""
     return [k > 0 and line.number != lines[k - 1].number + 1 for k, line in enumerate(lines)]
 
 
 def comments(listing: Listing) -> list[tuple[int, int]]:
-    """Where the comment of each line starts and stops."""
+    """The start and the end of the comment of each line."""
     mark = COMMENTS.get(listing.language)
     result, within = [], False
     for line in listing.lines:
