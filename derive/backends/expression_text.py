@@ -40,7 +40,7 @@ Named = ScalarRef | ArrayAccess | MatrixEntry
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a language writes numbers, calls functions and makes choices.
+    """The way in which a language writes numbers, calls functions and makes choices.
 
     suffix: what follows an integer, so that quotients are not those of integers; namespace: what precedes a function;
     names: those of functions that have other names than their operators; choice: the four texts around a condition, the

@@ -67,7 +67,7 @@ def _files(chart: LadderChart, data: dict[str, object]) -> tuple[File, ...]:
 def study(scene: Scene, options: argparse.Namespace, record: Callable[[LadderChart], None]) -> tuple[LadderChart, bool]:
     """The ladder that the options ask for, and whether Ctrl-C has ended it before the last model.
 
-    record: is called now and then with the finished part of the ladder. Raises SpecError, SimulationError, CompilerError.
+    record: called now and then with the finished part of the ladder. Raises SpecError, SimulationError, CompilerError.
     """
     plot = compared_plot(scene, options.plot)
     peers = read_peers(options.peers) if options.peers else ()

@@ -63,7 +63,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _written(spec: Path, target: Path, choice: Choice) -> WrittenSpecification:
-    """Write the specification of the chosen model, after it is read once more."""
+    """Write the specification of the chosen model, after its text has been parsed once more."""
     assert choice.chosen is not None
     line, point = choice.chosen
     source = spec.read_text(encoding="utf-8-sig")

@@ -27,7 +27,7 @@ NEGLIGIBLE = 1e-6
 ROUNDING = 1e-9
 """Damping ratios and elements of a normalised shape below this are printed as 0."""
 EXPECTED_SIZE = 2_000_000
-"""About the size of all files, in bytes."""
+"""The approximate size of all files, in bytes."""
 
 
 def run(options: argparse.Namespace) -> int:

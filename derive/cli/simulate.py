@@ -123,7 +123,7 @@ class Simulations:
         return [File(f"{name}/{name}.csv", "", record=record), *(File(path, "") for path in others)]
 
     def expected_size(self) -> int:
-        """About the size of all files, in bytes: that of the CSV, with the drift in the record, and 1 MB."""
+        """The approximate size of all files, in bytes: that of the CSV, with the drift in the record, and 1 MB."""
         columns, rows = len(self.main.units) + DRIFT_COLUMNS, len(output_times(self.main.settings.simulation))
         return NUMBER_WIDTH * columns * rows + 1_000_000
 

@@ -74,7 +74,7 @@ class HostModel:
 
     @property
     def held_inputs(self) -> tuple[float, ...]:
-        """The inputs u (nu,) of a host that holds them at their start values: the rates of motions are zero."""
+        """The inputs u (nu,) of a host that keeps their start values: the time derivatives of motions are zero."""
         return tuple(0.0 if u.derivative else u.start or 0.0 for u in self.inputs)
 
     @property

@@ -14,7 +14,7 @@ from scipy.sparse import csc_array
 
 
 class RowSetKind(Enum):
-    """How the rows of a column depend on its index in a group; the values are those of the generated Python."""
+    """The dependence of the rows of a column on its index in a group; the values are those of the generated Python."""
 
     ROW = "row"
     DIAGONAL = "diagonal"

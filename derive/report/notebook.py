@@ -1,4 +1,4 @@
-"""How notebooks show equations and models: `_repr_html_` of the main types comes from here."""
+"""The HTML of equations and models in notebooks: `_repr_html_` of the main types comes from here."""
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ def mechanism_picture(scene: Scene) -> str:
 
 
 def _rod(drawing: LabelledDrawing, body: BeamBody, poses: Poses) -> None:
-    """Draw a band along the axis of a rod, divided where the rod is divided into beams, and the masses attached to it."""
+    """Draw a rod as a band along its axis, divided where the rod is divided into beams, and its attached masses."""
     half = si_value(body.beam.length) / 2
     pose = poses[body.name]
     start, end = (drawing.at(transformed_point(pose, np.array([x, 0.0]))) for x in (-half, half))

@@ -48,7 +48,7 @@ STATES_MACRO = """\
 
 @dataclass(frozen=True)
 class Names:
-    """How names are written in a loop over the states b of a block.
+    """The writer of names and expressions in a loop over the states b of a block.
 
     `elements` are the argument and the index of the elements of q and v; `wide` are the scalars that have a value for
     each state. Arrays are of k, if they are among `constants`, else local ones with a row for each element.

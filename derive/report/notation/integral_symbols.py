@@ -1,4 +1,4 @@
-"""How shape integrals, moments and what is made of them are written: from an identity and its superscript."""
+"""The typeset forms of shape integrals, moments and their products, from an identity and its superscript."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How wide formulas are, and the lines that a long sum takes: for languages that cannot break lines by themselves."""
+"""The widths of formulas, and the lines of a long sum: for languages that cannot break lines by themselves."""
 
 from __future__ import annotations
 

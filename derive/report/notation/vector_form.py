@@ -166,7 +166,7 @@ def summands(components: Sequence[sp.Expr]) -> tuple[Part, ...]:
 
 
 def _conjugates(tree: Tree) -> int:
-    """How many conjugates a tree has; trees without them are tried first."""
+    """The number of conjugates in a tree; trees without them are tried first."""
     if isinstance(tree, Leaf):
         return int(tree.conjugate)
     _, left, right = tree

@@ -78,7 +78,7 @@ class MassPattern:
 
     @property
     def count(self) -> str:
-        """How many entries there are, of how many."""
+        """The number of entries and that of all elements of the matrix, as text."""
         return f"{len(self.entries)} of {self.size**2}"
 
 

@@ -88,7 +88,7 @@ def _shortening() -> Equation:
 
 
 def _constants(frames: Sequence[Frame]) -> tuple[Block, ...]:
-    """How the frames fix the constant of integration."""
+    """The constants of integration that the frames determine."""
     text = "; ".join(f"in the {frame.kind} frame {_condition(frame)}" for frame in frames)
     return (Paragraph((f"The constant of integration follows from the condition of the frame: {text}.",)),)
 

@@ -1,4 +1,4 @@
-"""How a beam stretches: its shapes along the axis, and the strain that they make; beyond the paper."""
+"""The stretching of a beam, beyond the paper: its shapes along the axis, and the strain that they cause."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ def _pictures(blocks: Sequence[Block]) -> list[str]:
 
 
 class _Writer:
-    """Writes blocks; it counts the pictures and knows the anchors that links lead to."""
+    """A writer of blocks, which counts the pictures and knows the anchors that links lead to."""
 
     def __init__(self, folder: str, wanted: frozenset[str]) -> None:
         self._folder = folder
