@@ -51,7 +51,7 @@ class File:
 
 @dataclass(frozen=True)
 class BinaryFile:
-    """A generated file that is no text; path and record as those of a `File`."""
+    """A generated binary file; `path` and `record` have the meaning that they have in `File`."""
 
     path: str
     data: bytes
@@ -172,7 +172,7 @@ def _finish(folder: Path) -> None:
 
 
 def _beside(target: Path) -> Path:
-    """Where the new content of a file waits."""
+    """The path at which the new content of a file is written before it is renamed."""
     return target.with_name(f".{target.name}.tisserand")
 
 
@@ -206,7 +206,7 @@ def _replace(contents: Sequence[tuple[Path, bytes]], folder: Path) -> None:
 
 
 def _create(path: Path, data: bytes, target: Path) -> None:
-    """A file with the permissions of the target or, of a new one, those that the umask leaves."""
+    """Create a file with the permissions of the target or, if there is no target, those that the umask leaves."""
     mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else None
     path.unlink(missing_ok=True)
     with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666), "wb") as stream:

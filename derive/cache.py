@@ -23,9 +23,9 @@ from pathlib import Path
 LIMIT = 256_000_000
 """The bytes that all files may have together; the least recently used ones are removed beyond it."""
 KEPT = 0.75
-"""The part of the limit that is left then."""
+"""The fraction of LIMIT to which the files are reduced once they exceed it."""
 ABANDONED = 3600.0
-"""s: the age of a temporary file whose process must have been killed."""
+"""The age (s) from which a temporary file counts as abandoned by a process that was killed."""
 DIGEST = hashlib.sha256().digest_size
 
 _disabled: ContextVar[bool] = ContextVar("disabled", default=False)

@@ -79,8 +79,8 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
 def lower(derived: Equations | Mechanism, sensitivities: bool = False) -> Model:
     """The kernels of a model: straight-line code, or loops over the modes of a spatial body if these are faster.
 
-    sensitivities: with `parameter_jacobian` and `solve_kkt` for derivatives with respect to parameters and inputs,
-    which loops do not have.
+    sensitivities: add the kernels `parameter_jacobian` and `solve_kkt` for derivatives with respect to parameters and
+    inputs, which models with loops do not have.
     Raises SpecError if the specification requires straight-line code that would be too long, or has loops where
     sensitivities are required; TypeError for anything but equations.
     """

@@ -1,4 +1,4 @@
-"""What a joint, a body or a force from outside the package is written with.
+"""The classes with which a joint, a body or a force is defined outside the package.
 
 A joint is a subclass of JointType, which `derive.JOINTS.register("name", MyJoint())` adds to the kinds that a
 specification may choose; bodies and forces likewise with BodyType and `derive.BODIES`, ForceType and `derive.FORCES`.

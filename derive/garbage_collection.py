@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def paused() -> Iterator[None]:
-    """No search for unreachable objects in the block or the decorated function; then as before."""
+    """Pause the search for unreachable objects in the block or the decorated function."""
     enabled = gc.isenabled()
     gc.disable()
     try:

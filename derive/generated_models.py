@@ -53,7 +53,7 @@ def generated(spec: Specification) -> Generated:
 
 
 def generated_explicit(scene: Scene) -> Generated:
-    """The model of a scene with what explicit integration calls, and its C, likewise.
+    """The model of a scene with the kernels that explicit integration calls, and its C, kept in the cache as well.
 
     It is complete if the scene starts in equilibrium, which is found with the iteration matrix.
     """
@@ -63,7 +63,7 @@ def generated_explicit(scene: Scene) -> Generated:
 
 
 def _kept(kind: str, spec: Specification, made: Callable[[], Generated]) -> Generated:
-    """What is made of a specification, which the cache keeps under its kind."""
+    """The result of `made`, from the cache if it is there; otherwise it is kept there for `kind` and `spec`."""
     if any(registry.extended for registry in (JOINTS, BODIES, FORCES, OUTPUTS, MONITORS, BACKENDS)):
         return made()
     name = kept.key(kind, fingerprint(spec), package_hash(), *_versions())
@@ -111,7 +111,7 @@ def _versions() -> tuple[str, ...]:
 
 
 class _Reader(pickle.Unpickler):
-    """Reads classes of the trusted modules alone, so that a file cannot call anything else."""
+    """An unpickler that reads classes of the trusted modules alone, so that a file cannot call anything else."""
 
     def find_class(self, module: str, name: str) -> Any:
         """The class of that name. Raises UnpicklingError for anything else."""

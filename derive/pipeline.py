@@ -173,7 +173,7 @@ def _of_body(spec: Specification) -> tuple[str, ...]:
 
 
 def _of_geometric_stiffness(spec: NodalBody) -> Iterator[str]:
-    """Which geometric stiffness matrices a body has, whether they are used, and which are taken as zero."""
+    """Yield which geometric stiffness matrices a body has, whether they are used, and which are taken as zero."""
     data = spec.data
     if not data.has_geometric_stiffness:
         return
@@ -192,7 +192,7 @@ FIRST = 6
 
 
 def _of_properties(body: BodyProperties) -> Iterator[str]:
-    """Mass, centre of mass, inertia and first natural frequencies in words."""
+    """Yield the mass, centre of mass, inertia and first natural frequencies in words."""
     centre = ", ".join(f"{x:.4g}" for x in _rounded(body.centre, float(np.sqrt(np.trace(body.inertia) / body.mass))))
     inertia = _rounded(body.inertia, float(np.trace(body.inertia)))
     moments = ", ".join(f"{inertia[a, a]:.4g}" for a in range(3))

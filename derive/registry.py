@@ -42,7 +42,7 @@ class Registry(Mapping[str, T], Generic[T]):
 
     @property
     def extended(self) -> bool:
-        """Whether the members are others than those of the package."""
+        """Whether the members differ from those of the package."""
         return self._members != self._first
 
     def register(self, name: str, member: T) -> None:

@@ -6,7 +6,7 @@ from enum import Enum, StrEnum
 
 
 class Role(Enum):
-    """What a generalised coordinate describes; the values are those of the descriptor of a generated model."""
+    """The kind of a generalised coordinate; the values are those of the descriptor of a generated model."""
 
     TRANSLATION = 1
     """Component of the position of the origin of a floating frame in the inertial frame."""

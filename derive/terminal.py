@@ -19,7 +19,7 @@ def show_progress(text: str = "") -> None:
 
 
 def show_result(text: str) -> None:
-    """What came of a step of a long command: a line on stderr, or the line of progress where that is a tty."""
+    """Show the result of a step of a long command: as a line on stderr or, on a tty, as the line of progress."""
     if sys.stderr.isatty():
         show_progress(text)
     else:
@@ -38,7 +38,7 @@ class SimulationProgress:
         show_progress(f"simulating {label}: compiling ...")
 
     def __call__(self, reached: float) -> None:
-        """The simulation has reached this time (s)."""
+        """Show that the simulation has reached this time (s)."""
         now = time.monotonic()
         if self._first is None:
             self._first = now, reached
@@ -49,7 +49,7 @@ class SimulationProgress:
             show_progress(f"simulating {self._label}: {reached:.4g} of {self._end:g} s{remaining}")
 
     def _remaining(self, now: float, reached: float) -> str:
-        """The remaining time at the average speed since the first step, once that is a second ago."""
+        """The remaining time at the average speed since the first step; empty while it cannot be estimated."""
         assert self._first is not None
         began, at = self._first
         if now - began < 1.0 or not at < reached < self._end:

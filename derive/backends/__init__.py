@@ -1,1 +1,1 @@
-"""Models to source code."""
+"""The backends, which write models as source code."""

@@ -28,7 +28,7 @@ MOST_ROWS = 40
 LICENCE = "SPDX-License-Identifier: 0BSD"
 
 MODEL_HASH = "hash_of_this_build"
-"""What the files of a backend contain in the place of the hash of the model, which depends on all of them."""
+"""The placeholder in the files of a backend for the hash of the model, which depends on all of them."""
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,7 @@ def _counted(variables: tuple[Variable, ...]) -> Iterator[tuple[str, Variable]]:
 
 
 def description(text: ModelText) -> tuple[Prose, ...]:
-    """The head of a generated file."""
+    """The lines at the head of a generated file."""
 
     def block(title: str, lines: tuple[str, ...]) -> tuple[Prose, ...]:
         return ("", title, *map(Item, lines))
@@ -209,7 +209,7 @@ def section_text(section: Section) -> str:
 
 
 def _by_reason(zeros: tuple[Zero, ...]) -> tuple[str, ...]:
-    """What vanishes, gathered by reason."""
+    """The structural zeros as lines of text, one for each reason."""
     gathered: dict[str, list[str]] = {}
     for zero in zeros:
         gathered.setdefault(zero.reason, []).append(zero.what)
@@ -233,7 +233,7 @@ def _picture(pattern: Pattern, names: list[str]) -> tuple[str, ...]:
 
 
 def _blocks(pattern: Pattern, names: list[str]) -> tuple[str, ...]:
-    """The same where the rows of the shapes, the last name, are a block: shown by two of them."""
+    """The pattern where the last name stands for the rows of all shapes, of which the first and the last are shown."""
     rigid = len(names) - 1
     kept = [*range(rigid), *([rigid, pattern.rows - 1] if pattern.rows - rigid > 1 else [rigid])]
     present = set(pattern.entries) | {(j, i) for i, j in pattern.entries}

@@ -25,7 +25,7 @@ from derive.ir.expressions import (
 
 SIGN = {Operator.ADD: " + ", Operator.SUB: " - ", Operator.MUL: " * ", Operator.DIV: " / "}
 SUM, PRODUCT, ATOM = 1, 2, 3
-"""How strongly a text binds: sums, products with signed numbers, and what needs no parentheses anywhere."""
+"""The binding strengths of a text: sums, products with signed numbers, and texts that never need parentheses."""
 BINDING = {
     **dict.fromkeys((Operator.ADD, Operator.SUB), SUM),
     **dict.fromkeys((Operator.MUL, Operator.DIV, Operator.NEG), PRODUCT),
@@ -35,12 +35,12 @@ CHOICES = CONDITIONS | {Operator.WHEN, Operator.SIGN}
 
 
 Named = ScalarRef | ArrayAccess | MatrixEntry
-"""What an expression calls by a name."""
+"""A leaf of an expression that code refers to by a name."""
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a language writes numbers, calls functions and makes choices.
+    """The way in which a language writes numbers, calls functions and makes choices.
 
     suffix: what follows an integer, so that quotients are not those of integers; namespace: what precedes a function;
     names: those of functions that have other names than their operators; choice: the four texts around a condition, the
@@ -97,7 +97,7 @@ def text(expr: Expr, dialect: Dialect, name: Callable[[Named], BreakableText] | 
 def element(leaf: Named, index: BreakableText | None = None) -> BreakableText:
     """A name, or an element of an array in a loop, in C.
 
-    `index` is what counts the loop, as a sum where it is one; if it is not given, the index of the leaf.
+    `index` is the text of the loop index, broken between the terms of a sum; by default i.
     """
     match leaf:
         case ScalarRef():

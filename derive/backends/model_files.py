@@ -58,7 +58,7 @@ ALONE = ("simulation", "start", "plots")
 """The fields of a single body that its model does not depend on."""
 
 UNWRITTEN: dict[str, object] = {"order": DisplacementOrder.FIRST_ORDER, "ends": None, "masses": (), "axial": None}
-"""The fields of a beam that say nothing where they have these values: what a beam of the paper is by default."""
+"""The fields of a beam that are left out where they have these values, the defaults of the paper's beam."""
 
 KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body", Scene: "scene"}
 
@@ -102,7 +102,7 @@ def _exact(value: object) -> object:
         return str(value)
     if isinstance(value, DisplacementOrder):
         return value.value
-    if isinstance(value, BeamBody):  # what is for a beam alone says nothing here
+    if isinstance(value, BeamBody):  # the model of a scene does not depend on the fields of a single beam
         beam = {key: item for key, item in _fields(value.beam).items() if key not in ALONE}
         return {**_fields(value), "beam": beam}
     if isinstance(value, Spline):

@@ -1,4 +1,4 @@
-"""What a backend is: a language, or another form, in which the functions of a model are written."""
+"""The protocol of a backend: a language, or another form, in which the functions of a model are written."""
 
 from __future__ import annotations
 

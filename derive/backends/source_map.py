@@ -13,7 +13,7 @@ from derive.ir.statements import Statement
 
 @dataclass(frozen=True)
 class StoredValue:
-    """What a line writes: element `index` of an output; of a loop over the modes, `index` is the first element."""
+    """The value that a line writes: element `index` of an output, or the first one that a loop over modes writes."""
 
     output: str
     index: int
@@ -81,7 +81,7 @@ class FunctionLines:
 
     @property
     def last(self) -> int:
-        """The number of its last line."""
+        """The number of the last line of the function."""
         return self.first + len(self.lines) - 1
 
     @property
@@ -159,7 +159,7 @@ class SourceBuilder:
         return replace(line, terms=terms) if terms else line
 
     def file(self, language: str, path: str) -> SourceFile:
-        """The file."""
+        """The finished file, with its source map."""
         return SourceFile(path, "".join(self._texts), SourceMap(language, path, self._functions))
 
 

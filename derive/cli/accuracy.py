@@ -1,4 +1,4 @@
-"""`tisserand study accuracy`: chart what accuracy costs, over a ladder of models of one scene."""
+"""`tisserand study accuracy`: chart the cost of accuracy over a ladder of models of one scene."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ from derive.version import VERSION
 
 NAME = "accuracy"
 EXPECTED_SIZE = 1_000_000
-"""About what the files of a study need, in bytes."""
+"""The approximate size of the files of a study, in bytes."""
 BETWEEN = 10.0
-"""Seconds between two writings of what there is."""
+"""The time (s) between two writings of the part of the ladder that is finished."""
 INTERRUPTED = 130
 """The exit code after Ctrl-C."""
 
@@ -67,7 +67,7 @@ def _files(chart: LadderChart, data: dict[str, object]) -> tuple[File, ...]:
 def study(scene: Scene, options: argparse.Namespace, record: Callable[[LadderChart], None]) -> tuple[LadderChart, bool]:
     """The ladder that the options ask for, and whether Ctrl-C has ended it before the last model.
 
-    record: takes the part of the ladder that there is, now and then. Raises SpecError, SimulationError, CompilerError.
+    record: called now and then with the finished part of the ladder. Raises SpecError, SimulationError, CompilerError.
     """
     plot = compared_plot(scene, options.plot)
     peers = read_peers(options.peers) if options.peers else ()

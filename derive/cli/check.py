@@ -1,4 +1,4 @@
-"""`tisserand check`: compare the generated files with what the specifications give now."""
+"""`tisserand check`: compare the generated files with the ones that the specifications give now."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from derive.artifacts import MARK, File, settle
 from derive.cli.specifications import build_all
 
 MAX_LINES = 60
-"""Lines of a difference that are printed."""
+"""The largest number of lines of a difference that are printed."""
 
 
 def run(options: argparse.Namespace) -> int:

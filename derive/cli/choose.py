@@ -22,7 +22,7 @@ from derive.study.choice.written_specification import WrittenSpecification, chos
 from derive.terminal import show_progress, show_result
 
 EXPECTED_SIZE = 100_000
-"""About what a specification needs at most, in bytes."""
+"""The approximate size that a specification has at most, in bytes."""
 
 
 class ExistingFile(TisserandError):
@@ -30,7 +30,7 @@ class ExistingFile(TisserandError):
 
 
 def run(options: argparse.Namespace) -> int:
-    """Search, print what was found, and write the specification. The exit code is 1 if nothing is accurate enough."""
+    """Search, print the result, and write the specification. The exit code is 1 if no model is accurate enough."""
     scene = read_scene(options.spec)
     target = options.out or options.spec.with_name(f"{options.spec.stem}_chosen.toml")
     if os.path.lexists(target):
@@ -63,12 +63,12 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _written(spec: Path, target: Path, choice: Choice) -> WrittenSpecification:
-    """Write the specification of what is chosen, which is read once more before."""
+    """Write the specification of the chosen model, after its text has been parsed once more."""
     assert choice.chosen is not None
     line, point = choice.chosen
     source = spec.read_text(encoding="utf-8-sig")
     written = chosen_specification(source, spec, target, read_scene(spec), line.model, point.tolerance)
-    target.parent.mkdir(parents=True, exist_ok=True)  # the files beside the specification are found from there
+    target.parent.mkdir(parents=True, exist_ok=True)  # paths of files beside the specification are relative to it
     parse(written.text, str(target))
     with target.open("x", encoding="utf-8") as file:  # another process may have made it meanwhile
         file.write(written.text)

@@ -76,7 +76,7 @@ def state(native: Native, apart: float = 0.0) -> tuple[Vector, Vector]:
 
 
 def _evaluate(native: Native) -> dict[str, object]:
-    """Evaluate a model in that state. Raises ModelError if setup refuses the default parameters."""
+    """Evaluate a model in the state of `state`. Raises ModelError if setup refuses the default parameters."""
     q, v = state(native)
     k = native.setup()
     try:

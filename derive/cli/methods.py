@@ -19,7 +19,7 @@ from derive.version import VERSION
 
 NAME = "methods"
 EXPECTED_SIZE = 1_000_000
-"""About what the files of a study need, in bytes."""
+"""The approximate size of the files of a study, in bytes."""
 
 
 def run(scene: Scene, options: argparse.Namespace) -> int:

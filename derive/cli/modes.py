@@ -27,7 +27,7 @@ NEGLIGIBLE = 1e-6
 ROUNDING = 1e-9
 """Damping ratios and elements of a normalised shape below this are printed as 0."""
 EXPECTED_SIZE = 2_000_000
-"""About the size of all files, in bytes."""
+"""The approximate size of all files, in bytes."""
 
 
 def run(options: argparse.Namespace) -> int:
@@ -124,7 +124,7 @@ def _state(result: Modes) -> str:
 
 
 def _state_space(result: Modes) -> Iterator[str]:
-    """The sizes of the state space, and what its inputs and outputs are, in words."""
+    """The sizes of the state space and its inputs and outputs, in words."""
     linear, native = result.linear, result.native
     yield f"state space: {len(linear.states)} states, {len(linear.inputs)} inputs, {len(linear.outputs)} outputs"
     if isinstance(native, NativeScene) and native.inputs:

@@ -70,7 +70,7 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
 def _pictures(folder: Path, plotted: Sequence[str]) -> Iterator[tuple[Path, str]]:
     """Our pictures in a folder: those of plots in their order, then those of studies by their names.
 
-    What is no drawing any more is left out, with a line that says so.
+    Pictures that are no longer plain drawings are left out, with a message.
     """
     from xml.etree.ElementTree import ParseError
 
@@ -149,7 +149,7 @@ def _pdf(page: Page) -> bytes:
 
 
 def _check_pdf(target: Path) -> None:
-    """Raises ForeignFile when there is a file that is no PDF of ours."""
+    """Raise ForeignFile if the target exists and is not a PDF that carries our mark."""
     taken = target.exists() or target.is_symlink()
     if taken and not (target.is_file() and (data := target.read_bytes()).startswith(b"%PDF") and SIGN in data):
         raise ForeignFile(
@@ -158,4 +158,4 @@ def _check_pdf(target: Path) -> None:
 
 
 SIGN = f"% {MARK}\n".encode()
-"""The last line of our PDFs: a comment, which says whose they are."""
+"""The last line of our PDFs: a comment with our mark."""

@@ -40,7 +40,7 @@ from derive.visual.plot_chart import plot_chart
 def run(options: argparse.Namespace) -> int:
     """Simulate a scene or a single body; then write all files.
 
-    Everything that can be wrong with the specification, its plots and its files is found before the first run.
+    Errors in the specification, its plots and its files are reported before the first run.
     """
     given, changes = read_changed(options.spec, options.set)
     spec = simulated(given, options.spec, options.duration, options.output, options.tolerance, options.until)
@@ -64,7 +64,7 @@ class TitledRun:
     run: SceneRun | BodyRun
 
     def trajectory(self, earlier: EarlierRun | None) -> Trajectory | BodyTrajectory:
-        """The motion; its progress is shown."""
+        """Run the simulation with a line of progress, and return its motion."""
         progress = SimulationProgress(self.title, self.run.settings.simulation.duration)
         try:
             with lines_of(self.path):
@@ -73,14 +73,14 @@ class TitledRun:
             progress.end()
 
     def _announce(self, text: str) -> None:
-        """Print what is foreseen before the run, which may take long, or stop there."""
+        """Print a prediction about the run, which may take long or stop early, before it begins."""
         show_progress()
         print(f"{self.title}: note: {text}", file=sys.stderr)
 
 
 @contextmanager
 def lines_of(path: Path) -> Iterator[None]:
-    """Faults of the specification in a file get their lines there."""
+    """Add the lines of the file to the faults of a SpecError that is raised in this context."""
     try:
         yield
     except SpecError as error:
@@ -123,7 +123,7 @@ class Simulations:
         return [File(f"{name}/{name}.csv", "", record=record), *(File(path, "") for path in others)]
 
     def expected_size(self) -> int:
-        """About the size of all files, in bytes: that of the CSV, with the drift in the record, and 1 MB."""
+        """The approximate size of all files, in bytes: that of the CSV, with the drift in the record, and 1 MB."""
         columns, rows = len(self.main.units) + DRIFT_COLUMNS, len(output_times(self.main.settings.simulation))
         return NUMBER_WIDTH * columns * rows + 1_000_000
 
@@ -154,7 +154,7 @@ def _pieces(spec: Scene | NodalBody) -> Pieces:
 
 
 def _divided(scene: Scene, cut: str | None, pieces: int) -> Scene:
-    """The scene with the beam `cut` in so many pieces."""
+    """The scene with the beam `cut` divided into `pieces` pieces."""
     bodies = (replace(b, pieces=pieces) if isinstance(b, BeamBody) and b.name == cut else b for b in scene.bodies)
     return replace(scene, bodies=tuple(bodies))
 

@@ -1,4 +1,4 @@
-"""What `tisserand simulate` reports of its runs: as plain data, and as text."""
+"""The summary that `tisserand simulate` prints of its runs: as plain data, and as text."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from derive.spec.toml.read import warnings
 from derive.terminal import beam_count, table
 
 Pieces = tuple[tuple[str, int], ...]
-"""The beams of a scene, and into how many pieces each is divided."""
+"""The names of the beams of a scene, each with the number of pieces into which it is divided."""
 
 PlotCurves = tuple[Plot, tuple[PlotCurve, ...]]
 """A plot and its curves."""

@@ -67,9 +67,9 @@ def simulated(
     tolerance: float | None = None,
     until: str | None = None,
 ) -> Scene | NodalBody:
-    """What a file specifies, with another duration (s), interval of rows (s), tolerance and end condition if given.
+    """The scene or body of a file with the given duration (s), interval of rows (s), tolerance and end condition.
 
-    Raises SpecError if it cannot be simulated.
+    What is not given stays as it is. Raises SpecError if the specification cannot be simulated.
     """
     if isinstance(spec, SymbolicBody):
         raise SpecError((Problem("", SYMBOLIC),), str(path))

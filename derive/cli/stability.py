@@ -22,7 +22,7 @@ from derive.version import VERSION
 
 NAME = "stability"
 EXPECTED_SIZE = 5_000_000
-"""About what the files of a study need, in bytes."""
+"""The approximate size of the files of a study, in bytes."""
 
 
 def run(scene: Scene, options: argparse.Namespace) -> int:
@@ -58,7 +58,7 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
 
 
 def study(scene: Scene, options: argparse.Namespace) -> LadderStability:
-    """The stability that the options ask for. Raises SpecError, CompilerError."""
+    """The stability of the ladder of models that the options describe. Raises SpecError, CompilerError."""
     parameter = studied(scene, ParameterRange(*options.parameter))
     limits = LadderRange(options.orders, options.frames, options.shapes, options.pieces, options.sines, options.modes)
     models = ladder(limits)

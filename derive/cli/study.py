@@ -27,7 +27,7 @@ from derive.terminal import show_progress
 FRAMES = "frames"
 STABILITY = stability.NAME
 EXPECTED_SIZE = 100_000
-"""About what the chart of frames needs, in bytes."""
+"""The approximate size of the chart of frames, in bytes."""
 
 
 def run(options: argparse.Namespace) -> int:

@@ -28,13 +28,13 @@ from derive.version import VERSION
 
 NAME = "sweep"
 SAMPLE_SIZE = 500
-"""About what a sample needs in the store and the tables, in bytes."""
+"""The approximate size of a sample in the store and the tables, in bytes."""
 
 
 def run(options: argparse.Namespace) -> int:
     """Run all samples, write the files, and print the extremes.
 
-    What is wrong with the specification, the samples and the files is found before the first run.
+    Errors in the specification, the samples and the files are reported before the first run.
     """
     spec = read(options.spec)
     samples = parsed_samples(options.set, options.samples, options.seed, options.list)
@@ -97,7 +97,7 @@ class _Progress:
         self._first: int | None = None
 
     def __call__(self, finished: int, total: int) -> None:
-        """So many samples of all are finished."""
+        """Show that `finished` of `total` samples are finished."""
         if self._first is None:
             self._first, self._began = finished, time.monotonic()
         passed, own = time.monotonic() - self._began, finished - self._first

@@ -1,4 +1,4 @@
-"""What interfaces have in common: the integrator in C as one function, what samples in C state, numbers and files."""
+"""Parts in C that interfaces share: the integrator as one function, the data of sample programs, numbers and files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ INTEGRATOR = ("adaptive_rows", "adaptive", "dormand_prince", "fixed_step")
 def integrator_files(folder: str, model: str = "") -> list[File]:
     """The C files of the integrator and their headers, with our mark, in a folder.
 
-    model: the name of the model that they are for, where a compiler is not told by -DTISSERAND_HEADER.
+    model: the name of the model that they are for, needed unless the compiler gets its header by -DTISSERAND_HEADER.
     """
     header = f'#define TISSERAND_HEADER "{model}.h"\n' if model else ""
     return [
@@ -37,7 +37,7 @@ def host_copy(folder: str, name: str, head: str = "") -> File:
 
 
 def sample_values(model: HostModel) -> dict[str, object]:
-    """What templates of projects with sample programs in C state: names, start values, and the reference motion.
+    """The values in the templates of projects with sample programs in C: names, start values, reference motion.
 
     event: the velocity whose change of sign the samples report. Raises what `reference_motion` raises.
     """

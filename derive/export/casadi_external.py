@@ -79,7 +79,7 @@ def casadi_files(host: HostModel) -> tuple[File, ...]:
 
 
 def _compressed(block: ca.Sparsity) -> list[int]:
-    """Rows, columns, first entries of the columns, rows of the entries."""
+    """The compressed columns of a sparsity: rows, columns, first entries of the columns, rows of the entries."""
     return [block.size1(), block.size2(), *block.colind(), *block.row()]
 
 

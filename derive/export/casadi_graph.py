@@ -24,7 +24,7 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "not": ca.logic_not,
     "when": lambda condition, value: ca.if_else(condition, value, 0),
 }
-"""What the operators of kernels are for symbols."""
+"""The functions of symbols that implement the operators of kernels."""
 
 INPUTS, OUTPUTS = ("t", "x", "u", "p"), ("xdot", "y")
 
@@ -36,10 +36,10 @@ def sizes_of(host: HostModel) -> dict[str, int]:
 
 
 def model_graph(host: HostModel) -> ca.Function:
-    """(t, x, u, p) -> (xdot, y) in symbols (SX), which CasADi differentiates any number of times.
+    """The function (t, x, u, p) -> (xdot, y) of symbols (SX), which CasADi differentiates any number of times.
 
-    The model has to be in straight line. What its code checks while it runs, a graph does not: a pivot that vanishes
-    gives numbers that are not finite.
+    The model must have straight-line code. A graph has none of the checks of that code: a pivot that vanishes gives
+    numbers that are not finite.
     """
     model, sizes, nq = host.model, sizes_of(host), len(host.coordinates)
     symbols = {name: ca.SX.sym(name, sizes[name]) for name in INPUTS}

@@ -15,7 +15,7 @@ from derive.runtime.loading import library_data
 
 
 def casadi_function(host: HostModel) -> ca.Function:
-    """(t, x, u, p) -> (xdot, y) of a model with exact derivatives, as `tisserand export --to casadi` exports it.
+    """The function (t, x, u, p) -> (xdot, y) of a model with exact derivatives, as from `tisserand export --to casadi`.
 
     host: `host_model(spec, sensitivities=True)`, which has the names, units and start values of x = [q; v], u, p and y.
     The library is that of the cache, where it has been compiled before. Raises CompilerError.

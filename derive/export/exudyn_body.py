@@ -82,7 +82,7 @@ def _values(model: Model) -> Iterator[int]:
 
 
 def _inputs(host: HostModel) -> Iterator[tuple[str, int, tuple[float, ...]]]:
-    """The name of each input, the position of its first value in u, and its values where a host holds them."""
+    """The name of each input, the position of its first value in u, and its values in a host that keeps it constant."""
     first, held = 0, host.held_inputs
     while first < len(held):
         end = first + 1

@@ -27,7 +27,7 @@ HOSTS = ("ode", "adaptive", "dormand_prince", "fixed_step")
 """The parts of `templates/host` with which units take derivatives, and integrate in co-simulation."""
 
 PARTS = ("instance", "variables", "exchange", "step", "derivatives", "stored")
-"""Those of `templates/export/fmi` that both versions have, each with a header."""
+"""The parts of `templates/export/fmi` that both versions of FMI have, each with a header."""
 
 FUNCTIONS = {2: ("fmi2.h", "fmi2.c"), 3: ("fmi3.h", "component3.h", "fmi3.c", "fmi3_absent.c")}
 """The files with the functions of a version."""
@@ -137,7 +137,7 @@ def _descriptions(model: HostModel, version: int, token: str, sources: Sequence[
 
 
 def _structure(variables: Sequence[FmiVariable]) -> dict[str, list[FmiVariable]]:
-    """Which variables follow from others: outputs, derivatives, and all that the initialisation computes."""
+    """The variables that depend on others: outputs, derivatives, and all that the initialisation computes."""
     outputs = [x for x in variables if x.causality is Causality.OUTPUT]
     derivatives = [x for x in variables if x.derivative_of is not None]
     initial = [x for x in variables if x.state or x.derivative_of is not None or x.causality is Causality.OUTPUT]

@@ -18,7 +18,7 @@ from derive.runtime.compiler import FLAGS, WITHOUT_BATCHES, CompilerError
 from derive.runtime.loading import library_data
 
 FMU_FLAGS = (*FLAGS, WITHOUT_BATCHES, "-fvisibility=hidden")
-"""Only the functions of FMI are visible, so that a program can load several units."""
+"""The flags of the compiler; only the functions of FMI are visible, so that a program can load several units."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Platform:
     target: str
 
     def folder(self, fmi: int) -> str:
-        """The name of its folder below `binaries` in a version of FMI."""
+        """The name of the platform's folder below `binaries` in a version of FMI."""
         return self.fmi2 if fmi == 2 else self.fmi3
 
 
@@ -42,7 +42,7 @@ PLATFORMS = {
     ("Darwin", "x86_64"): Platform("darwin64", "x86_64-darwin", "dylib", "x86_64-macos"),
     ("Darwin", "aarch64"): Platform("aarch64-darwin", "aarch64-darwin", "dylib", "aarch64-macos"),
 }
-"""By system and processor. FMI 2.0 has no names for 64-bit ARM, whose folders are named as in FMI 3.0."""
+"""The platforms by system and processor. FMI 2.0 has no names for 64-bit ARM, whose folders are named as in FMI 3.0."""
 
 SAME = {"AMD64": "x86_64", "arm64": "aarch64"}
 """Other names of processors."""
@@ -62,7 +62,7 @@ def this_platform() -> Platform:
 
 
 def c_files(names: Iterable[str]) -> list[str]:
-    """Those of the files that are compiled."""
+    """The names of the files that are compiled: the C sources."""
     return [name for name in names if name.endswith(".c")]
 
 

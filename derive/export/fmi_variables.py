@@ -23,7 +23,7 @@ ANGULAR = ("", "rad", "rad/s")
 
 
 class Causality(Enum):
-    """What a variable is for others; the value is its name in both versions of FMI."""
+    """The causality of a variable; the value is its name in both versions of FMI."""
 
     INDEPENDENT = "independent"
     INPUT = "input"
@@ -56,17 +56,17 @@ class FmiVariable:
 
     @property
     def state(self) -> bool:
-        """Whether it is a continuous state."""
+        """Whether the variable is a continuous state."""
         return self.nominal is not None
 
     @property
     def variability(self) -> str | None:
-        """Of parameters, which can be set between steps; all others are continuous."""
+        """The variability: parameters can be set between steps (tunable), all other variables are continuous."""
         return "tunable" if self.causality is Causality.PARAMETER else "continuous"
 
     @property
     def initial(self) -> str | None:
-        """How the start value is meant: that of a state may change, so that it meets the constraints."""
+        """The meaning of the start value: that of a state is approximate, as the constraints may change it."""
         if self.state:
             return "approx"
         return "exact" if self.causality is Causality.PARAMETER else None
@@ -124,7 +124,7 @@ def fmi_variables(model: HostModel) -> tuple[FmiVariable, ...]:
 
 
 def _free_name(name: str, model: str, taken: Container[str]) -> str:
-    """A name of no other variable: behind that of the model if it is taken."""
+    """A name that no other variable has: behind that of the model if it is taken."""
     while name in taken:
         name = f"{model}.{name}"
     return name

@@ -89,7 +89,7 @@ def _indices(model: HostModel) -> list[tuple[str, int]]:
 
 
 def _procedure(kernel: Kernel) -> Procedure:
-    """Fortran knows no upper case: an output with the name of an argument or of the function gets another one."""
+    """The procedure of a kernel; Fortran ignores case, so outputs named like an argument or a function are renamed."""
     names, declarations = [], []
     for argument in kernel.arguments:
         names.append(argument.name)

@@ -1,4 +1,4 @@
-"""What a host has to know of a model: its C, and the names, units and start values of all that goes in and out."""
+"""A model as hosts need it: its C, and the names, units and start values of states, inputs, outputs and parameters."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SYMBOLIC = (
     "all numbers of this body are parameters, so that it has no initial state for a host to start from: give the body "
     "by its nodes, as a beam or as a scene; or build it, and set its parameters in a program of your own"
 )
-"""What is said of a symbolic body."""
+"""The message of the error for a symbolic body."""
 
 
 @dataclass(frozen=True)
@@ -74,22 +74,22 @@ class HostModel:
 
     @property
     def held_inputs(self) -> tuple[float, ...]:
-        """The inputs u (nu,) of a host that holds them at their start values: the rates of motions are zero."""
+        """The inputs u (nu,) of a host that keeps their start values: the time derivatives of motions are zero."""
         return tuple(0.0 if u.derivative else u.start or 0.0 for u in self.inputs)
 
     @property
     def header(self) -> File:
-        """NAME.h."""
+        """The header NAME.h."""
         return self._file(f"{self.name}.h")
 
     @property
     def source(self) -> File:
-        """NAME.c."""
+        """The source file NAME.c."""
         return self._file(f"{self.name}.c")
 
     @property
     def manifest(self) -> File:
-        """manifest.json."""
+        """The manifest, manifest.json."""
         return self._file("manifest.json")
 
     def _file(self, name: str) -> File:
@@ -152,7 +152,7 @@ def _scalars(variables: Sequence[Variable], values: Sequence[float] | None) -> t
 
 
 def _notes(spec: Scene | NodalBody) -> Iterator[str]:
-    """What the user did not write and has to know: inputs without a value, limits of the model."""
+    """Notes for the user: inputs without a value, and limits of the model."""
     if isinstance(spec, Scene):
         for value in spec.inputs:
             if value.function is None:

@@ -1,4 +1,4 @@
-"""What an export is: an interface makes the files that a host accepts from a model."""
+"""Interfaces to other programs, which make from a model the files that a host accepts."""
 
 from __future__ import annotations
 

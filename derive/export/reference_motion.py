@@ -15,7 +15,7 @@ from derive.simulation.integration.scipy_methods import integrate
 
 ROWS = 11
 DURATION = 1.0
-"""s: that of a specification without a `simulation`."""
+"""The duration (s) for a specification without a `simulation`."""
 TOLERANCE = 1e-9
 ACCEPTED = 1e-5
 """The difference of a state that is accepted, relative to the largest value of its kind (q or v)."""

@@ -27,9 +27,9 @@ abstract as async await become box crate do dyn final fn gen impl in let loop ma
 ref self Self super trait try type typeof unsafe unsized use where yield
 """
 WORDS = frozenset(_WORDS.split())
-"""The words of Rust that are none of C or C++, which no specification takes as a name."""
+"""The keywords of Rust that are not in C or C++, whose keywords no specification accepts as a name."""
 PATHS = frozenset(("crate", "self", "Self", "super"))
-"""Those of them that r# does not turn into names."""
+"""The keywords of Rust that r# does not turn into names."""
 CRATES = frozenset(("alloc", "core", "proc_macro", "std", "test"))
 """The crates of Rust itself."""
 

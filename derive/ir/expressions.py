@@ -12,7 +12,7 @@ LoopIndex = Literal["i", "j"]
 
 
 class Operator(Enum):
-    """What an Operation computes; the values are the names that messages and generated files use."""
+    """The operator of an Operation; the values are the names that messages and generated files use."""
 
     ADD = "add"
     SUB = "sub"
@@ -38,12 +38,12 @@ class Operator(Enum):
 
     @property
     def binary(self) -> bool:
-        """Whether it has two operands."""
+        """Whether the operator has two operands."""
         return self in BINARY_OPERATORS
 
     @property
     def vectorises(self) -> bool:
-        """Whether compilers make vectors of it; the others are calls of functions of the C library."""
+        """Whether compilers vectorise the operator; the others are calls of functions of the C library."""
         return self not in LIBRARY_OPERATORS
 
 
@@ -112,7 +112,7 @@ class TableValue:
 
 
 Leaf = Number | ScalarRef | ArrayAccess | MatrixEntry | TableValue
-"""What has no operands in a graph; the argument of a table is no part of the graph."""
+"""A leaf of an expression graph, which has no operands; the argument of a table is no part of the graph."""
 Expr = Leaf | Operation
 
 

@@ -70,17 +70,17 @@ class Argument:
 
     @property
     def size(self) -> int:
-        """Elements of the array."""
+        """The number of elements of the array; 0 for a scalar."""
         return len(self.elements) + sum(view.size for view in self.arrays)
 
 
 class OutputKind(Enum):
-    """What the values of an output are."""
+    """The kind of the values of an output."""
 
     NAMED = "named"
-    """Values with a name each."""
+    """Values that have a name each."""
     COUNTED = "counted"
-    """So many values that only groups of them have names: loops over the modes write them."""
+    """Values that loops over the modes write, too many for individual names: only groups of them have names."""
     MATRIX = "matrix"
     """Values of a sparse matrix in the order of its pattern."""
 
@@ -100,12 +100,12 @@ class Output:
 
     @property
     def size(self) -> int:
-        """Values of the array."""
+        """The number of values of the array."""
         return len(self.elements) if self.count is None else self.count
 
     @property
     def kind(self) -> OutputKind:
-        """What its values are."""
+        """The kind of the values."""
         if self.pattern is not None:
             return OutputKind.MATRIX
         return OutputKind.NAMED if self.count is None else OutputKind.COUNTED
@@ -154,7 +154,7 @@ class Variable:
 
     @property
     def elements(self) -> tuple[str, ...]:
-        """The names of its values."""
+        """The names of the values of the variable."""
         return element_names(self.name, self.size)
 
 
@@ -265,7 +265,7 @@ class Model:
 
     @property
     def sensitivities(self) -> bool:
-        """Whether there are the kernels of sensitivities, of which this is one."""
+        """Whether the model has the kernels of sensitivities, `parameter_jacobian` among them."""
         return any(kernel.name == PARAMETER_JACOBIAN for kernel in self.kernels)
 
     def kernel(self, name: str) -> Kernel:
@@ -283,5 +283,5 @@ class Model:
         return patterns[output]
 
     def _repr_html_(self) -> str:
-        """What a notebook shows."""
+        """The HTML of the model in a notebook."""
         return display.html(self)

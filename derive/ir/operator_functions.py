@@ -1,4 +1,4 @@
-"""What the operators of a kernel compute in Python: those of any type of number, and those of the C library."""
+"""The operators of a kernel as Python functions: those for any type of number, and those of the C library."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ARITHMETIC: dict[Operator, Callable[..., Any]] = {
 
 
 def _quiet(function: Callable[..., float]) -> Callable[..., float]:
-    """A function of the C library as it is there: NaN and infinity in place of an error."""
+    """A function of `math` as the C library has it: with NaN and infinity in place of an error."""
 
     def call(*args: float) -> float:
         try:

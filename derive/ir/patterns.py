@@ -14,7 +14,7 @@ from scipy.sparse import csc_array
 
 
 class RowSetKind(Enum):
-    """How the rows of a column depend on its index in a group; the values are those of the generated Python."""
+    """The dependence of the rows of a column on its index in a group; the values are those of the generated Python."""
 
     ROW = "row"
     DIAGONAL = "diagonal"
@@ -78,7 +78,7 @@ class Pattern:
 
     @property
     def full_nnz(self) -> int:
-        """Structural non-zeros of the whole matrix, both triangles counted."""
+        """The number of structural non-zeros of the whole matrix, both triangles counted."""
         return len(self.rowidx) + sum(i != j for i, j in self.entries if self.symmetric)
 
     def dense(self, values: ArrayLike) -> NDArray[np.float64]:

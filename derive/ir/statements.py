@@ -17,7 +17,7 @@ LANES = 4
 
 
 class ReturnCode(IntEnum):
-    """What a generated function returns: 0 means success, positive codes are recoverable."""
+    """The code that a generated function returns: 0 means success, positive codes are recoverable."""
 
     OK = 0
     PIVOT = 1
@@ -38,7 +38,7 @@ class ReturnCode(IntEnum):
 
 
 class Requirement(Enum):
-    """What a value has to be; a NaN meets neither requirement."""
+    """A requirement on a value; a NaN meets neither."""
 
     POSITIVE = "positive"
     FINITE = "finite"
@@ -66,7 +66,7 @@ class Store:
 
 @dataclass(frozen=True)
 class Require:
-    """Leave with return code `code` unless the value meets the requirement."""
+    """Return from the function with `code` unless the value meets the requirement."""
 
     kind: Requirement
     expr: Expr
@@ -148,12 +148,12 @@ class Packing:
 
     @property
     def padded(self) -> int:
-        """Rows of a column."""
+        """The number of rows of a column, padded."""
         return padded(self.count)
 
     @property
     def size(self) -> int:
-        """Elements of the array."""
+        """The number of elements of the array."""
         return len(self.tables) * self.padded**2
 
     def first(self, table: str) -> int:
@@ -254,7 +254,7 @@ class Clear:
 
 @dataclass(frozen=True)
 class RequireFinite:
-    """Leave with return code `code` unless all elements of an argument are finite."""
+    """Return from the function with `code` unless all elements of an argument are finite."""
 
     argument: str
     count: int
@@ -266,7 +266,7 @@ class RequireFinite:
 class Cholesky:
     """The Cholesky factor L of a matrix given by its entries i <= j, into an output from `offset` on, by columns.
 
-    The diagonal holds 1/L_ii. Leaves with `code` when a pivot is not positive.
+    The diagonal holds 1/L_ii. The function returns with `code` when a pivot is not positive.
     """
 
     output: str

@@ -1,4 +1,4 @@
-"""Kernels refuse a quaternion of length zero, which is no rotation.
+"""The check by which kernels refuse a quaternion of length zero, which is no rotation.
 
 A quaternion is assumed to have unit length: of one with the length s the kernels make s^2 times a rotation tensor,
 and integrators normalise it. Zero would make the body vanish without a word. What is wrong with an argument comes

@@ -17,11 +17,11 @@ Graph = dict[int, set[int]]
 """The neighbours of each row: the columns in which it has entries besides the diagonal."""
 
 TRIES = 200
-"""Matchings from which `matched_order` takes the best."""
+"""The number of matchings from which `matched_order` takes the best."""
 
 
 class EliminationRule(Enum):
-    """How the KKT matrix is eliminated.
+    """The rule for the elimination order of the KKT matrix.
 
     SAFE: each multiplier after all of its coordinates; no pivot vanishes in a state with independent constraints.
     MATCHED: each multiplier after one of its coordinates, for less fill-in; a pivot vanishes in the states in which the

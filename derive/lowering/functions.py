@@ -83,7 +83,7 @@ FORMS = {
 """The forms F(t, y, ydot) = 0 of the equations of a mechanism; "ggl" is that of Gear, Gupta & Leimkuhler."""
 
 IMPLICIT = frozenset((FunctionKind.RESIDUAL, FunctionKind.JACOBIAN, FunctionKind.LOAD, FunctionKind.OUTPUTS_JACOBIAN))
-"""What explicit integration, its start and its outputs do not call; to lower it takes longer than all else together."""
+"""The functions that explicit integration does not call; lowering them takes longer than lowering all others."""
 
 STATE, TIMED = ("q", "v", "k"), ("t", "q", "v", "k")
 MASS_OUTPUT = {"M": "values of the mass matrix, lower triangle by columns"}
@@ -175,7 +175,7 @@ def _of_bodies() -> Iterator[ModelFunction]:
 
 
 def _of_sensitivities(mechanism: bool) -> Iterator[ModelFunction]:
-    """The functions for derivatives with respect to parameters and inputs, and for what follows from them."""
+    """The functions for derivatives with respect to parameters and inputs, and for solutions with the KKT matrix."""
     rows = "M vdot + h - G^T lambda, g, gdot, G vdot - gamma and the outputs" if mechanism else "M vdot + h"
     columns = "the parameters and the inputs" if mechanism else "the parameters"
     state = "[q; v; lambda]" if mechanism else "[q; v]"

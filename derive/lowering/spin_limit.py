@@ -46,7 +46,7 @@ class SpinLimits:
 def spin_limits(beam: PlanarBeam) -> SpinLimits:
     """The limits of a free beam of first order, whatever its order, from its shape integrals.
 
-    They are those of its bending, without attached masses.
+    The limits are those of its bending, without attached masses.
     """
     one = Fraction(1)
     unit = replace(beam, mass=one, length=one, bending_stiffness=one, order=DisplacementOrder.FIRST_ORDER)
@@ -97,5 +97,5 @@ def _values(body: Body, family: Family) -> Matrix:
 
 
 def _lowest(stiffness: Matrix, mass: Matrix) -> float:
-    """The root of the lowest eigenvalue of a stiffness and a mass matrix."""
+    """The square root of the lowest eigenvalue of a stiffness and a mass matrix."""
     return float(1 / np.sqrt(eigh(mass, stiffness, eigvals_only=True)[-1]))

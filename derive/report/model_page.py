@@ -59,7 +59,7 @@ def model_page(built: Built, specification: SpecificationText) -> Page:
 
 
 def _subtitle(built: Built) -> Text:
-    """What the body is; the assumed modes of a beam as formulas."""
+    """The kind of the body, for a beam with its assumed modes as formulas."""
     return beam_subtitle(built.spec) if isinstance(built.spec, PlanarBeam) else (built.model.doc,)
 
 
@@ -70,7 +70,7 @@ def _frames(built: Built, written: Notation) -> tuple[Block, ...]:
 
 
 def _motion(equations: Equations) -> tuple[Block, ...]:
-    """What the rows are."""
+    """The introduction to the rows of the equations of motion."""
     loops = " There is one row for each shape i." if equations.indexed else ""
     law = FormulaRow(
         (Name("M", style="tensor"), Name("v", 1, style="vector"), OperatorToken("+"), Name("h", style="vector"))

@@ -1,4 +1,4 @@
-"""How notebooks show equations and models: `_repr_html_` of the main types comes from here."""
+"""The HTML of equations and models in notebooks: `_repr_html_` of the main types comes from here."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def equations_html(equations: Equations) -> str:
 
 
 def model_html(model: Model) -> str:
-    """What a model is, its operations, and the pattern of its mass matrix."""
+    """A model as HTML: its kind, its operations, and the pattern of its mass matrix."""
     pattern = model.pattern("mass", "M")
     names = tuple(name for row in model.equations for name in row.elements)
     entries = frozenset(pattern.entries) | {(j, i) for i, j in pattern.entries}

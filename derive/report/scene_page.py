@@ -86,7 +86,7 @@ def scene_page(
 
 
 def _other_pieces(spec: Scene) -> tuple[str, ...]:
-    """The pieces of rods behind the first, which are like it."""
+    """The names of the pieces of rods after the first, which have the same equations."""
     rods = (body for body in spec.bodies if isinstance(body, BeamBody))
     return tuple(piece_name(rod, k) for rod in rods for k in range(1, rod.pieces))
 

@@ -48,7 +48,7 @@ SETTINGS: Any = {
     "legend.frameon": False,
     "path.simplify": False,
 }
-"""Those of matplotlib."""
+"""The settings (rcParams) of matplotlib."""
 
 COLOURS = ("#d0702a", "#8661c1", "#1f8fbf", "#b3468a", "#5c8a2b", "#8c6d46")
 """Colours of curves, which differ on white and on black."""
@@ -97,7 +97,7 @@ def figure_svg(figure: Figure, title: str) -> str:
 
 
 def _whole(figure: Figure) -> Bbox | None:
-    """The rectangle of a figure with what reaches beyond it, in inches; None if nothing does."""
+    """The rectangle of a figure with all artists that reach beyond it, in inches; None if none does."""
     from matplotlib.transforms import Bbox
 
     width, height = figure.get_size_inches()

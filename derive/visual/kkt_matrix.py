@@ -73,7 +73,7 @@ def kkt_picture(kkt: Kkt, names: tuple[str, ...]) -> str:
 
 
 def _legend(top: int) -> list[str]:
-    """What the two colours are."""
+    """The legend of the two colours."""
     return [
         f'  <rect class="own" x="{EDGE}" y="{top + 6}" width="11" height="11"/>',
         f'  <text x="{EDGE + 17}" y="{top + 16}">entry of M or G</text>',

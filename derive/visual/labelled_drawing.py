@@ -42,16 +42,16 @@ class LabelledDrawing:
         return round(self.left + float(x), 1), round(self.bottom - float(y), 1)
 
     def label(self, x: float, y: float, text: str, kind: str) -> None:
-        """A label next to a point; its position is chosen when all labels are known."""
+        """Add a label next to a point; `place_labels` chooses its position."""
         self.labels.append((x, y, text, kind))
 
     def path(self, kind: str, points: list[tuple[float, float]], closed: bool = False) -> None:
-        """A line through points."""
+        """Add a line through points."""
         text = " ".join(f"{x:g},{y:g}" for x, y in points)
         self.lines.append(f'  <{"polygon" if closed else "polyline"} class="{kind}" points="{text}"/>')
 
     def place_labels(self, height: float) -> None:
-        """Each label where it covers least: above, below, beside, or further away."""
+        """Draw each label where it covers least: above, below, beside, or further away."""
         for x, y, text, kind in self.labels:
             wide = LETTER * len(text)
             boxes = [

@@ -99,7 +99,7 @@ class Chart:
 
 
 def svg(chart: Chart) -> str:
-    """The text of the picture."""
+    """The text of a chart as SVG."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -136,7 +136,7 @@ def svg(chart: Chart) -> str:
 
 
 def _curves(axes: Sequence[Axes], chart: Chart) -> list[Line2D]:
-    """Draw the curves with their references; the lines of the legend."""
+    """Draw the curves with their references, and return the lines of the legend."""
     references: dict[str, Line2D] = {}
     lines: list[Line2D] = []
     for axis, panel in zip(axes, chart.panels, strict=False):
@@ -151,7 +151,7 @@ def _curves(axes: Sequence[Axes], chart: Chart) -> list[Line2D]:
 
 
 def _deviations(axes: Axes, chart: Chart) -> None:
-    """Draw the deviations of the curves in the looks of the curves."""
+    """Draw the deviations of the curves in the colours and dashes of the curves."""
     axes.set_ylabel("deviation,\n% of peak")
     axes.axhline(0, color=REFERENCE, linewidth=2, alpha=0.55)
     numbered = [(number, curve) for panel in chart.panels for number, curve in enumerate(panel.curves)]
@@ -185,7 +185,7 @@ def _range(chart: Chart) -> tuple[float, float]:
 
 
 def _ticks(axes: Axes, unit: str) -> None:
-    """Ticks as plain numbers, without a factor at the end of the axis; of an angle, at multiples of pi."""
+    """Set the ticks as plain numbers, without a factor at the end of the axis; of an angle, at multiples of pi."""
     from matplotlib.ticker import Formatter, FuncFormatter, MultipleLocator
 
     class PlainNumbers(Formatter):
@@ -215,7 +215,7 @@ def _multiple_of_pi(value: float) -> str:
 def _legend_columns(chart: Chart) -> tuple[int, list[str]]:
     """The columns of the legend, and its labels, divided into lines where there is no room.
 
-    There is none where each curve has an axis of its own, which names it.
+    There is no legend where each curve has an axis of its own, whose label names it.
     """
     if all(len(panel.curves) == 1 and panel.reference is None for panel in chart.panels):
         return 0, []

@@ -26,7 +26,7 @@ MASS = 9
 """The radius of a mass that is attached to a rod, in pixels."""
 
 INSTANTS = 101
-"""Instants at which the direction of a force is looked for."""
+"""The number of instants at which the magnitude of a force is sampled to find its direction."""
 
 
 STYLE = """\
@@ -85,7 +85,7 @@ def mechanism_picture(scene: Scene) -> str:
 
 
 def _rod(drawing: LabelledDrawing, body: BeamBody, poses: Poses) -> None:
-    """A band along the axis, cut where the rod is cut into beams, and the masses that are attached to it."""
+    """Draw a rod as a band along its axis, divided where the rod is divided into beams, and its attached masses."""
     half = si_value(body.beam.length) / 2
     pose = poses[body.name]
     start, end = (drawing.at(transformed_point(pose, np.array([x, 0.0]))) for x in (-half, half))
@@ -105,7 +105,7 @@ def _rod(drawing: LabelledDrawing, body: BeamBody, poses: Poses) -> None:
 
 
 def _rigid(drawing: LabelledDrawing, body: RigidBody | CustomBody, poses: Poses) -> None:
-    """The hull of the markers; a bar where there are two, a block where there is one."""
+    """Draw the hull of the markers of a rigid body; a bar if it has two, a block if it has one."""
     pose = poses[body.name]
     corners = [drawing.at(transformed_point(pose, np.array(point))) for point in outline(body)]
     if len(corners) == 1:
@@ -128,14 +128,14 @@ def _rigid(drawing: LabelledDrawing, body: RigidBody | CustomBody, poses: Poses)
 
 
 def _along(drawing: LabelledDrawing, start: tuple[float, float], end: tuple[float, float]) -> None:
-    """Labels keep off the line from start to end."""
+    """Make labels avoid the line from start to end."""
     for k in range(13):
         x, y = (start[i] + (end[i] - start[i]) * k / 12 for i in (0, 1))
         drawing.taken.append((x - 6, y - 6, 12, 12))
 
 
 def _supports(drawing: LabelledDrawing, scene: Scene) -> None:
-    """A hatched triangle at each point of the ground that carries a joint or a spring."""
+    """Draw a hatched triangle at each point of the ground that carries a joint or a spring."""
     ends = [end for joint in scene.joints for end in (joint.first, joint.second)]
     ends += [end for spring in scene.springs for end in spring.markers]
     for marker in sorted({end.marker for end in ends if end.body == GROUND}):
@@ -177,7 +177,7 @@ def _axis(joint: Joint, pose: Array) -> Array:
 
 
 def _arrow(drawing: LabelledDrawing, x: float, y: float, along: Array | None) -> None:
-    """An arc around a driven rotation, or a straight arrow along a driven displacement."""
+    """Draw an arc around a driven rotation, or a straight arrow along a driven displacement."""
     if along is not None:
         _force(drawing, x, y, along)
         return
@@ -187,7 +187,7 @@ def _arrow(drawing: LabelledDrawing, x: float, y: float, along: Array | None) ->
 
 
 def _force(drawing: LabelledDrawing, x: float, y: float, along: Array) -> None:
-    """An arrow that ends 40 pixels from its point."""
+    """Draw the arrow of a force, which ends 40 pixels from its point."""
     direction = along * (1, -1) / max(float(np.hypot(*along)), 1e-12)
     across = np.array([-direction[1], direction[0]])
     start, tip = np.array([x, y]), np.array([x, y]) + 42 * direction
@@ -199,7 +199,7 @@ def _force(drawing: LabelledDrawing, x: float, y: float, along: Array) -> None:
 
 
 def _loads(drawing: LabelledDrawing, scene: Scene, poses: Poses) -> None:
-    """Forces and torques at their points, springs between theirs."""
+    """Draw forces and torques at their points, and springs between their ends."""
     for force in scene.forces:
         x, y = drawing.at(position(scene, force.markers[0], poses))
         if isinstance(force, CustomForce):  # its direction follows from the motion

@@ -24,7 +24,7 @@ LEAST, MOST = 90, 260
 DOT = 3
 """The radius of a point, in pixels."""
 MANY = 60
-"""More lines than these in a panel are thin."""
+"""The number of lines of a panel above which they are thin."""
 
 STYLE = """\
   <style>

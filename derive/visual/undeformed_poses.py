@@ -60,7 +60,7 @@ def _by_name(names: list[str], values: Array) -> dict[str, Array]:
 
 
 def position(scene: Scene, marker: MarkerRef, poses: Poses) -> Array:
-    """(2,): a marker in the inertial frame, with rods undeformed, in m."""
+    """The position (2,) of a marker in the inertial frame, with rods undeformed, in m."""
     body = next((b for b in scene.bodies if b.name == marker.body), None)
     if isinstance(body, BeamBody):
         at = next(m.at for m in body.beam.markers if m.name == marker.marker)
@@ -71,7 +71,7 @@ def position(scene: Scene, marker: MarkerRef, poses: Poses) -> Array:
 
 
 def transformed_point(pose: Array, point: Array) -> Array:
-    """(2,): a point of a body in the inertial frame, from the pose (x, y, angle) of the body."""
+    """The position (2,) in the inertial frame of a point of a body, from the pose (x, y, angle) of the body."""
     moved: Array = transformed(pose[None, :], point)[0]
     return moved
 
@@ -99,10 +99,10 @@ def _residuals(scene: Scene, joint: Joint, poses: Poses) -> Iterator[float]:
 
 
 def _still(at: Array, rotation: float) -> PointMotion:
-    """A marker at rest."""
+    """The motion of a marker at rest."""
     return replace(fixed_point(sp.Matrix(at)), rotation=sp.Float(rotation))
 
 
 def _angle(value: float) -> float:
-    """An angle between -pi and pi."""
+    """The angle between -pi and pi that is equal to an angle modulo 2 pi."""
     return math.remainder(float(value), 2 * math.pi)

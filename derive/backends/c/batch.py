@@ -24,12 +24,12 @@ STRAIGHT = 8
 WIDTHS = {32: 256, 16: 256, 8: 512, 4: None}
 """States of a block of a kernel with such loops, the best first, and the kilobytes of stack that it may take.
 
-Fewer than eight read the tables too often.
+Blocks of fewer than eight states read the tables too often.
 """
 SHORT = 60
 """Statements of a kernel that is compiled again for the states that fill no block, and for the batches of KNOWN.
 
-Of other kernels the function of single states computes the former, with a copy of each state.
+For other kernels the function of single states computes the states that fill no block, from a copy of each.
 """
 KNOWN = (STRAIGHT, 2)
 """Batches whose number of states, and with it the distance of rows, compilers know: two states take a third less."""
@@ -57,7 +57,7 @@ def _fits(size: int, kilobytes: int | None) -> bool:
 
 
 def stack(block: StateBlock) -> int:
-    """Bytes that the arrays of a block take, or copies of states."""
+    """The bytes of stack that the arrays of a block or the copies of states take."""
     copies = 8 * _copies(block.kernel) * sum(_copied(block.kernel).values())
     return max(8 * block.width * block.rows, copies)
 
@@ -85,7 +85,7 @@ def batch_function(block: StateBlock) -> BatchFunction:
 
 
 def _name(model: str, kernel: Kernel) -> str:
-    """The function of single states, with which the names of the others begin."""
+    """The name of the function of single states, with which the names of the other functions begin."""
     return f"{model}_{kernel.name}"
 
 
@@ -104,7 +104,7 @@ def _copied(kernel: Kernel) -> dict[str, int]:
 
 
 def _copies(kernel: Kernel) -> int:
-    """States that are copied at once."""
+    """The number of states that are copied at once."""
     size = 8 * sum(_copied(kernel).values())
     return next(count for count, most in COPIES.items() if _fits(count * size, most))
 
@@ -122,7 +122,10 @@ def _spacing(block: StateBlock) -> int:
 
 
 def _body(model: str, kernel: Kernel, checked: bool) -> Lines:
-    """A single state goes to the function of single states, whose arrays have the same layout."""
+    """The body of the function of a batch, which passes a single state on to the function of single states.
+
+    Both have the same layout of arrays for one state.
+    """
     name, passed = _name(model, kernel), ", ".join(names(kernel))
     if not checked:
         return [f"    return n == 1 ? {name}({passed}) : {name}_blocks(n, {passed});"]
@@ -200,7 +203,7 @@ class WidthHelpers:
 
 
 def batch_helpers(model: Model, blocks: Mapping[str, StateBlock]) -> str:
-    """What the functions of the batches call."""
+    """The static functions that the functions of the batches call."""
     helpers = []
     for width in sorted({block.width for block in blocks.values()}):
         name = f"{model.name}_block{width}"

@@ -46,12 +46,12 @@ class StateBlock:
 
     @property
     def is_straight(self) -> bool:
-        """Whether there is no loop over the modes."""
+        """Whether the kernel has no loop over the modes."""
         return not self.views and all(isinstance(part, StraightLines) for part in self.parts)
 
     @property
     def rows(self) -> int:
-        """Numbers of one state that lie on the stack."""
+        """The number of values of one state that lie on the stack."""
         return sum(self.loops.arrays.values()) + len(self.loops.names.wide) + self.checked
 
     def text(self) -> Lines:
@@ -82,7 +82,7 @@ class StateBlock:
         ]
 
     def _has_rows(self) -> bool:
-        """Whether there are elements beside the first ones, so that the distance of their rows matters."""
+        """Whether a later element than the first is accessed, so that the distance of rows matters."""
         used, elements = self.kernel.used, self.loops.names.elements
         read = any(name in used for name, (_, index) in elements.items() if index)
         return read or self.checked or bool(self.views) or any(o.size > 1 for o in self.kernel.outputs)
@@ -136,7 +136,7 @@ class StateBlock:
         return statement("    ", f"const double {line.name} = ", value, ";")
 
     def _check(self, line: Require) -> Lines:
-        """Both values are computed before one is chosen, so that compilers need no branch."""
+        """The lines of a requirement; they compute both values before they choose one, so that no branch is needed."""
         value = self.loops.names.text(line.expr)
         end = f" ? code : {line.code}.0; /* {line.text} */"
         match line.kind:
@@ -149,7 +149,7 @@ class StateBlock:
                 assert_never(line.kind)
 
     def _failures(self) -> Lines:
-        """NaN for the states that fail; the code of the first of them is returned.
+        """The lines that set the outputs of failed states to NaN and return the code of the first of these states.
 
         All codes are taken together in a loop of their own: gcc -O3 makes no vectors of a loop with that inside.
         """
@@ -165,7 +165,7 @@ class StateBlock:
 
 
 def declarations(kind: str, arrays: Iterable[str]) -> Lines:
-    """Arrays in as many declarations as lines."""
+    """Declarations of arrays, on as few lines as possible."""
     lines: Lines = []
     for name in arrays:
         if lines and len(lines[-1]) + len(name) + 3 <= WIDTH:

@@ -48,7 +48,7 @@ STATES_MACRO = """\
 
 @dataclass(frozen=True)
 class Names:
-    """How names are written in a loop over the states b of a block.
+    """The writer of names and expressions in a loop over the states b of a block.
 
     `elements` are the argument and the index of the elements of q and v; `wide` are the scalars that have a value for
     each state. Arrays are of k, if they are among `constants`, else local ones with a row for each element.
@@ -99,7 +99,7 @@ class Names:
 
 
 def row(element: str) -> str:
-    """What precedes the number of a state in an index: where the states of an element begin."""
+    """The first part of an index, to which the number of a state is added: where the values of an element begin."""
     return {"0": "", "1": "all + "}.get(element, f"{element} * all + ")
 
 
@@ -110,7 +110,7 @@ def loop(body: Lines) -> Lines:
 
 @dataclass
 class BlockLoops:
-    """The loops of one function; what they declare gathers in `arrays` with its number of rows.
+    """The loops of one function; `arrays` collects the arrays that they declare, with their numbers of rows.
 
     `vectors` are the arrays that tables are multiplied with: they are padded with zeros.
     """
@@ -121,14 +121,14 @@ class BlockLoops:
     arrays: dict[str, int] = field(default_factory=dict)
 
     def view(self, view: View, argument: str) -> Lines:
-        """A part of q or v, for the states of a block."""
+        """The call that gathers a part of q or v for the states of a block."""
         self.arrays[view.name] = padded(view.size)
         source = f"{argument} + {view.offset} * all" if view.offset else argument
         gather = f"{self.prefix}_gather(count, all, {view.size}, {source}, {view.name});"
         return [gather, *self._padding(view.name, view.size)]
 
     def map(self, loop_of_modes: Map) -> Lines:
-        """A loop over the states in each step."""
+        """A loop over the modes with a loop over the states in each step."""
         names, count = self.names, loop_of_modes.count
         body, padding = names.loads(item.expr for item in loop_of_modes.body), []
         for item in loop_of_modes.body:
@@ -149,7 +149,7 @@ class BlockLoops:
         return [_for("i", count), *map(_indented, loop(body)), "}", *padding]
 
     def accumulate(self, sums: Accumulate, name: str) -> Lines:
-        """Lanes of sums in the array `name`; `totals` adds them."""
+        """The loops that compute the lanes of sums in the array `name`; `totals` adds them."""
         many, names = len(sums.sums), self.names
         self.arrays[name] = many * LANES
         body = names.loads((*(let.expr for let in sums.lets), *(total.term for total in sums.sums)))
@@ -164,7 +164,7 @@ class BlockLoops:
         ]
 
     def matvec(self, product: MatVec) -> Lines:
-        """The rows of a block of all products, some columns at a time."""
+        """The loops of matrix-vector products: four rows at a time for all products, four columns at a time."""
         packing, names = product.packing, self.names
         size = packing.padded
         self.arrays |= {term.name: size for term in product.terms}
@@ -186,7 +186,7 @@ class BlockLoops:
         return [f"for (int i = 0; i < {size}; i += {LANES}) {{", *map(_indented, inner), "}"]
 
     def triangular_solve(self, solve: TriangularSolve) -> Lines:
-        """Row by row, each of all states."""
+        """The loops of triangular solutions, with a loop over the states in each step."""
         n, lines = solve.count, []
         for y in solve.arrays:
             to, by = ("j", "i") if solve.transposed else ("i", "j")

@@ -72,7 +72,7 @@ def _parts(kernel: Kernel) -> list[tuple[ScalarStatement, ...] | BatchLoop]:
 
 
 def _straight_lines(lines: tuple[ScalarStatement, ...], number: int, states: frozenset[str]) -> StraightLines:
-    """Take the calls of functions out."""
+    """Separate the calls of functions from straight lines."""
     named: dict[Expr, str] = {}
     for line in lines:
         if isinstance(line, Let) and _is_call(line.expr):
@@ -108,7 +108,7 @@ class _EarlyLines:
 
 
 def _stages(early: Iterable[Let], number: int, states: frozenset[str]) -> tuple[EarlyLines, ...]:
-    """As few stages as possible: sines of angles that need no sines come first, all together."""
+    """The stages of the calls, as few as possible: sines of angles that need no sines come first, all together."""
     stages = [_EarlyLines()]
     ready: dict[str, int] = {}
     for let in early:
@@ -128,7 +128,7 @@ def _stages(early: Iterable[Let], number: int, states: frozenset[str]) -> tuple[
 
 
 def _finished(stage: _EarlyLines, suffix: str, arrays: frozenset[str]) -> EarlyLines:
-    """Angles get a name, unless they are among those that have a value for each state."""
+    """The lines of a stage, in which angles get a name unless they have an array with a value for each state."""
     lets, angles = list(stage.lets), []
     for k, (angle, names) in enumerate(stage.calls.items()):
         if isinstance(angle, ScalarRef) and angle.name in arrays:
@@ -143,7 +143,7 @@ def _finished(stage: _EarlyLines, suffix: str, arrays: frozenset[str]) -> EarlyL
 
 
 def _read(lines: tuple[ScalarStatement, ...], early: frozenset[str]) -> tuple[ScalarStatement, ...]:
-    """Lines without those that the calls of functions alone needed."""
+    """The lines without early values that only calls of functions needed."""
     kept: list[ScalarStatement] = []
     used: set[str] = set()
     for line in reversed(lines):

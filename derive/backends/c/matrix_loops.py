@@ -28,7 +28,7 @@ from derive.ir.statements import (
 )
 
 MAX_SUMS = 12
-"""Sums of one loop: sixteen vector registers hold as many, and the values that they are made of."""
+"""The largest number of sums in one loop: sixteen vector registers have room for these and for their operands."""
 
 
 def matvec(loop: MatVec, inside: Iterable[SourceLine] = ()) -> Lines:
@@ -103,7 +103,7 @@ def _blocks(rows: int) -> str:
 
 
 def matrix_store(loop: MatrixStore) -> Lines:
-    """Block by block, in it column by column, so that the tables are read in order."""
+    """The loops of a `MatrixStore`: block by block and in it column by column, so that the tables are read in order."""
     packing = loop.packing
     whole = packing.count // LANES * LANES
     lines: Lines = []
@@ -116,7 +116,7 @@ def matrix_store(loop: MatrixStore) -> Lines:
 
 
 def diagonal(loop: MatrixStore) -> Lines:
-    """What is added on the diagonal."""
+    """The loop that adds the diagonal part of a `MatrixStore`."""
     if loop.diagonal is None:
         return []
     value = text(loop.diagonal, C, lambda leaf: element(leaf, BreakableText(("j",))))
@@ -126,7 +126,7 @@ def diagonal(loop: MatrixStore) -> Lines:
 
 
 def stores_in_block(loop: MatrixStore) -> Lines:
-    """What `matrix_store` stores in the block of row i, without the diagonal."""
+    """The statements that store the columns of a `MatrixStore` in the block of row i, without its diagonal part."""
     packing = loop.packing
     whole = packing.count // LANES * LANES
     full, rest = _matrix_rows(loop, LANES), _matrix_rows(loop, packing.count - whole)
@@ -186,7 +186,7 @@ def _in_block(leaf: Named) -> BreakableText:
 
 
 def pack(loop: Pack) -> Lines:
-    """Each entry of the matrices, from its place among the entries i <= j (i < j)."""
+    """The loops that pack matrices: each entry comes from its place among the entries i <= j (i < j)."""
     packing = loop.packing
     n = packing.count
     even = [s for s in loop.sources if s.parity > 0]
@@ -211,7 +211,7 @@ def pack(loop: Pack) -> Lines:
 
 
 def cholesky(loop: Cholesky) -> Lines:
-    """Column by column, in place."""
+    """The Cholesky factorisation, column by column and in place."""
     n = loop.count
     return plain(
         f"double *low = {loop.output} + {loop.offset};",
@@ -232,7 +232,7 @@ def cholesky(loop: Cholesky) -> Lines:
 
 
 def triangular_solve(loop: TriangularSolve) -> Lines:
-    """All arrays in one pass, so that each entry of the factor is read once."""
+    """The triangular solutions of all arrays in one pass, so that each entry of the factor is read once."""
     n, many = loop.count, range(len(loop.arrays))
     scale = [f"{name}[j] *= {loop.factor}[{n + 1} * j];" for name in loop.arrays]
     if loop.transposed:

@@ -26,7 +26,7 @@ class PackedFunction:
 
 
 def entries(model: Model, batches: tuple[str, ...]) -> dict[str, str]:
-    """The C name of the function that the descriptor holds, by the names of kernels and batches; 0 if it has none."""
+    """The C name of the function in the descriptor, by the names of kernels and batches; "0" if there is none."""
     packed = {kernel.name for kernel in _packed(model)}
     names = {kernel.name: kernel.name for kernel in model.kernels}
     names |= {f"{name}_batch": name for name in batches}

@@ -151,7 +151,7 @@ def enumerated(names: Sequence[str]) -> str:
 
 
 def _helpers(model: Model) -> str:
-    """What the functions of a model call."""
+    """The macros and static functions that the functions of a model call."""
     every = [s for kernel in model.kernels for s in kernel.statements]
     lanes = any(isinstance(s, Accumulate | MatVec | MatrixStore) for s in every)
     lines = [LANES_MACRO] if lanes else []
@@ -247,7 +247,7 @@ def _statement(item: ScalarStatement) -> list[SourceLine]:
 
 
 def _first_indices(variables: tuple[Variable, ...]) -> list[tuple[str, int]]:
-    """The index of the first value of each variable."""
+    """The name and the index of the first value of each variable."""
     indices = accumulate((v.size for v in variables), initial=0)
     return [(v.name, index) for v, index in zip(variables, indices, strict=False)]
 

@@ -27,7 +27,7 @@ from derive.ir.statements import (
 )
 
 DOUBLE = 8
-"""Bytes."""
+"""The size of a double, in bytes."""
 COPIES = 2
 """Places on the stack for each named number: compilers keep sub-expressions beside them, or the lanes of vectors."""
 SINE = 24

@@ -175,7 +175,7 @@ def _slice(offset: int, stride: int, count: int) -> str:
 
 
 def _places(packing: Packing, table: str) -> str:
-    """Where a matrix is: its first element, and the distance of its columns."""
+    """The location of a matrix in its array: its first element, and the distance of its columns."""
     return f"{packing.first(table)}, {packing.stride(table)}"
 
 
@@ -289,4 +289,4 @@ def _back(xp, factor, vector, count):
         vector[..., j] = (vector[..., j] - rest) * factor[..., (count + 1) * j]
     return vector
 '''
-"""What the loops of a module call."""
+"""The Python helper functions that the loops of a module call."""

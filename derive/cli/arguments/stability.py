@@ -13,11 +13,11 @@ from derive.cli.arguments.types import SPEC, add_command, add_no_cache, add_set,
 MAX_VALUES = 10_000
 """The largest number of values of a parameter."""
 NEVER = "none"
-"""In place of a value: the truth never loses its stability."""
+"""The text in place of a value if the reference never loses its stability."""
 
 
 def add_stability(studies: Any) -> None:
-    """The study `stability`."""
+    """Add the study `stability`."""
     stability = add_command(
         studies, "stability", "find where each model of a ladder loses its stability as a parameter grows"
     )

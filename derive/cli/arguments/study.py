@@ -13,7 +13,7 @@ from derive.cli.arguments.types import SPEC, add_command, add_no_cache, count, e
 
 
 def add_study(commands: Any) -> None:
-    """The command `study` with its studies."""
+    """Add the command `study` with its studies."""
     study = add_command(
         commands, "study", "compare models of a scene, frames, or methods: what they cost, and where they fail"
     )
@@ -92,7 +92,7 @@ def integrators(text: str) -> tuple[str, ...]:
 
 
 def states(text: str) -> int:
-    """A number of states along a motion, of which there are two ends."""
+    """A number of states along a motion, at least two for its ends."""
     number = count(text)
     if number < 2:
         raise argparse.ArgumentTypeError(f"a motion has at least 2 states, not {number}")

@@ -9,7 +9,7 @@ from derive.cli.arguments.types import SPEC, add_command, add_no_cache, assignme
 
 
 def add_sweep(commands: Any) -> None:
-    """The command `sweep`."""
+    """Add the command `sweep`."""
     sweep = add_command(
         commands, "sweep", "run a scene with many values of its parameters: a table (CSV, NPZ) and a picture (SVG)"
     )

@@ -58,7 +58,7 @@ def error_fraction(text: str) -> float:
 
 
 def number(text: str) -> float:
-    """A number; not a number if the text is none."""
+    """A number; NaN if the text is not a number."""
     try:
         return float(text)
     except ValueError:

@@ -129,9 +129,9 @@ def _in_inertial_frame(context: Context, symbols: Symbols, x: dict[int, ca.SX]) 
 
 
 def _eliminated_inertia(system: ReducedSystem, code: PolynomialCode, names: list[str]) -> ca.SX | None:
-    """What elimination takes from the diagonal entry of the row that remains; None if nothing.
+    """The amount by which elimination reduces the diagonal entry of the remaining row; None if it is zero.
 
-    Of a coupling that depends on the state, its value is used, since it is needed for the accelerations as well.
+    A coupling that depends on the state enters by its value, which the accelerations need as well.
     """
     ring, row = system.polynomials.ring, names[system.row]
     constant, varying = ring.zero, []

@@ -38,7 +38,7 @@ The operators of Python do the same and take eight times as long, since they loo
 """
 
 CHAIN = 8
-"""The largest number of terms that are added one after the other."""
+"""The largest number of terms of a sum that are added one after the other."""
 
 
 class Symbols:
@@ -65,7 +65,7 @@ class Symbols:
         self._converted: dict[sp.Expr, ca.SX] = {}
 
     def copy(self) -> Symbols:
-        """The same symbols and values, to which others can be added."""
+        """A copy of the symbols and values, to which others can be added."""
         result = Symbols(self.early, self.late, self.model, self.sums)
         result.values, result.inputs, result.leaves = dict(self.values), [*self.inputs], [*self.leaves]
         result._numbers, result._converted = dict(self._numbers), dict(self._converted)

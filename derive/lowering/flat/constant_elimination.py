@@ -58,7 +58,7 @@ class ReducedSystem:
 
     @property
     def is_definite(self) -> bool:
-        """Whether the pivot is known to exceed rounding errors of what elimination takes, in every state.
+        """Whether the pivot exceeds the rounding errors of its elimination in every state.
 
         A positive constant and a positive definite quadratic form in the amplitudes need no check of this at run time.
         """
@@ -116,7 +116,7 @@ def reduced_system(equations: Equations) -> ReducedSystem | None:
 
 
 def _mass_in_body_frame(equations: Equations, polynomials: StatePolynomials) -> Matrix:
-    """T^T M T. Raises NotPolynomialError if it depends on the rotation."""
+    """The mass matrix T^T M T in the body frame. Raises NotPolynomialError if it depends on the rotation."""
     size = equations.mass.rows
     turn = _turn(equations, polynomials)
     inertial = [[polynomials(equations.mass[i, j]) for j in range(size)] for i in range(size)]
@@ -127,7 +127,7 @@ def _mass_in_body_frame(equations: Equations, polynomials: StatePolynomials) -> 
 
 
 def _force_in_body_frame(equations: Equations, polynomials: StatePolynomials, mass: Matrix) -> list[Polynomial]:
-    """T^T h, with gravity in terms of its components in the body frame. Raises NotPolynomialError like the former."""
+    """T^T h with gravity in components of the body frame. Raises NotPolynomialError if it depends on the rotation."""
     turned = _product(
         _transposed(_turn(equations, polynomials)), [[polynomials(h)] for h in equations.force], polynomials
     )
@@ -140,7 +140,7 @@ def _force_in_body_frame(equations: Equations, polynomials: StatePolynomials, ma
 
 
 def _turn(equations: Equations, polynomials: StatePolynomials) -> Matrix:
-    """T = diag(Q, I)."""
+    """The transformation T = diag(Q, I) from the body frame to the inertial frame."""
     assert equations.body is not None
     ring, size, rotation = polynomials.ring, equations.mass.rows, equations.body.motion.rotation
     turn = [[ring.one if i == j else ring.zero for j in range(size)] for i in range(size)]
@@ -215,7 +215,7 @@ def _is_positive(polynomials: StatePolynomials, polynomial: Polynomial) -> bool:
 
 
 def _multiple(polynomials: StatePolynomials, entries: Matrix) -> list[list[Fraction]] | None:
-    """A matrix over its first entry; None if the quotients are not rational numbers."""
+    """A matrix divided by its first entry; None if the quotients are not rational numbers."""
     if not entries or not entries[0][0] or not all(entry.is_ground for line in entries for entry in line):
         return None
     unit = entries[0][0].coeff(1)

@@ -41,7 +41,7 @@ def constraints(context: Context, function: ModelFunction) -> Kernel:
 
 
 def constraint_rates(context: Context, function: ModelFunction) -> Kernel:
-    """The kernel of their time derivatives gdot = G v + dg/dt."""
+    """The kernel of the time derivatives gdot = G v + dg/dt of the constraints."""
     symbols = context.symbols(context.t, context.q, context.v)
     values = [symbols(c.rate) for c in context.equations.constraints]
     return context.kernel(
@@ -53,7 +53,7 @@ def constraint_rates(context: Context, function: ModelFunction) -> Kernel:
 
 
 def constraint_jacobian(context: Context, function: ModelFunction) -> Kernel:
-    """The kernel of their Jacobian G(t, q) = d gdot / dv."""
+    """The kernel of the constraint Jacobian G(t, q) = d gdot / dv."""
     symbols = context.symbols(context.t, context.q)
     shape = jacobian_pattern(context)
     values = jacobian_entries(context, symbols)
@@ -165,7 +165,7 @@ def acceleration_residual(constraint: Constraint, context: Context, symbols: Sym
 
 
 def _bias(context: Context, symbols: Symbols) -> list[ca.SX]:
-    """gamma."""
+    """The right-hand side gamma of the constraints on accelerations."""
     return [-symbols(c.bias) for c in context.equations.constraints]
 
 

@@ -85,7 +85,7 @@ class Context:
     def symbols(self, *inputs: Input) -> Symbols:
         """The CasADi symbols of arguments and of the coefficients, with all definitions that follow from them.
 
-        What depends on the time depends on the inputs u.
+        A kernel with the argument t also has the argument u, the run-time inputs.
         """
         if self.t in inputs:
             inputs = (*inputs, self.u)

@@ -23,7 +23,7 @@ Signed = tuple[int, ca.SX]
 
 @dataclass(frozen=True)
 class Label:
-    """What a polynomial is called and what it is; with a `monomial`, the coefficient of that product of generators."""
+    """The name and the description of a polynomial or, with a `monomial`, of the coefficient of these generators."""
 
     stem: str
     of: str
@@ -176,7 +176,7 @@ class PolynomialCode:
         return [(sign, _times(self._scaled(ratio, factor), total))]
 
     def _running(self, terms: list[Signed], before: int = 0) -> Signed:
-        """A sum whose partial totals are kept, those that have two terms beside the number `before` of first ones."""
+        """A sum whose partial totals are kept: those with at least two terms besides the first `before` ones."""
         sign, totals = _totals(terms)
         self.running.append(totals[before + 1 :])
         return sign, totals[-1]
@@ -198,7 +198,7 @@ class PolynomialCode:
 
 
 def _normalised(form: Polynomial) -> tuple[tuple[Powers, Any], ...]:
-    """The terms of a form whose first coefficient is 1."""
+    """The terms of a form divided by its leading coefficient."""
     return tuple((powers, coefficient / form.LC) for powers, coefficient in form.terms())
 
 
@@ -212,7 +212,7 @@ def _times(a: ca.SX, b: ca.SX) -> ca.SX:
 
 
 def _totals(terms: list[Signed]) -> tuple[int, list[ca.SX]]:
-    """The partial totals of a sum that begins with a positive term; if there is none, of the opposites, and a minus."""
+    """The sign and the partial totals of a sum whose first term is positive; without one, those of the negated sum."""
     flipped = 1 if any(sign > 0 for sign, _ in terms) else -1
     (_, first), *others = sorted(terms, key=lambda term: -flipped * term[0])
     totals = [first]

@@ -64,7 +64,7 @@ class Step:
 
 
 LONGEST = 300
-"""How many operations of an expression may contain each other; values beyond have statements of their own."""
+"""The largest depth of nested operations in an expression; deeper values have statements of their own."""
 
 LocatedStep = tuple[Step, list[tuple[StepItem, int]]]
 """A step, and its items with their graph nodes."""
@@ -139,7 +139,7 @@ def _moved_to_setup(graph: Graph, item: RequiredValue, node: int) -> bool:
 
 
 class _Writer:
-    """Writes the statements of all sections of a kernel, each shared value once.
+    """A writer of the statements of all sections of a kernel, each shared value once.
 
     items: all items with their nodes. `written` maps nodes to the names of values that have a statement, `inverses`
     those of divisors to the names of their inverses.
@@ -228,7 +228,7 @@ class _Writer:
                 yield node
 
     def _interrupted_below(self, node: int) -> list[int]:
-        """Those of the interrupted nodes that a value follows from, operands first; they are written one by one."""
+        """The interrupted nodes on which a node depends, operands first; they are written one by one."""
         if not self.interrupted:
             return []
         known, waiting = {node}, [node]
@@ -252,7 +252,7 @@ class _Writer:
 
 
 def _divisors(graph: Graph, uses: Counter[int]) -> Counter[int]:
-    """For each node that is not a number, how many of the used quotients have it as their divisor."""
+    """The number of used quotients that have each node as their divisor, for nodes that are not numbers."""
     return Counter(
         n.args[1]
         for node, n in enumerate(graph.nodes)
@@ -261,7 +261,7 @@ def _divisors(graph: Graph, uses: Counter[int]) -> Counter[int]:
 
 
 def _uses(graph: Graph, roots: list[int]) -> Counter[int]:
-    """How often each node is a root or an operand of a node from which a root follows."""
+    """The number of times that each node is a root, or an operand of a node on which a root depends."""
     uses: Counter[int] = Counter(roots)
     for node in range(len(graph.nodes) - 1, -1, -1):
         if uses[node]:

@@ -1,9 +1,9 @@
-"""What sensitivities need beside iteration matrices: derivatives by parameters and inputs, and solutions with M and G.
+"""Kernels for sensitivities besides iteration matrices: derivatives by parameters and inputs, and KKT solutions.
 
 With y = [q; v; lambda] and its rate fixed, a parameter p acts through the constants c of the model, which depend on
 parameters alone: dF/dp = (dF/dc) (dc/dp). CasADi has the first factor, SymPy the second, which setup computes. The rows
 are those from which all forms of a scene are made, M vdot + h - G^T lambda, g, gdot and G vdot - gamma, and then the
-outputs; a body has the first alone. Kinematics, qdot = v, has no parameters. Where M vdot + h - G^T lambda and
+outputs; a single body has only M vdot + h. Kinematics, qdot = v, has no parameters. Where M vdot + h - G^T lambda and
 G vdot - gamma change by dF and dg while vdot and lambda are fixed, the changes of these are the solution of
 M dvdot - G^T dlambda = -dF, G dvdot = -dg.
 """

@@ -1,4 +1,4 @@
-"""What the sums of a model share: their varying parts, and sums of squares and products of the angular velocity."""
+"""The sub-sums that the sums of a model share: varying parts, and sums of products of the angular velocity."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from derive.mechanics.terms import Intermediate, ModelConstant
 
 
 class SharedSums:
-    """Which quantities of a model are equal, the sums without constants that definitions share, and what sums collect.
+    """The equal quantities of a model, the varying parts that several sums share, and the collection of like terms.
 
     The moments of inertia J_11 = a + b and J_33 = a + b + C3_33 share a + b; the rows of all shapes share
     oo_11 + oo_33 if their terms are S_1_11 oo_11 + S_1_33 oo_33 and these S are equal.
@@ -40,7 +40,7 @@ class SharedSums:
         return expr.xreplace(self._first)
 
     def divided(self, expr: sp.Expr) -> tuple[sp.Expr, Sequence[sp.Expr]]:
-        """A sum without its constant terms, and these; all of it and no terms, if no other sum has the former.
+        """The varying part of a sum and its constant terms; the whole sum and no terms if no other sum has that part.
 
         Both are in terms of the first of the quantities that are equal.
         """

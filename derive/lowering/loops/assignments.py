@@ -27,7 +27,7 @@ Assignment = Let | Store | Require | StoreLocal | StoreStrided
 """A statement that assigns or checks the value of one expression."""
 
 NOTHING = Number(Fraction(0))
-"""The expression of a target, until the value replaces it."""
+"""The placeholder for the expression of a target, until the value replaces it."""
 
 
 def assignments(scheduled: Iterable[Statement], targets: Sequence[Assignment]) -> Iterator[Assignment]:
@@ -38,7 +38,7 @@ def assignments(scheduled: Iterable[Statement], targets: Sequence[Assignment]) -
 def map_body(
     rows: Sequence[IndexedStore], known: Mapping[sp.Symbol, Number | ScalarRef], temporaries: Iterator[str]
 ) -> tuple[Let | StoreLocal | StoreStrided, ...]:
-    """The body of a loop over i; `known` are the leaves of scalars, `temporaries` are names for what has none."""
+    """The body of a loop over i; `known` are the leaves of scalars, `temporaries` are names for unnamed values."""
     symbols = Symbols(early=frozenset(known), late=frozenset())
     for symbol in sorted(free_symbols(e for _, e in rows), key=str):
         symbols.input(symbol, _element(symbol) if is_indexed(symbol) else known[symbol])
@@ -50,7 +50,7 @@ def map_body(
 
 
 def pair_expression(expr: sp.Expr, known: Mapping[sp.Symbol, Number | ScalarRef], temporaries: Iterator[str]) -> Expr:
-    """An expression of i and j, without names in between."""
+    """An expression of i and j as a single kernel expression, without intermediate names."""
     symbols = Symbols(early=frozenset(known), late=frozenset())
     for symbol in sorted(expr.free_symbols, key=str):
         symbols.input(symbol, _pair_leaf(symbol) if is_indexed(symbol) else known[symbol])

@@ -80,7 +80,7 @@ class LoopContext:
         return Program(self.layout.packing, known, eq.definitions, self.gradient.table_sums, eq.mode_sums)
 
     def at_rest(self, expr: sp.Expr) -> sp.Expr:
-        """An expression without what the accelerations do."""
+        """An expression in which all accelerations are zero."""
         gone = {row.a: sp.S.Zero for row in self.rigid_rows} | {amplitude(I, 2): sp.S.Zero}
         gone |= {s.symbol: sp.S.Zero for s in self.equations.mode_sums if s.term.has(amplitude(I, 2))}
         gone |= {c.symbol: sp.S.Zero for c in self.gradient.table_sums if c.sums and c.sums[0][0] == ALPHADDOT}
@@ -97,7 +97,7 @@ class LoopContext:
 
     @property
     def c8(self) -> TableKind:
-        """What the mass matrix of the shapes is: full, diagonal or unit."""
+        """The kind of the mass matrix c8 of the shapes: full, diagonal or unit."""
         return self.equations.table(Family.C8).kind
 
     def mass_pattern(self) -> Pattern:
@@ -118,7 +118,7 @@ class LoopContext:
     # ---- what several kernels store ----
 
     def mass_wants(self) -> tuple[list[Scalar], list[IndexedStore]]:
-        """M, column by column."""
+        """The scalars and the loops over the shapes that store M, column by column."""
         scalars: list[Scalar] = []
         rows: list[IndexedStore] = []
         offset = 0
@@ -138,7 +138,7 @@ class LoopContext:
         return quantity(Family.C8, shapes=(I,)) if self.c8 is TableKind.DIAGONAL else sp.S.One
 
     def force_wants(self, output: str = "h") -> tuple[list[Scalar], list[IndexedStore]]:
-        """h, row by row."""
+        """The scalars and the loop over the shapes that store h, row by row."""
         scalars: list[Scalar] = [
             (Store(output, r, NOTHING), self.at_rest(self.left[name])) for r, name in enumerate(self.rows)
         ]
@@ -146,7 +146,7 @@ class LoopContext:
         return scalars, rows
 
     def shapes_of_mass(self) -> tuple[Section, ...]:
-        """c8, which is full: copied, as it is stored in the same order."""
+        """The section that copies a full c8 to M, where it has the same order; empty if c8 is not full."""
         if self.c8 is not TableKind.FULL or not self.n:
             return ()
         size = self.n * (self.n + 1) // 2
@@ -154,7 +154,7 @@ class LoopContext:
 
 
 def row_labels(name: str, context: LoopContext) -> tuple[str, ...]:
-    """What the values of an output are that has one for each row."""
+    """The labels of the values of an output with one value for each row."""
     return (
         *(f"{name}[{row}]" for row in context.rows),
         *([f"{name}[alpha1 .. alpha{context.n}]"] if context.n else []),

@@ -107,7 +107,7 @@ def layout(eq: Equations) -> DataLayout:
 
 
 def _scalars(eq: Equations) -> tuple[ModelConstant, ...]:
-    """The mass, a parameter in any case, and gravity."""
+    """The scalar constants: the mass, which is always a parameter, and gravity."""
     mass = _mass(eq)
     return tuple(replace(c, value=mass.symbol) if c.symbol == MASS else c for c in eq.coefficients)
 

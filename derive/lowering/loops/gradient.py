@@ -22,7 +22,7 @@ SUMS = {
 """The name of the sum of a table over one of its indices with rates or accelerations."""
 
 AMPLITUDE_SUMS = SUMS | {Family.C7: Family.C7_AMPLITUDES, Family.C10: Family.C10_AMPLITUDES}
-"""The same with amplitudes; the names without a derivative are those of the tables themselves."""
+"""The name of the sum of a table over one of its indices with amplitudes; `c7` and `c10` name the tables themselves."""
 
 DERIVATIVES = {ALPHA: 0, ALPHADOT: 1, ALPHADDOT: 2}
 
@@ -31,7 +31,7 @@ class Gradient:
     """Derivatives of expressions of one model; `table_sums` are those of the model and those that its
     derivatives need in addition.
 
-    `factor` is what derivatives are taken with respect to: ALPHA, ALPHADOT or ALPHADDOT.
+    `factor` is the variable of differentiation: ALPHA, ALPHADOT or ALPHADDOT.
     """
 
     def __init__(self, equations: Equations) -> None:

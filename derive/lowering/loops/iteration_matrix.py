@@ -38,7 +38,7 @@ def jacobian(context: LoopContext, function: ModelFunction) -> Kernel:
 
 
 class _Columns:
-    """The columns of the iteration matrix, one after the other."""
+    """The stores of the columns of the iteration matrix, added one after the other."""
 
     def __init__(self, context: LoopContext) -> None:
         self.context = context
@@ -50,19 +50,19 @@ class _Columns:
         self.first = RIGID + 1 + context.n
 
     def coordinate(self, k: int, symbol: sp.Symbol) -> None:
-        """The column of c1 .. c3, e0 .. e3."""
+        """Add the column of a rigid coordinate, one of c1 .. c3 and e0 .. e3."""
         kinematic = [(r, -rate.diff(symbol) + (CJ if r == k else 0)) for r, rate in enumerate(self.context.rigid_rates)]
         self._single(kinematic, lambda e: self._factored(e, symbol))
 
     def rate(self, r: int, symbol: sp.Symbol, acceleration: sp.Symbol) -> None:
-        """The column of a rigid rate."""
+        """Add the column of a rigid generalised velocity."""
         kinematic = [(k, -rate.diff(symbol)) for k, rate in enumerate(self.context.rigid_rates)]
         self._single(kinematic, lambda e: self._total(e, symbol) + CJ * e.diff(acceleration))
 
     def _factored(self, expr: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
         """A derivative, through the definitions as well, with common factors: in the form with fewer operations.
 
-        Columns of the attitude share either what the entries of Q are multiplied with, or what the mode sums are.
+        Columns of the attitude share either the factors of the entries of Q or those of the mode sums.
         """
         expanded = self._total(expr, symbol)
         if expanded == 0:
@@ -73,7 +73,7 @@ class _Columns:
         return min(chain, collected, key=sp.count_ops)
 
     def _total(self, expr: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
-        """A derivative, through the definitions as well."""
+        """The total derivative of an expression, through the definitions as well."""
         result = expr.diff(symbol)
         for d in self.context.equations.definitions:
             if not d.zero and expr.has(d.symbol):
@@ -95,7 +95,7 @@ class _Columns:
         self.groups.append(ColumnGroup(1, tuple(pieces)))
 
     def shapes(self, factor: Symbol, acceleration: Symbol | None, kinematic: sp.Expr) -> None:
-        """The columns of alpha or alphadot."""
+        """Add the columns of alpha or alphadot."""
         context, n = self.context, self.context.n
         if not n:
             return

@@ -127,7 +127,7 @@ class Program:
     def straight(
         self, name: str, equation: str, doc: str, make: Callable[[Symbols], list[tuple[Target, ca.SX]]]
     ) -> None:
-        """Like `scalars`, of what `make` makes of the symbols."""
+        """Compute the values that `make` returns for the symbols, with the definitions that they need."""
         symbols = Symbols(early=frozenset(), late=self._rotation())
         for symbol, leaf in self.known.items():
             symbols.input(symbol, leaf)
@@ -177,7 +177,7 @@ class Program:
         rows: Iterable[IndexedStore] = (),
         pairs: Iterable[Pair] = (),
     ) -> None:
-        """Scalars, then a loop for rows, and a loop for each block of pairs (its expression, that of its diagonal).
+        """Compute scalars, rows in a loop, and each block of pairs (its expression, that of its diagonal) in a loop.
 
         Blocks that need no sums are stored while the tables are read for the sums, all others at the end.
         """
@@ -204,7 +204,7 @@ class Program:
             self.sections.append(Section(f"{name}_i", equation, f"{doc}, for each mode", tuple(loops)))
 
     def _is_available(self, exprs: Iterable[sp.Expr]) -> bool:
-        """Whether expressions need neither sums nor what depends on sums."""
+        """Whether expressions depend on no sums, neither directly nor through definitions."""
         scalars = set(self.known)
         for d in self.definitions:
             if d.expr.free_symbols <= scalars:
@@ -229,7 +229,7 @@ class Program:
         """The kernel of a function, without names that nothing reads.
 
         `inputs` are the arguments by their names, `outputs` the elements of each output; `more` sections follow those
-        of the program; `method` completes the sentence that says what the function computes.
+        of the program; `method` completes the sentence that documents the function.
         """
         arguments = tuple(inputs[name] for name in function.arguments)
         given = ((name, doc, outputs[name]) for name, doc in function.outputs.items())

@@ -20,7 +20,7 @@ from derive.report.document.page import (
 
 
 def targets(page: Page) -> dict[str, str]:
-    """A short name for each anchor of the page; a summand has that of its equation, which is what one can turn to."""
+    """A short name for each anchor of the page; a summand has that of its equation, to which links can lead."""
     names: dict[str, str] = {}
     for k, anchors in enumerate(_anchors(page.blocks), 1):
         names |= {anchor: f"at-{k}" for anchor in anchors if anchor and anchor not in names}
@@ -28,7 +28,7 @@ def targets(page: Page) -> dict[str, str]:
 
 
 def _anchors(blocks: Sequence[Block]) -> Iterator[tuple[str, ...]]:
-    """The anchors of each place."""
+    """The anchors of each heading, equation and line of code."""
     for block in blocks:
         match block:
             case Heading():
@@ -47,7 +47,7 @@ def _anchors(blocks: Sequence[Block]) -> Iterator[tuple[str, ...]]:
 
 
 def faults(page: Page) -> tuple[str, ...]:
-    """What is wrong with the links of a page: anchors that come twice, links to none."""
+    """The faults in the links of a page: duplicate anchors, and links to missing anchors."""
     result, seen = [], set()
     for anchors in _anchors(page.blocks):
         for anchor in filter(None, anchors):
@@ -62,7 +62,7 @@ def linked(page: Page) -> frozenset[str]:
 
 
 def _links(blocks: Sequence[Block]) -> Iterator[str]:
-    """Where the links of blocks lead within the page."""
+    """The targets of the links of blocks that lead within the page."""
     return (to for to in _all_links(blocks) if to.startswith("#"))
 
 

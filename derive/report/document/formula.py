@@ -95,8 +95,8 @@ Formula = NumberToken | Name | OperatorToken | FormulaRow | Quotient | Power | R
 class Part:
     """A summand of a long equation: its sign, its formula, and the term it is, by which other places link to it.
 
-    `group` says what it is grouped by (accelerations, rates, elastic, ...); `title` is what a reader sees on hover.
-    `to` is where it leads, such as `#line-120` of the code that computes it; without one it leads to itself.
+    `group` is the name of its group (accelerations, rates, elastic, ...); `title` is the text that hovering shows.
+    `to` is the target of its link, such as `#line-120` of the code that computes it; without one it links to itself.
     """
 
     sign: Literal["+", "-"]

@@ -12,7 +12,7 @@ from typing import Literal
 from derive.report.document.formula import Equation, Formula
 
 SHOWN, FOLDED = 60, 150
-"""Rows that a table shows, and up to which it is folded away as a whole; of a longer one the first are."""
+"""The most rows of a table that is shown, and of one that is folded away as a whole; of longer ones the first are."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ class Listing:
 
 @dataclass(frozen=True)
 class Details:
-    """What is folded away until somebody wants it."""
+    """Blocks that are folded away until the reader opens them, with a summary."""
 
     summary: str
     blocks: tuple[Block, ...]
@@ -148,7 +148,7 @@ class Page:
 
 
 Content = str | Math | Hyperlink | CodeSpan | Strong | Cell | Formula | int | tuple[Inline, ...]
-"""What a cell of a table is written as."""
+"""The values from which `cell` makes a cell of a table."""
 
 
 def table(
@@ -174,7 +174,7 @@ def cell(words: Content, title: str = "", mark: Literal["", "zero", "entry", "go
 
 
 def folded(whole: TableBlock, summary: str) -> Block:
-    """A table as it is; folded away where it is long, and of a very long one the first rows."""
+    """A table, folded away if it has more than SHOWN rows; of more than FOLDED rows only the first SHOWN are kept."""
     count = len(whole.rows)
     if count <= SHOWN:
         return whole

@@ -57,7 +57,7 @@ ORDER = (Rank.ACCELERATION, Rank.VELOCITY, Rank.AMPLITUDE, Rank.MOMENT, Rank.CON
 
 @dataclass(frozen=True)
 class Notation:
-    """How the symbols and the rows of a model are written.
+    """The notation of the symbols and the rows of a model.
 
     `constants` are the symbols that the specification chose, in its order; `mass` is the one of the mass, if it has
     one; `rows` are the virtual displacements of the equations of motion, by the names of the rows. `with_rates` are the
@@ -70,7 +70,7 @@ class Notation:
     with_rates: frozenset[sp.Symbol] = frozenset()
 
     def written(self, symbol: sp.Symbol) -> TypesetSymbol:
-        """How a symbol is written, and its position in a product."""
+        """The typeset form of a symbol, and its rank in a product."""
         if symbol in self.with_rates:
             return TypesetSymbol(Rank.MOMENT, dotted(identity(symbol)))
         if symbol != MASS:
@@ -129,7 +129,7 @@ class Notation:
         return (*result, sp.default_sort_key(summand))
 
     def _rank(self, symbol: sp.Symbol) -> Key:
-        """The place of a factor: its rank; the order of the specification, or c, phi, alpha; then its indices."""
+        """The position of a factor: its rank; the order of the specification, or c, phi, alpha; then its indices."""
         rank = self.written(symbol).rank
         if not isinstance(symbol, Symbol):
             return int(rank), len(self.constants), (symbol.name,)

@@ -1,4 +1,4 @@
-"""How the quantities of the derivation are written in formulas: a table from families to the notation of the paper.
+"""The notation of the quantities of the derivation in formulas: a table from families to that of the paper.
 
 Indices are the number of the integral, the shapes and the components, separated by commas. In a mechanism the body
 stands above. A sum over the shapes that has a name of its own in the code, such as D2dot, is written as the product
@@ -40,7 +40,7 @@ from derive.report.notation.typeset_names import (
 
 
 def written(symbol: sp.Symbol) -> TypesetSymbol:
-    """How a symbol is written. One without an identity is a letter that the report itself chose."""
+    """The typeset form of a symbol. One without an identity is a letter that the report itself chose."""
     if not isinstance(symbol, Symbol):
         return TypesetSymbol(Rank.CONSTANT, chosen(symbol.name))
     known = symbol.identity
@@ -184,4 +184,4 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.TIME: _named,
     Family.LOCAL: _named,
 }
-"""How the symbols of each family are written: from an identity and its superscript to the formula."""
+"""The functions that typeset the symbols of each family, from an identity and its superscript."""

@@ -41,14 +41,14 @@ _WORDS = {"EI", "tr", "det", "rotation", "for", "and", "each"}
 VECTORS = {"x", "X", "c", "u", "b", "n", "q", "e", "v", "w", "p", "d", "r"}
 VECTORS |= {"omega", "pi", "Phi", "Psi", "alpha", "nabla"}
 TENSORS = {"Q", "F", "I", "T", "E", "J", "C", "D", "S", "c8", "K"}
-"""Which letters are bold: vectors and columns; tensors and matrices."""
+"""The letters that are bold: VECTORS are vectors and columns, TENSORS are tensors and matrices."""
 
 BOLD = {"Q", "X", "c", "e", "u", "omega", "pi"}
-"""Those that are bold for the beam as well, whose components are scalars."""
+"""The letters that are bold also in formulas of the beam, whose components are scalars."""
 
 
 def formula(text: str, scalars: bool = False) -> Formula:
-    """A formula of one line; `scalars` says that its letters are scalars, as for the beam in components."""
+    """A formula of one line; `scalars`: its letters are scalars, as for the beam in components."""
     return _plain(_Reader(text, scalars).parts())
 
 
@@ -63,7 +63,7 @@ def equation(text: str, scalars: bool = False) -> Equation:
 
 
 def text_of(part: Formula) -> str:
-    """The sign that an operator is; nothing for other formulas."""
+    """The sign of an operator; empty for other formulas."""
     return part.text if isinstance(part, OperatorToken) else ""
 
 

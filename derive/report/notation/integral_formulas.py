@@ -26,7 +26,7 @@ INTEGRANDS: dict[Family, str] = {
     Family.C9: "Psi_{<i> <j>}",
     Family.C10: "X >< Psi_{<i> <j>}",
 }
-"""What the shape integrals integrate over the mass, for the shapes i and j; <i> stands beside other indices."""
+"""The integrands, over the mass, of the shape integrals for the shapes i and j; <i> stands beside other indices."""
 
 PLANAR = {Family.C3: "X . X", Family.C4: "X . Phi_{i}", Family.C5: "(Phi_{i} . Phi_{j} + X . Psi_{<i> <j>})"}
 """The integrands of bodies in the plane, where they differ."""
@@ -45,7 +45,7 @@ SHAPE = "\N{GREEK PHI SYMBOL}"
 CROSS = (Family.C6, Family.C7, Family.C10)
 
 FEW = 4
-"""From so many integrals on, a list is shortened to its first and its last."""
+"""The number of integrals from which on a list is shortened to the first and the last."""
 
 RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -77,7 +77,7 @@ def stiffness_formula(shapes: Sequence[ShapeIndex]) -> Formula:
 
 
 def meaning(known: Identity, doc: str, planar: bool, second_order: bool = False) -> Text:
-    """What an integral is: its formula, or the words of the derivation where it has none."""
+    """The meaning of an integral: its formula, or the text of the derivation if it has no formula."""
     if known.family in INTEGRANDS:
         component = known.components[0] if len(known.components) == 1 else 0
         shown = Math(integral_formula(known.family, known.shapes, component, planar, second_order))
@@ -98,7 +98,7 @@ def unit(text: str) -> str:
 
 
 def reason(why: Reason | str, notation: Notation) -> Text:
-    """Why something vanishes, with the integrals in it as formulas."""
+    """The reason why a term or an integral vanishes, with the integrals in it as formulas."""
     if isinstance(why, str):
         return (why,)
     text: list[Inline] = []

@@ -1,4 +1,4 @@
-"""How shape integrals, moments and what is made of them are written: from an identity and its superscript."""
+"""The typeset forms of shape integrals, moments and their products, from an identity and its superscript."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def integral(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
 
 
 SUMMED = {Family.D1: Family.C2, **{family: family for family in (Family.D2, Family.D3, Family.D4, Family.S)}}
-"""What the time derivatives of moments sum over the shapes, with the velocities or accelerations of the amplitudes."""
+"""The families that the time derivatives of moments sum over the shapes, times derivatives of the amplitudes."""
 
 
 def moment(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:

@@ -23,7 +23,7 @@ def row_identities(equations: Equations) -> dict[str, Identity]:
 
 
 def _varied(velocity: Identity) -> Identity:
-    """What is varied: a coordinate by its velocity, the virtual rotation by the angular velocity."""
+    """The quantity whose variation belongs to a velocity: its coordinate or, if it is angular, the virtual rotation."""
     if velocity.family is Family.ANGULAR_VELOCITY:
         return replace(velocity, family=Family.VIRTUAL_ROTATION)
     return replace(velocity, derivative=0)

@@ -1,4 +1,4 @@
-"""How wide formulas are, and the lines that a long sum takes: for languages that cannot break lines by themselves."""
+"""The widths of formulas, and the lines of a long sum: for languages that cannot break lines by themselves."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ GAPS = {"none": 0.0, "times": 0.0, "thin": 0.17, "dot": 0.7}
 
 
 def lines(parts: Sequence[Part], room: float) -> tuple[tuple[int, ...], ...]:
-    """The parts of each line, by their places, no wider than `room` em where that can be. A group that does not fit
-    behind the last one starts a line of its own."""
+    """The indices of the parts of each line, no wider than `room` em if possible. A group that does not fit behind the
+    last one starts a line of its own."""
     result: list[list[int]] = [[]]
     used = 0.0
     for _, group in groupby(range(len(parts)), lambda k: parts[k].group):

@@ -24,7 +24,7 @@ class Rank(IntEnum):
 
 @dataclass(frozen=True)
 class TypesetSymbol:
-    """A symbol in formulas: its place in products, and how it is written."""
+    """A symbol in formulas: its rank in products, and how it is written."""
 
     rank: Rank
     formula: Formula

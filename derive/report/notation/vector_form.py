@@ -101,7 +101,7 @@ def _atoms() -> dict[str, Atom]:
 
 
 ATOMS = _atoms()
-"""In the order in which a product is tried."""
+"""The atoms by name, in the order in which products are tried."""
 
 PRODUCTS = {
     quantity(Family.OMEGA_PRODUCT, i, j): quantity(Family.ANGULAR_VELOCITY, i) * quantity(Family.ANGULAR_VELOCITY, j)
@@ -166,7 +166,7 @@ def summands(components: Sequence[sp.Expr]) -> tuple[Part, ...]:
 
 
 def _conjugates(tree: Tree) -> int:
-    """How many conjugates a tree has; trees without them are tried first."""
+    """The number of conjugates in a tree; trees without them are tried first."""
     if isinstance(tree, Leaf):
         return int(tree.conjugate)
     _, left, right = tree
@@ -236,7 +236,7 @@ def _value(tree: Tree, point: dict[sp.Symbol, int]) -> NDArray[np.object_]:
 
 
 def _ratio(wanted: NDArray[np.object_], result: NDArray[np.object_]) -> sp.Rational | None:
-    """The number that wanted is times found, if there is one."""
+    """The number by which `result` has to be multiplied to give `wanted`; None if there is none."""
     if wanted.shape != result.shape or not any(result):
         return None
     k = next(k for k, value in enumerate(result) if value)

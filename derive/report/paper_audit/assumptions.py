@@ -1,4 +1,4 @@
-"""What the paper assumes in words, and the options of a specification that lift it."""
+"""The assumptions that the paper makes in words, and the options of a specification that lift them."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ def _terms(of: Formula) -> Iterator[tuple[str, list[Formula]]]:
 
 
 def size(of: Formula) -> int:
-    """How many names and numbers a formula has beside each other."""
+    """The number of names and numbers that a formula has beside each other."""
     match of:
         case FormulaRow():
             return sum(map(size, factors(of)))

@@ -1,4 +1,4 @@
-"""What the derivation gives for the paper's beam: its kinematics, the conditions of both frames, (33) and (41)."""
+"""The derived equations of the paper's beam: its kinematics, the conditions of both frames, (33) and (41)."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def beam(frame: str) -> PlanarBeam:
 
 @cache
 def equations(frame: str) -> Equations:
-    """Its equations of motion."""
+    """The equations of motion of the paper's beam."""
     result = derive(beam(frame)).expanded()
     assert isinstance(result, Equations)
     return result
@@ -65,7 +65,7 @@ def rows(frame: str) -> tuple[Equation, ...]:
 
 
 def ansatz() -> tuple[Equation, ...]:
-    """v of (21), from the ansatz that a beam has where its specification says nothing."""
+    """The deflection v of (21), from the default ansatz of a beam."""
     pairs = zip(AMPLITUDES, polynomials(beam("mean")), strict=True)
     terms = sp.Add(*(a * rational(c) * sp.Symbol("xi") ** n for a, p in pairs for n, c in enumerate(p)))
     parts = [Part("+", PLAIN.formula(terms.coeff(a) * a)) for a in AMPLITUDES]
@@ -73,7 +73,7 @@ def ansatz() -> tuple[Equation, ...]:
 
 
 def strain_energy() -> tuple[Equation, ...]:
-    """U in both frames."""
+    """The strain energy U in both frames."""
     return tuple(
         Equation(Name("U", below=(frame,)), notation(equations(frame)).parts(_expanded(frame))) for frame in FRAMES
     )
@@ -85,12 +85,12 @@ def _expanded(frame: str) -> sp.Expr:
 
 
 def translation() -> tuple[Equation, ...]:
-    """c in its components."""
+    """The position c of the origin in its components."""
     return (Equation(formula("c"), _components(MOTION.position[ONE])),)
 
 
 def points() -> tuple[Equation, ...]:
-    """X of three markers."""
+    """The undeformed positions X of three markers."""
     result = []
     for marker in beam("mean").markers:
         point = beam_point(marker, beam("mean"))
@@ -100,7 +100,7 @@ def points() -> tuple[Equation, ...]:
 
 
 def displacements() -> tuple[Equation, ...]:
-    """u of three markers of the beam in the mean frame."""
+    """The displacements u of three markers of the beam in the mean frame."""
     result = []
     for marker in beam("mean").markers:
         shapes = beam_point(marker, beam("mean")).shapes
@@ -126,7 +126,7 @@ def _components(vector: sp.Matrix) -> tuple[Part, ...]:
 
 
 def rotation() -> tuple[Equation, ...]:
-    """Q in the plane."""
+    """The rotation tensor Q in the plane."""
     return (Equation(formula("Q"), (Part("+", _matrix(MOTION.rotation)),)),)
 
 
@@ -149,7 +149,7 @@ def _matrix(matrix: sp.Matrix) -> Matrix:
 
 
 def condition(frame: str, k: int, at: Exact | None = None) -> tuple[Equation, ...]:
-    """A condition of a frame as the derivation uses it, for v."""
+    """A condition of a frame on v, as the derivation uses it."""
     return (_written(_condition(frame, k, at)),)
 
 
@@ -166,7 +166,7 @@ def _written(condition: Condition) -> Equation:
 
 
 def condition_on_the_cubic(frame: str, k: int) -> tuple[Equation, ...]:
-    """What a condition says of a0 .. a3: its value on each power of xi."""
+    """A condition as an equation for a0 .. a3, from its value on each power of xi."""
     value = _condition(frame, k).on
     total = sum((a * rational(value(polynomial([0] * n + [1]))) for n, a in enumerate(AMPLITUDES)), sp.S.Zero)
     return (Equation(_sum(a * total.coeff(a) for a in AMPLITUDES), (Part("+", NumberToken("0")),)),)
@@ -182,7 +182,7 @@ def _sum(terms: Iterable[sp.Expr]) -> Formula:
 
 
 def expansion(frame: str) -> tuple[Equation, ...]:
-    """v by the shapes of a frame."""
+    """The deflection v as a sum over the shapes of a frame."""
     shapes = _shapes(frame)
     parts = []
     for k, alpha in zip(range(1, len(shapes) + 1), MOTION.alpha, strict=True):
@@ -191,7 +191,7 @@ def expansion(frame: str) -> tuple[Equation, ...]:
 
 
 def shape(frame: str, k: int) -> tuple[Equation, ...]:
-    """A shape that the conditions leave of the ansatz."""
+    """A shape of a frame: a combination of the ansatz that satisfies the conditions."""
     left = FormulaRow((Name("phi", below=(str(k),)), formula("(xi)")))
     return (Equation(left, beam_function(_shapes(frame)[k - 1])),)
 

@@ -1,4 +1,4 @@
-"""What the derivation gives for a body in space: the equations of motion (15) and (20), the appendix."""
+"""The derived equations of a body in space: the equations of motion (15) and (20), the appendix."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ def rotation() -> tuple[Equation, ...]:
 
 
 def equations_of_motion() -> tuple[Equation, ...]:
-    """(15): every term of the derivation, read back as a vector; and the strain energy."""
+    """The equations of motion (15), with every derived term read back as a vector, and the strain energy."""
     return _rows(frozenset())
 
 
 def mean_equations_of_motion() -> tuple[Equation, ...]:
-    """(20): those terms that a body in the mean frame keeps, and what is left of d3."""
+    """The equations of motion (20): the terms that remain in the mean frame, and the remaining part of d3."""
     gone = frozenset((_row(v.term), v.term.name) for v in _mean().vanished)
     symbol = quantity(Family.D3, 1, shapes=(I,))
     left = next(c for c in _mean().table_sums if c.symbol == symbol)

@@ -1,4 +1,4 @@
-"""What a row of the audit says."""
+"""The data of the audit of the paper: rows, assumptions and statements."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import Literal
 from derive.report.document.formula import Equation
 
 Verdict = Literal["equal", "equal after the correction", "definition", "assumption"]
-"""`equal`: the formula as the text shows it is what is derived; `equal after the correction`: it is so once the faults
-of the text are mended; `definition`: it says what a name means; `assumption`: the paper, or a user, chooses it."""
+"""`equal`: the formula in the text equals the derived one; `equal after the correction`: it does once the faults of the
+text are corrected; `definition`: it defines a name; `assumption`: the paper, or a user, chooses it."""
 
 Derived = Callable[[], tuple[Equation, ...]]
-"""What the derivation gives: worked out when the page is built."""
+"""A function that returns the derived equations, called when the page is built."""
 
 Source = Literal["the package", "a test", "the user"]
 """Who derives, or chooses: the derivation that makes code, a test that the package does not need, the specification."""
@@ -43,12 +43,12 @@ class AuditRow:
 
     @property
     def true(self) -> tuple[str, ...]:
-        """The lines that hold."""
+        """The correct lines."""
         return self.holds or self.shown
 
     @property
     def anchor(self) -> str:
-        """Where the row is on the page."""
+        """The anchor of the row on the page."""
         return f"eq-{self.number}"
 
 
@@ -63,10 +63,10 @@ class AuditSection:
 
 @dataclass(frozen=True)
 class Assumption:
-    """What the paper assumes in words, where, what it means here, and the option that lifts it.
+    """An assumption that the paper makes in words, its place, its meaning here, and the options that lift it.
 
-    `options` are keys of a specification, such as `beam.gravity`; none where nothing lifts it yet. `lifts` says in
-    words what they do, and what they leave.
+    `options` are keys of a specification, such as `beam.gravity`; none where nothing lifts it yet. `lifts`
+    describes what they lift, and what remains.
     """
 
     name: str
@@ -78,7 +78,7 @@ class Assumption:
 
 @dataclass(frozen=True)
 class Statement:
-    """What the paper says in words besides, in words of our own: where, what holds, and the tests that prove it.
+    """A statement of the paper outside of its equations, paraphrased: its place, what is true, and tests that prove it.
 
     The place is also the key by which tests are marked. Formulas stand between dollar signs, code between backticks;
     likewise in the texts of rows and assumptions.

@@ -64,7 +64,7 @@ def build(sections: Sequence[AuditSection], statements: Sequence[Statement], ass
 
 
 def counts(rows: Sequence[AuditRow]) -> dict[Verdict, int]:
-    """How many rows have each verdict."""
+    """The number of rows with each verdict."""
     return {verdict: sum(row.verdict == verdict for row in rows) for verdict in MEANINGS}
 
 
@@ -99,7 +99,7 @@ def _introduction(rows: Sequence[AuditRow]) -> Iterator[Block]:
 
 
 def _overview(sections: Sequence[AuditSection]) -> TableBlock:
-    """One line for each equation."""
+    """The table of all equations, with one line for each."""
     return TableBlock(
         "The equations and their verdicts",
         (("",), ("Equation",), ("Verdict",), ("Tests",)),
@@ -118,12 +118,12 @@ def _overview(sections: Sequence[AuditSection]) -> TableBlock:
 
 
 def name(row: AuditRow) -> str:
-    """How the paper calls it: (5), or J of the appendix."""
+    """The name of a row in the paper: (5), or J of the appendix."""
     return f"({row.number})" if row.number.isdigit() else row.number
 
 
 def _record(row: AuditRow) -> Iterator[Block]:
-    """All that there is to say of a row: its words, its formulas below each other, its tests."""
+    """The blocks of a row: its description, its formulas below each other, its tests."""
     words = " ".join(part for part in (row.correction, row.note) if part)
     places = tuple(part for k, where in enumerate(row.where) for part in (", " if k else " Here: ", CodeSpan(where)))
     yield Paragraph(
@@ -144,7 +144,7 @@ def _read(row: AuditRow, lines: Sequence[str]) -> tuple[Equation, ...]:
 
 
 def _numbered(equations: Sequence[Equation], number: str, anchor: str = "") -> Iterator[Equation]:
-    """The number at the first line."""
+    """The equations, of which the first gets the number and the anchor."""
     for k, item in enumerate(equations):
         yield item if k else replace(item, number=number, anchor=anchor)
 

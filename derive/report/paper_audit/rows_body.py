@@ -15,7 +15,7 @@ GENERAL = "test_general_body.py"
 
 
 def stated(*lines: str) -> Derived:
-    """What a test works out, in a line of our own."""
+    """Lines that are written here as the result of a test."""
     return lambda: tuple(map(equation, lines))
 
 

@@ -1,4 +1,4 @@
-"""What the paper says in words besides its equations, and whether it holds."""
+"""The statements of the paper outside of its equations, and whether they are true."""
 
 from __future__ import annotations
 

@@ -36,9 +36,9 @@ MOST_DEFINITIONS = 600
 
 @dataclass(frozen=True)
 class Targets:
-    """What lines lead to: terms by the lines that store them, and the anchors of moments by their names in the code.
+    """The targets of links: terms by the lines that store them, and the anchors of moments by their names in the code.
 
-    `wanted` are the lines that other places lead to.
+    `wanted` are the lines that links of other parts of the page lead to.
     """
 
     terms: Mapping[int, tuple[LocatedTerm, ...]]
@@ -47,7 +47,7 @@ class Targets:
 
 
 def targets(located: Iterable[LocatedTerm], moments: Mapping[str, str]) -> Targets:
-    """What lines lead to."""
+    """The targets of the links of lines: terms by line, and anchors of moments."""
     result: dict[int, list[LocatedTerm]] = {}
     wanted: set[int] = set()
     for item in located:
@@ -131,13 +131,13 @@ def _steps(equations: Equations, model: Model) -> list[list[Content]]:
 
 
 def written_out(equations: Equations, integrals: bool = True) -> int:
-    """Operations of the lower triangle of M and of h, written out; with or without the values of the integrals."""
+    """The number of operations of the lower triangle of M and of h, unrolled; with or without values of integrals."""
     write = expansion(equations, integrals)
     return int(sum(sp.count_ops(write(expr)) for expr in _wanted(equations)))
 
 
 def named(equations: Equations) -> int:
-    """The same with every definition computed once."""
+    """The number of operations of M and h with every definition computed once."""
     wanted = _wanted(equations)
     used = set().union(*(expr.free_symbols for expr in wanted))
     count = sum(sp.count_ops(expr) for expr in wanted)

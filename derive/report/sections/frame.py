@@ -96,7 +96,7 @@ def of_paper(spec: PlanarBeam) -> bool:
 
 
 def paper_numbers(spec: PlanarBeam) -> PaperNumbers | None:
-    """The numbers that the paper gives its results for this beam, if it has it."""
+    """The numbers of the paper's equations for this beam; None if the paper does not have this beam."""
     if not of_paper(spec) or spec.gravity is not None or spec.masses or spec.damping or spec.axial:
         return None
     if spec.frame.kind == "mean":
@@ -111,7 +111,7 @@ OF_THE_BEAM = (
 
 
 def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
-    """From the ansatz to the assumed shapes."""
+    """The blocks of the frame of a beam, from its ansatz to its assumed shapes."""
     numbers = paper_numbers(spec)
     shapes = assumed_shapes(spec.deflection)
     lines = (
@@ -171,7 +171,7 @@ def _conditions(spec: PlanarBeam, numbers: PaperNumbers | None) -> tuple[Block, 
 
 
 def _asked(condition: Condition) -> Equation:
-    """A condition as an equation with its numbers in the paper."""
+    """A condition as an equation with its number in the paper."""
     return Equation(condition_formula(condition), (Part("+", NumberToken("0")),), number=condition.equation.strip("()"))
 
 
@@ -284,7 +284,7 @@ def _rotation() -> Equation:
 
 
 def _residuals(spec: NodalBody) -> list[Block]:
-    """Numbers without units, before and after the modes were brought to the frame."""
+    """A table of the residuals of the frame conditions, before and after the modes were brought to the frame."""
     from derive.reduction import residuals
 
     results = residuals(spec)

@@ -1,4 +1,4 @@
-"""The same beam in the mean frame and in the frame of a point, side by side."""
+"""The comparison of a beam in the mean frame and in the frame of a point, side by side."""
 
 from __future__ import annotations
 

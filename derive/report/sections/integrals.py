@@ -62,7 +62,7 @@ TABLES = (*INTEGRANDS, Family.STIFFNESS, Family.PRELOAD, Family.DAMPING, Family.
 
 
 def _families(coefficients: Iterable[ModelConstant], planar: bool, second_order: bool) -> Block:
-    """How many entries each integral has, and how many do not vanish."""
+    """The table of the integrals with the numbers of their entries and of those that do not vanish."""
     gathered: dict[tuple[str, Family], list[ModelConstant]] = {}
     for c in coefficients:
         known = identity(c.symbol)
@@ -81,7 +81,7 @@ HEAD = ("integral", "definition", "entries", "of which not zero", "unit")
 
 
 def _kind(family: Family) -> str:
-    """What the entries of a family are that is no integral."""
+    """The kind of the entries of a family that is no integral, in words; empty for other families."""
     names = {
         Family.STIFFNESS: "stiffness",
         Family.PRELOAD: "force at rest",

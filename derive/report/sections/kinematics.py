@@ -37,7 +37,7 @@ AT = {R: arrow("r"), RDOT: arrow("rdot"), RDDOT: arrow("rddot"), PHI: arrow("Phi
 
 
 def position() -> tuple[Equation, ...]:
-    """x, from the field of the positions."""
+    """The position x of a material point, from the field of the positions."""
     return (Equation(formula("x"), summands(vector_at(MOTION, MOTION.position, AT))),)
 
 
@@ -91,7 +91,7 @@ def kinematics_blocks(spec: Specification, equations: Equations, notation: Notat
 
 
 def _origin(spec: Specification, equations: Equations) -> tuple[Block, ...]:
-    """Where c is, in a sentence."""
+    """A sentence on the position c of the origin of the floating frame."""
     if isinstance(spec, PlanarBeam):
         return (Paragraph((Math(formula("c")), " is where the centre of the undeformed beam lies.")),)
     return (Paragraph((equations.frame_doc,)),) if equations.frame_doc else ()
@@ -108,7 +108,7 @@ def _sum_of_shapes() -> Equation:
 
 
 def _beam(spec: PlanarBeam, notation: Notation) -> tuple[Block, ...]:
-    """(23)-(27), and the acceleration in components."""
+    """The blocks of (23)-(27) for a beam, and its acceleration in components."""
     length = notation.formula(quantity.value(spec.length))
     xi = Name("xi")
     along = FormulaRow(

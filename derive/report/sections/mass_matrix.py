@@ -73,12 +73,12 @@ class MassPattern:
 
     @property
     def size(self) -> int:
-        """Rows."""
+        """The number of rows."""
         return len(self.labels)
 
     @property
     def count(self) -> str:
-        """How many entries there are, of how many."""
+        """The number of entries and that of all elements of the matrix, as text."""
         return f"{len(self.entries)} of {self.size**2}"
 
 
@@ -137,7 +137,7 @@ def picture(matrix: MassPattern, reasons: bool = True) -> str:
 
 
 def _legend(top: int, dots: bool) -> list[str]:
-    """What squares and dots are."""
+    """The legend of the picture: squares and, with `dots`, dots."""
     result = [
         f'  <rect class="own" x="{EDGE}" y="{top + 6}" width="12" height="12" rx="2"/>',
         f'  <text x="{EDGE + 18}" y="{top + 16}">non-zero</text>',

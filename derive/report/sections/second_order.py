@@ -1,4 +1,4 @@
-"""What second order adds to the kinematics of a body: the fields Psi_ij, and which of their moments are kept."""
+"""The kinematics of second order of a body: the fields Psi_ij, and which of their moments are kept."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def second_order_blocks(spec: Specification, order: DisplacementOrder) -> tuple[
 
 
 def scene_second_order_blocks(spec: Scene) -> tuple[Block, ...]:
-    """The same for the beams of a scene that have displacements of second order; empty if there are none."""
+    """The blocks of the beams of a scene with displacements of second order; empty if there are none."""
     by_order: dict[DisplacementOrder, list[BeamBody]] = {}
     for body in spec.bodies:
         if isinstance(body, BeamBody) and body.beam.order is not DisplacementOrder.FIRST_ORDER:
@@ -88,7 +88,7 @@ def _shortening() -> Equation:
 
 
 def _constants(frames: Sequence[Frame]) -> tuple[Block, ...]:
-    """How the frames fix the constant of integration."""
+    """The constants of integration that the frames determine."""
     text = "; ".join(f"in the {frame.kind} frame {_condition(frame)}" for frame in frames)
     return (Paragraph((f"The constant of integration follows from the condition of the frame: {text}.",)),)
 
@@ -108,7 +108,7 @@ def _condition(frame: Frame) -> str:
 
 
 def _geometric_stiffness() -> tuple[Block, ...]:
-    """What the geometric stiffness matrices of a body in space are in the equations."""
+    """The correspondence of the geometric stiffness matrices of a body in space to integrals of the equations."""
     return (
         Paragraph(
             (

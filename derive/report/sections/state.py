@@ -22,7 +22,7 @@ HEAD = ("", "in the code", "unit", "what it is")
 
 
 def state_blocks(model: Model, equations: Equations, notation: Notation) -> tuple[Block, ...]:
-    """How many of each there are, and what they are."""
+    """The numbers and the tables of the coordinates, generalised velocities, parameters and constants of a model."""
     text = f"{size(model.coordinates)} coordinates q, {size(model.velocities)} generalised velocities v"
     count = size(model.parameters)
     end = f", and {count} parameter{'' if count == 1 else 's'}." if count else "; every number is folded into the code."
@@ -89,5 +89,5 @@ def _default(variable: Variable) -> str:
 
 
 def size(variables: Iterable[Variable]) -> int:
-    """How many values some variables are."""
+    """The number of values of some variables."""
     return sum(v.size for v in variables)

@@ -1,4 +1,4 @@
-"""How a beam stretches: its shapes along the axis, and the strain that they make; beyond the paper."""
+"""The stretching of a beam, beyond the paper: its shapes along the axis, and the strain that they cause."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def stretching_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
 
 
 def _energy(preload: bool) -> Equation:
-    """1/2 int EI v''^2 dx + 1/2 int EA epsilon^2 dx + int N epsilon dx."""
+    """The strain energy 1/2 int EI v''^2 dx + 1/2 int EA epsilon^2 dx + int N epsilon dx of a beam."""
     square = NumberToken("2")
     curvature = Power(FormulaRow((Name("v"), OperatorToken("\N{DOUBLE PRIME}"))), square)
     half = Quotient(NumberToken("1"), NumberToken("2"))

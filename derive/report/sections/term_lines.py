@@ -1,4 +1,4 @@
-"""Where the generated C computes each term: the lines that store its row, and those that define the names in it."""
+"""The lines of the generated C that compute each term: those that store its row, and those that define its names."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ GROUPS = {
     **dict.fromkeys(("translation", "Euler", "relative"), "accelerations"),
     **dict.fromkeys(("centrifugal", "Coriolis"), "rates"),
 }
-"""What a term is grouped by; any other term is a group by itself."""
+"""The group of a term by its name; any other term is a group by itself."""
 
 
 ORDER = ("accelerations", "rates", "elastic", "preload", "damping", "gravity")
@@ -25,7 +25,7 @@ ORDER = ("accelerations", "rates", "elastic", "preload", "damping", "gravity")
 
 
 def group(term: Term) -> str:
-    """What a term is grouped by."""
+    """The group of a term."""
     return GROUPS.get(term.name, term.name)
 
 
@@ -35,7 +35,7 @@ def rank_in_row(term: Term) -> int:
 
 
 def title(term: Term) -> str:
-    """What a term is, in a few words."""
+    """The name of a term and its equation, in a few words."""
     return f"{term.name} term, {term.equation}"
 
 
@@ -50,7 +50,7 @@ class LocatedTerm:
 
     @property
     def anchor(self) -> str:
-        """Its anchor."""
+        """The anchor of the term."""
         return anchor("term", self.term.row, self.term.name)
 
 

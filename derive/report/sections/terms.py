@@ -70,7 +70,7 @@ def row_blocks(
 
 
 def _short(equations: Equations) -> Substitution | None:
-    """How to write the rows out, if that makes not too many summands."""
+    """The substitution that writes the rows out in coordinates; None if that makes too many summands."""
     if equations.indexed:
         return None
     written = expansion(equations)
@@ -91,7 +91,7 @@ def row_names(equations: Equations) -> dict[str, str]:
 
 
 def _meaning(velocity: Identity) -> str:
-    """What a row is of, where its coordinate does not tell."""
+    """The meaning of a row of rotation; empty for other rows, whose coordinates have a name."""
     if velocity.family is not Family.ANGULAR_VELOCITY:
         return ""
     return f"rotation about the body axis {velocity.components[0]}"
@@ -134,7 +134,7 @@ def _written(located: LocatedTerm, written: Substitution, notation: Notation) ->
 
 
 def _same(parts: Sequence[Part], others: Sequence[Part]) -> bool:
-    """Whether nothing is gained by writing a row out."""
+    """Whether writing a row out leaves it the same."""
     return [(p.sign, p.formula) for p in parts] == [(p.sign, p.formula) for p in others]
 
 
@@ -162,7 +162,7 @@ def lines(numbers: Sequence[int]) -> tuple[Inline, ...]:
 
 
 def runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
-    """First and last of numbers that follow each other."""
+    """The first and the last number of each run of consecutive numbers."""
     groups = groupby(enumerate(numbers), key=lambda pair: pair[1] - pair[0])
     pieces = ([number for _, number in group] for _, group in groups)
     return [(piece[0], piece[-1]) for piece in pieces]

@@ -62,7 +62,7 @@ def _contents(headings: Sequence[Heading]) -> str:
 
 
 class _Writer:
-    """Writes blocks; it counts the pictures, whose names have to differ."""
+    """A writer of blocks, which counts the pictures, whose names have to differ."""
 
     def __init__(self) -> None:
         self._pictures = count(1)

@@ -48,7 +48,7 @@ def latex(page: Page) -> str:
 
 
 class _Writer:
-    """Writes blocks; it knows the names of all places, which links lead to."""
+    """A writer of blocks, which knows the names of all anchors that links lead to."""
 
     def __init__(self, names: Mapping[str, str]) -> None:
         self._names = names

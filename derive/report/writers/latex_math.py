@@ -79,7 +79,7 @@ def _resolved(shown: str, text: Callable[[str], str]) -> str:
 
 
 def _tree(formula: Formula, last: bool = True) -> str:
-    """A formula as LaTeX; `last` says that nothing follows that could be taken for an argument's."""
+    """A formula as LaTeX; `last`: nothing follows that could be read as a part of an argument."""
     match formula:
         case NumberToken(text):
             return _number(text)

@@ -12,12 +12,12 @@ COMMENTS = {"c": "//", "python": "#", "toml": "#", "sh": "#"}
 
 
 def gaps(lines: Sequence[CodeLine]) -> list[bool]:
-    """Whether lines were left out before each line."""
+    """For each line of code, whether lines were left out before it."""
     return [k > 0 and line.number != lines[k - 1].number + 1 for k, line in enumerate(lines)]
 
 
 def comments(listing: Listing) -> list[tuple[int, int]]:
-    """Where the comment of each line starts and stops."""
+    """The start and the end of the comment of each line."""
     mark = COMMENTS.get(listing.language)
     result, within = [], False
     for line in listing.lines:
@@ -59,7 +59,7 @@ def _link(link: Hyperlink) -> str:
 
 
 def _c_comment(text: str, within: bool) -> tuple[int, int, bool]:
-    """Where the first comment of a line of C starts and stops, and whether it goes on in the next line."""
+    """The start and the end of the first comment of a line of C, and whether it goes on in the next line."""
     start = 0 if within else min((k for k in (text.find("/*"), text.find("//")) if k >= 0), default=len(text))
     if not within and text[start : start + 2] == "//":
         return start, len(text), False
@@ -69,7 +69,7 @@ def _c_comment(text: str, within: bool) -> tuple[int, int, bool]:
 
 
 def _hash(text: str) -> int:
-    """Where a comment behind # starts: at the first one outside of quotation marks."""
+    """The start of a comment: the first # outside of quotation marks."""
     quote = ""
     for k, c in enumerate(text):
         if quote:

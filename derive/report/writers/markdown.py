@@ -35,11 +35,11 @@ ROOM = 44.0
 """The width of a line of formulas, in em."""
 SIDES = {"l": "---", "r": "---:", "c": ":---:"}
 SAFER = {"\\{": "\\lbrace ", "\\}": "\\rbrace ", "\\,": "\\thinspace ", "\\\\": "\\cr ", "<": "\\lt ", ">": "\\gt "}
-"""What Markdown might take for its own, within a line, and the words for it."""
+"""LaTeX commands and signs that Markdown might interpret within a line, and their replacements."""
 
 
 def markdown(page: Page, pictures: str = "") -> str:
-    """The page as Markdown. Its pictures are words, or files of the folder `pictures`, which `picture_files` has."""
+    """The page as Markdown. Its pictures become words, or files in the folder `pictures` (see `picture_files`)."""
     head = [f"<!-- {MARK} -->", f"# {plain(page.title)}", *([text(page.subtitle)] if page.subtitle else [])]
     writer = _Writer(pictures, linked(page))
     return "\n\n".join([*head, *writer.blocks(page.blocks)]) + "\n"
@@ -64,7 +64,7 @@ def _pictures(blocks: Sequence[Block]) -> list[str]:
 
 
 class _Writer:
-    """Writes blocks; it counts the pictures and knows the anchors that links lead to."""
+    """A writer of blocks, which counts the pictures and knows the anchors that links lead to."""
 
     def __init__(self, folder: str, wanted: frozenset[str]) -> None:
         self._folder = folder
@@ -112,7 +112,7 @@ def _guarded(result: re.Match[str]) -> str:
 
 
 def plain(words: str) -> str:
-    """Text of which nothing is a mark of Markdown."""
+    """Text in which the marks of Markdown are escaped."""
     joined = " ".join(words.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").split("\n"))
     return re.sub(r"([\\`*_{}\[\]#|~$!])", r"\\\1", joined)
 
@@ -145,7 +145,7 @@ def _safer(shown: str) -> str:
 
 
 def _odd(words: str) -> str:
-    """A word within a formula, of which nothing is a mark of LaTeX, Markdown or HTML."""
+    """A word within a formula, in which the marks of LaTeX, Markdown and HTML are escaped."""
     return "".join(c if c.isalnum() or c in " .:;()/+=-" else "?" for c in words)
 
 

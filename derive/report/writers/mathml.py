@@ -35,7 +35,7 @@ SIGNS = {"-": "\u2212", "*": "⋅", "·": "⋅", "<=": "≤", ">=": "≥", "->":
 DOTS = ("", "˙", "¨", "˙˙˙")
 BREAKS = {"+", "-", "\u2212", "="}
 LONG = 10.0
-"""The width in em of a sum that may break."""
+"""The width (em) above which a sum within text may break."""
 TIGHT = {"∂", "δ", "\u2032", "d"}
 
 
@@ -77,7 +77,7 @@ def inside(formula: Formula) -> str:
 
 
 def mathml(formula: Formula, last: bool = True) -> str:
-    """A formula as one element; `last` says that nothing follows that could be taken for an argument's."""
+    """A formula as one element; `last`: nothing follows that could be read as a part of an argument."""
     match formula:
         case NumberToken(text):
             return _number(text)

@@ -10,7 +10,7 @@ LINK = "http://www.w3.org/1999/xlink"
 _DRAWING = """svg g defs title desc style path rect circle ellipse line polyline polygon text tspan use clipPath mask
 marker linearGradient radialGradient stop pattern symbol image"""
 _RASTER = "data:image/png;base64,"
-"""Where an image may be: in the picture itself."""
+"""The only allowed start of the address of an image: data in the picture itself."""
 _ADDRESS = re.compile(r"url\(\s*['\"]?(#?)([^)'\"]*)['\"]?\s*\)")
 
 
@@ -68,7 +68,7 @@ def scoped(style: str, scope: str) -> str:
 
 
 def _drop_foreign(root: ElementTree.Element) -> None:
-    """Take the name space from tags and links, and leave out what programs tell of themselves."""
+    """Remove the namespaces of tags and links, and the metadata that programs add about themselves."""
     for parent in list(root.iter()):
         for child in [item for item in parent if isinstance(item.tag, str) and item.tag == f"{{{SVG}}}metadata"]:
             parent.remove(child)
@@ -90,7 +90,7 @@ def _checked(element: ElementTree.Element) -> None:
 
 
 def _own(element: ElementTree.Element, anchor: str) -> None:
-    """Ids and addresses behind the anchor of the picture."""
+    """Prefix ids and addresses with the anchor of the picture."""
     for name, value in element.attrib.items():
         if name == "id":
             element.set(name, f"{anchor}-{value}")

@@ -56,7 +56,7 @@ def _list(parts: Sequence[str]) -> str:
 
 
 class _Writer:
-    """Writes blocks; it knows the names of all places, which links lead to."""
+    """A writer of blocks, which knows the names of all anchors that links lead to."""
 
     def __init__(self, names: Mapping[str, str]) -> None:
         self._names = names
@@ -110,7 +110,7 @@ class _Writer:
         return "".join(f"at({name})" for name in self._new([anchor]))
 
     def _new(self, anchors: Sequence[str]) -> list[str]:
-        """The names of anchors that have no place yet."""
+        """The names of those anchors that have not been written yet."""
         names = list(dict.fromkeys(self._names[item] for item in anchors if item))
         result = [name for name in names if name not in self._placed]
         self._placed.update(result)

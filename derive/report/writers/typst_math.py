@@ -42,7 +42,7 @@ def string(text: str) -> str:
 
 
 def typst_math(formula: Formula, last: bool = True) -> str:
-    """A formula within dollars of Typst; `last` says that nothing follows that could be taken for an argument's."""
+    """A formula within dollars of Typst; `last`: nothing follows that could be read as a part of an argument."""
     match formula:
         case NumberToken(text):
             return _number(text)
