@@ -3,30 +3,20 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 from warnings import warn
-
-import numpy as np
 
 from derive.artifacts import File
 from derive.backends.model_files import model_files as emitted_files
 from derive.derivation import derive, lower, lowered_form
 from derive.errors import SpecError, TisserandError
 from derive.ir.model import Model
-from derive.lowering.conditioning import condition_warnings
-from derive.lowering.spin_limit import spin_notes
 from derive.mechanics.equations import Equations
-from derive.mechanics.multibody.scene_notes import scene_notes
-from derive.spec.model.body import NodalBody
+from derive.notes.model_notes import build_notes
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.toml.read import read, warnings, with_lines
-
-if TYPE_CHECKING:
-    from derive.reduction import BodyProperties
-    from derive.reduction.arithmetic import Array
 
 
 @dataclass(frozen=True)
@@ -90,9 +80,7 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None, sensitiv
     progress("emitting C and Python")
     files = emitted_files(model, spec)
     emitting = Stage("emit", lap())
-    notes = (model.choice, *_of_body(spec)) if model.choice else _of_scene(model)
-    notes += (*spin_notes(spec), *(scene_notes(spec) if isinstance(spec, Scene) else ()))
-    notes += tuple(f"warning: {text}" for text in (*failure, *warnings(path), *condition_warnings(spec)))
+    notes = (*build_notes(spec, model), *(f"warning: {text}" for text in (*failure, *warnings(path))))
     return Built(spec, equations, model, files, (reading, deriving, lowering, *starting, emitting), notes)
 
 
@@ -136,75 +124,3 @@ def _with_start(spec: Specification, model: Model) -> tuple[Model, tuple[str, ..
     except TisserandError as error:
         reason = str(error).splitlines()[0]
         return model, (f"no function {model.name}_start, since there is no initial state: {reason}",)
-
-
-def _of_scene(model: Model) -> tuple[str, ...]:
-    """Return which coordinates of a scene are eliminated and why, and the size of its KKT matrix."""
-    if model.kkt is None:
-        return ()
-    size, entries = model.kkt.pattern.rows, model.kkt.pattern.full_nnz
-    solving = (
-        f"KKT matrix: {size} x {size}, {entries} non-zeros, fill-in of {model.kkt.fill}; accelerations and multipliers "
-        f"take {model.kernel('solve').operations} operations"
-    )
-    return (*(f"eliminated: {out.what}: {out.reason}" for out in model.eliminated), solving)
-
-
-def _of_body(spec: Specification) -> tuple[str, ...]:
-    """Return the properties of a finite-element body, in which errors of units show; how far its modes were from their
-    frame, and which of them have no stiffness."""
-    if not isinstance(spec, NodalBody):
-        return ()
-    from derive.reduction import body_properties, residuals, zero_stiffness_modes
-
-    notes = [*_of_properties(body_properties(spec)), *_of_geometric_stiffness(spec)]
-    frame = residuals(spec)
-    before, after = frame.before, frame.after
-    if spec.frame.kind != "point" and spec.modes != 0:
-        asked = "" if spec.frame.kind == "mean" else " (no condition of the frame as given)"
-        notes.append(
-            f"mean displacement of the modes (17): {before.displacement:.1e} of their size as given, "
-            f"{after.displacement:.1e} as used; mean rotation (19): {before.rotation:.1e}, {after.rotation:.1e}{asked}"
-        )
-    if modes := zero_stiffness_modes(spec):
-        numbers = ", ".join(map(str, modes))
-        notes.append(f"warning: mode {numbers} has no stiffness; check for loose parts and missing elements")
-    return tuple(notes)
-
-
-def _of_geometric_stiffness(spec: NodalBody) -> Iterator[str]:
-    """Yield which geometric stiffness matrices a body has, whether they are used, and which are taken as zero."""
-    data = spec.data
-    if not data.has_geometric_stiffness:
-        return
-    arrays = {"K0t": data.K0t, "K0r": data.K0r, "K0omega": data.K0omega, "K0F": data.K0F}
-    given = ", ".join(name for name, array in arrays.items() if array is not None)
-    if not spec.second_order:
-        yield f"warning: geometric stiffness {given} is left out, since order = 1"
-        return
-    missing = ", ".join(name for name, array in arrays.items() if array is None)
-    zero = f"; {missing}: not given, and taken as zero" if missing else ""
-    yield f"displacements of second order in the amplitudes, from geometric stiffness {given}{zero}"
-
-
-FIRST = 6
-"""The natural frequencies that `build` prints."""
-
-
-def _of_properties(body: BodyProperties) -> Iterator[str]:
-    """Yield the mass, centre of mass, inertia and first natural frequencies in words."""
-    centre = ", ".join(f"{x:.4g}" for x in _rounded(body.centre, float(np.sqrt(np.trace(body.inertia) / body.mass))))
-    inertia = _rounded(body.inertia, float(np.trace(body.inertia)))
-    moments = ", ".join(f"{inertia[a, a]:.4g}" for a in range(3))
-    products = ", ".join(f"{inertia[a, b]:.4g}" for a, b in ((0, 1), (0, 2), (1, 2)))
-    yield f"mass {body.mass:.6g} kg; centre of mass at ({centre}) m"
-    yield f"inertia about the centre of mass: J11, J22, J33 = {moments} kg m^2; J12, J13, J23 = {products} kg m^2"
-    if len(body.frequencies):
-        first = ", ".join(f"{f:.5g}" for f in body.frequencies[:FIRST])
-        more = f" and {len(body.frequencies) - FIRST} more" if len(body.frequencies) > FIRST else ""
-        yield f"natural frequencies of the free body: {first} Hz{more}"
-
-
-def _rounded(values: Array, size: float) -> Array:
-    """Values without those that are rounding errors of numbers of that size."""
-    return np.where(np.abs(values) > 1e-12 * size, values, 0.0)

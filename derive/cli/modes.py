@@ -11,7 +11,7 @@ import numpy as np
 from derive.artifacts import BinaryFile, File, check_folder, write
 from derive.cli.specifications import read_changed
 from derive.errors import SpecError
-from derive.lowering.conditioning import condition_warnings
+from derive.notes.conditioning import condition_warnings
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.linear.eigenmodes import ComplexVector, Mode
 from derive.simulation.linear.mode_files import mode_files, modes_data

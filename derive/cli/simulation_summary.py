@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from derive.lowering.conditioning import condition_warnings
+from derive.notes.conditioning import condition_warnings
 from derive.percentages import percent
 from derive.simulation.body_trajectory import BodyTrajectory
 from derive.simulation.observables.plots import PlotCurve, plot_text, with_unit

@@ -12,9 +12,7 @@ from derive.derivation import derive, lower
 from derive.errors import Problem, SpecError
 from derive.generated_models import generated
 from derive.ir.model import Model, StartState, Variable
-from derive.lowering.conditioning import condition_warnings
-from derive.lowering.spin_limit import spin_notes
-from derive.mechanics.multibody.scene_notes import scene_notes
+from derive.notes.model_notes import limits
 from derive.simulation.body_run import initial_vectors
 from derive.simulation.free_beam import beam_scene
 from derive.simulation.initial.start_state import start_state
@@ -157,6 +155,4 @@ def _notes(spec: Scene | NodalBody) -> Iterator[str]:
         for value in spec.inputs:
             if value.function is None:
                 yield f"inputs.{value.name}: there is no value; it is 0 in the initial state, and the host sets it"
-        yield from scene_notes(spec)
-    yield from spin_notes(spec)
-    yield from (f"warning: {text}" for text in condition_warnings(spec))
+    yield from limits(spec)

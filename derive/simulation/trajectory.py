@@ -10,7 +10,7 @@ from typing import Any
 
 from derive.errors import TisserandError
 from derive.ir.model import Model
-from derive.mechanics.multibody.scene_notes import scene_notes
+from derive.notes.scene_notes import scene_notes
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import derive
-from derive.mechanics.multibody.scene_notes import scene_notes
+from derive.notes.scene_notes import scene_notes
 
 BODY = {"mass": 1, "inertia": 1, "markers": {"a": [0, 0], "b": [1, 0]}}
 HINGE = {"kind": "revolute", "between": ["ground.o", "one.a"]}

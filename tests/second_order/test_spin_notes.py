@@ -11,7 +11,7 @@ import pytest
 from steady_spin import beam_of
 
 from conftest import ROOT
-from derive.lowering.spin_limit import spin_limits, spin_notes
+from derive.notes.spin_limit import spin_limits, spin_notes
 from derive.pipeline import build
 from derive.spec.model.body import AttachedMass, AxialDeformation
 from derive.spec.model.quantity import Parameter

@@ -15,7 +15,7 @@ from scipy.linalg import eigh
 from steady_spin import beam_of, bending_frequencies, critical_spin, free_beam
 
 import derive
-from derive.lowering.spin_limit import spin_limits
+from derive.notes.spin_limit import spin_limits
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.linear.linearisation import linearise
 

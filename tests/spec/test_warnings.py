@@ -9,7 +9,7 @@ import pytest
 
 from conftest import ROOT
 from derive.cli.main import main
-from derive.lowering.conditioning import condition_warnings, shape_condition
+from derive.notes.conditioning import condition_warnings, shape_condition
 from derive.spec.construction import planar_beam
 from derive.spec.parsing.units import UnknownUnit, unit_size
 from derive.spec.toml.read import warnings
@@ -131,6 +131,6 @@ def test_build_prints_the_warning_on_the_condition(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """With a limit that three shapes exceed, so that the model is small."""
-    monkeypatch.setattr("derive.lowering.conditioning.ILL_CONDITIONED", 10)
+    monkeypatch.setattr("derive.notes.conditioning.ILL_CONDITIONED", 10)
     assert main(["build", str(ROOT / "scenes/free_beam_point.toml"), "--out", str(tmp_path)]) == 0
     assert "warning: the mass matrix of free_beam_point has a condition number of 2e+01" in capsys.readouterr().out

@@ -1,0 +1,72 @@
+"""Notes on a body given by its nodes: its properties, in which errors of units show, and its modes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from derive.spec.model.body import NodalBody
+
+if TYPE_CHECKING:
+    from derive.reduction import BodyProperties
+    from derive.reduction.arithmetic import Array
+
+
+def body_notes(spec: NodalBody) -> tuple[str, ...]:
+    """Return the properties of a finite-element body, in which errors of units show; how far its modes were from their
+    frame, and which of them have no stiffness."""
+    from derive.reduction import body_properties, residuals, zero_stiffness_modes
+
+    notes = [*_of_properties(body_properties(spec)), *_of_geometric_stiffness(spec)]
+    frame = residuals(spec)
+    before, after = frame.before, frame.after
+    if spec.frame.kind != "point" and spec.modes != 0:
+        asked = "" if spec.frame.kind == "mean" else " (no condition of the frame as given)"
+        notes.append(
+            f"mean displacement of the modes (17): {before.displacement:.1e} of their size as given, "
+            f"{after.displacement:.1e} as used; mean rotation (19): {before.rotation:.1e}, {after.rotation:.1e}{asked}"
+        )
+    if modes := zero_stiffness_modes(spec):
+        numbers = ", ".join(map(str, modes))
+        notes.append(f"warning: mode {numbers} has no stiffness; check for loose parts and missing elements")
+    return tuple(notes)
+
+
+def _of_geometric_stiffness(spec: NodalBody) -> Iterator[str]:
+    """Yield which geometric stiffness matrices a body has, whether they are used, and which are taken as zero."""
+    data = spec.data
+    if not data.has_geometric_stiffness:
+        return
+    arrays = {"K0t": data.K0t, "K0r": data.K0r, "K0omega": data.K0omega, "K0F": data.K0F}
+    given = ", ".join(name for name, array in arrays.items() if array is not None)
+    if not spec.second_order:
+        yield f"warning: geometric stiffness {given} is left out, since order = 1"
+        return
+    missing = ", ".join(name for name, array in arrays.items() if array is None)
+    zero = f"; {missing}: not given, and taken as zero" if missing else ""
+    yield f"displacements of second order in the amplitudes, from geometric stiffness {given}{zero}"
+
+
+FIRST = 6
+"""The natural frequencies that `build` prints."""
+
+
+def _of_properties(body: BodyProperties) -> Iterator[str]:
+    """Yield the mass, centre of mass, inertia and first natural frequencies in words."""
+    centre = ", ".join(f"{x:.4g}" for x in _rounded(body.centre, float(np.sqrt(np.trace(body.inertia) / body.mass))))
+    inertia = _rounded(body.inertia, float(np.trace(body.inertia)))
+    moments = ", ".join(f"{inertia[a, a]:.4g}" for a in range(3))
+    products = ", ".join(f"{inertia[a, b]:.4g}" for a, b in ((0, 1), (0, 2), (1, 2)))
+    yield f"mass {body.mass:.6g} kg; centre of mass at ({centre}) m"
+    yield f"inertia about the centre of mass: J11, J22, J33 = {moments} kg m^2; J12, J13, J23 = {products} kg m^2"
+    if len(body.frequencies):
+        first = ", ".join(f"{f:.5g}" for f in body.frequencies[:FIRST])
+        more = f" and {len(body.frequencies) - FIRST} more" if len(body.frequencies) > FIRST else ""
+        yield f"natural frequencies of the free body: {first} Hz{more}"
+
+
+def _rounded(values: Array, size: float) -> Array:
+    """Values without those that are rounding errors of numbers of that size."""
+    return np.where(np.abs(values) > 1e-12 * size, values, 0.0)
