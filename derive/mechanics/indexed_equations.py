@@ -157,7 +157,7 @@ def _shape_row() -> EquationOfMotion:
 
 
 def _zero_entries(tables: tuple[CoefficientTable, ...]) -> zeros.Reasons:
-    """The entries of tables that vanish for every shape, with the reasons."""
+    """The entries of tables that vanish for every shape, with their reasons."""
     reasons: zeros.Reasons = {}
     for t in tables:
         vanishing = dict(t.zeros)
@@ -216,7 +216,7 @@ class _Sums:
             self.reasons[indexed_sum.symbol] = tuple(dict.fromkeys(behind))
 
     def _entry(self, symbol: Symbol, behind: list[tuple[sp.Symbol, str]]) -> sp.Expr:
-        """An integral or an earlier sum, zero if it vanishes."""
+        """The symbol of an integral or of an earlier sum; zero if it vanishes."""
         if symbol in self.reasons:
             behind += self.reasons[symbol]
             return sp.S.Zero

@@ -53,7 +53,7 @@ def beam_stiffness(beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ..
 
 
 def stiffness_units(beam: PlanarBeam, pieces: int = 1) -> dict[int, sp.Expr]:
-    """What the entries are rational multiples of, by the axis of their fields: EA/l and EI/l^3, in N/m."""
+    """The units of which the entries are rational multiples, by the axis of their fields: EA/l and EI/l^3, in N/m."""
     length = quantity.value(beam.length) / pieces
     units = {2: quantity.value(beam.bending_stiffness) / length**3}
     return units | ({1: quantity.value(beam.axial.stiffness) / length} if beam.axial else {})

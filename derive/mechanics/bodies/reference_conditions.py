@@ -33,7 +33,7 @@ from derive.spec.model.body import FAMILY_FRAMES, AssumedDeflection, Ends, Frame
 
 
 class ConditionError(TisserandError):
-    """An ansatz and a frame that do not define a set of assumed modes; `problems` lists a text for each fault."""
+    """An ansatz and a frame do not define a set of assumed modes; `problems` lists a text for each fault."""
 
     def __init__(self, problems: Iterable[str]) -> None:
         self.problems = tuple(problems)
@@ -42,7 +42,7 @@ class ConditionError(TisserandError):
 
 @dataclass(frozen=True)
 class MeanCondition:
-    """The mean of xi^power v over the beam vanishes; `equation` is its number in the paper."""
+    """The condition that the mean of xi^power v over the beam vanishes; `equation` is its number in the paper."""
 
     power: int
     equation: str
@@ -59,7 +59,7 @@ class MeanCondition:
 
 @dataclass(frozen=True)
 class PointCondition:
-    """v, or its derivative of some order, vanishes at a point."""
+    """The condition that v, or its derivative of some order, vanishes at a point."""
 
     order: int
     at: Fraction
@@ -92,7 +92,7 @@ def conditions(frame: Frame) -> tuple[Condition, ...]:
 
 
 def end_conditions(ends: Ends | None) -> tuple[Condition, ...]:
-    """What shapes fulfil at both ends: v'' = 0 where they are pinned, v'' = v''' = 0 where they are free.
+    """The conditions of shapes at both ends: v'' = 0 where they are pinned, v'' = v''' = 0 where they are free.
 
     A pinned end has no bending moment, and a free one no shear force either.
     """

@@ -17,7 +17,7 @@ import sympy as sp
 from derive.mechanics.bodies.beam_functions import LEFT, ONE, RIGHT, XI, BeamFunction, rational
 
 RIGID = {1: (ONE,), 2: (ONE, XI)}
-"""The rigid fields along and across the axis; as many derivatives, from 0 on, are continuous at a cut."""
+"""The rigid fields along and across the axis; their number is that of continuous derivatives, from 0, at a cut."""
 
 
 def deformation_mass(shapes: Sequence[BeamFunction], axis: int, pieces: int) -> sp.Matrix:
@@ -40,7 +40,7 @@ def deformation_mass(shapes: Sequence[BeamFunction], axis: int, pieces: int) -> 
 
 
 def _displacements(shapes: Sequence[BeamFunction], rigid: Sequence[BeamFunction], pieces: int) -> Iterator[sp.Matrix]:
-    """Of each piece, in a column for each amplitude of the rod, the factors of its rigid fields and its shapes.
+    """For each piece, the factors of its rigid fields and its shapes, with a column for each amplitude of the rod.
 
     The first piece has no rigid motion: that of the whole rod is taken away from the mass matrix.
     """
@@ -61,7 +61,7 @@ def _at_cut(functions: Sequence[BeamFunction], end: Fraction, rigid: Sequence[Be
 
 
 def _rigid_motion(rigid: int, shapes: int, pieces: int, k: int) -> sp.Matrix:
-    """The rigid fields of the whole rod, a column each, as factors of the fields of piece k.
+    """The rigid fields of the whole rod as factors of the fields of piece k, a column each.
 
     With X of the rod and xi of the piece, both from -1 to 1, X = (2 k + 1 - pieces + xi)/pieces.
     """

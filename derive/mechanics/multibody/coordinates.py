@@ -1,4 +1,4 @@
-"""Minimal coordinates: the coordinates of a free body as functions of its coordinates in a mechanism.
+"""Minimal coordinates: the coordinates of a free body as functions of the coordinates it has in a mechanism.
 
 A joint to the ground, or to a body with a prescribed motion, eliminates coordinates of a rigid body. A flexible body
 keeps all of its coordinates, because the joint constrains a point of it, whose position depends on all of them.
@@ -113,7 +113,7 @@ def _origin(name: str, motion: Motion, at: PointMotion) -> tuple[dict[sp.Basic, 
 
 
 def _named(name: str, symbol: sp.Symbol, value: sp.Expr, doc: str) -> tuple[sp.Expr, list[Intermediate]]:
-    """The value itself if it is a number or a symbol; otherwise a new symbol, and its definition."""
+    """Return a number or a symbol as it is, and for another value a new symbol with its definition."""
     if value.is_Rational or value.is_Symbol:
         return value, []
     new = owned(symbol, name)

@@ -1,4 +1,4 @@
-"""What a type of output declares: its keys, its components with their units, and their expressions."""
+"""The base class of the types of outputs: their keys, and their components with units and expressions."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class OutputType(ABC):
 
     @abstractmethod
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """The components of the output `name` from the values of its keys."""
+        """Return the components of the output `name` from the values of its keys."""
 
 
 @dataclass(frozen=True)
