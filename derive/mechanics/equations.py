@@ -115,7 +115,7 @@ class Equations:
         return self.body is not None and self.body.truncated
 
     def expanded(self) -> Equations:
-        """The same equations with all sums over the modes expanded, and one row for each mode."""
+        """Return the equations with all sums over the modes expanded, and one row for each mode."""
         return self._expanded if self.indexed else self
 
     @cached_property

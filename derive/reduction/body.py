@@ -174,7 +174,7 @@ def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...
 
 
 def _doc(body: NodalBody, prepared: Prepared) -> str:
-    """The description of the body in words."""
+    """The description of the body and its frame."""
     kind = {"mean": "mean frame", "point": "frame at a node", "given": "frame of the modes as given"}[body.frame.kind]
     parts = [f"body of {len(prepared.raw.x)} nodes with {len(prepared.shapes.phi)} modes, {kind}"]
     if prepared.shapes.around:

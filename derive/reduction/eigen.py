@@ -120,7 +120,7 @@ def _sparse_eigenvectors(k: csr_array, m: csr_array, shift: float, count: int) -
 
 
 def _indefinite(value: float, vector: Array, largest: float, k: csr_array, m: csr_array) -> Problem:
-    """The fault of a K + shift M with the lowest eigenvalue `value` and its vector."""
+    """The fault of an indefinite K + shift M with the lowest eigenvalue `value` and its vector."""
     if value > -1e-12 * float(largest):
         return _unconstrained_node(k, m, int(np.argmax(np.abs(vector))) // 3)
     message = f"the stiffness has a negative eigenvalue ({value:.3g}): check its sign and symmetry"

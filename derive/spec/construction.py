@@ -1,4 +1,4 @@
-"""Specifications built in Python: typed values or mappings, with the keys, the defaults and the checks of a TOML file.
+"""Specifications built in Python from typed values or mappings, with the keys, defaults and checks of a TOML file.
 
 Every function raises SpecError with all that is wrong; paths are those of a TOML file, without lines.
 """

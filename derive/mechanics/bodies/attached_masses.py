@@ -51,7 +51,7 @@ class LocatedMass:
     strains: tuple[sp.Expr, ...]
 
     def rotation(self, i: int) -> sp.Expr:
-        """The rotation that goes with phi for i = 0, or with alpha_i; displacements along the axis turn no section."""
+        """The factor of alpha_i (of phi for i = 0) in the rotation of the section; zero for stretching."""
         if i == 0:
             return sp.S.One
         return self.rotations[i - 1] if i <= len(self.rotations) else sp.S.Zero

@@ -60,7 +60,7 @@ def stiffness_units(beam: PlanarBeam, pieces: int = 1) -> dict[int, sp.Expr]:
 
 
 def preload_constants(beam: PlanarBeam) -> Iterator[ModelConstant]:
-    """N int dchi_k/dx dx (N) of each shape: its generalised force; none without an axial force at rest."""
+    """The generalised forces N int dchi_k/dx dx (N) of the axial force at rest; none without such a force."""
     if beam.axial is None or beam.axial.preload == 0:
         return
     force = quantity.value(beam.axial.preload, positive=False)

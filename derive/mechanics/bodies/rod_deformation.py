@@ -21,7 +21,7 @@ RIGID = {1: (ONE,), 2: (ONE, XI)}
 
 
 def deformation_mass(shapes: Sequence[BeamFunction], axis: int, pieces: int) -> sp.Matrix:
-    """The mass matrix over the mass of the rod, exact; amplitudes are counted through the pieces from left to right.
+    """The exact mass matrix divided by the mass of the rod; amplitudes are counted through the pieces from the left.
 
     shapes: those of each piece that displace it along the axis (1) or across it (2).
     """
@@ -56,7 +56,7 @@ def _displacements(shapes: Sequence[BeamFunction], rigid: Sequence[BeamFunction]
 
 
 def _at_cut(functions: Sequence[BeamFunction], end: Fraction, rigid: Sequence[BeamFunction]) -> sp.Matrix:
-    """What is continuous at a cut, a row each: the values of functions at an end, and across the axis their slopes."""
+    """The continuous quantities at a cut by rows: values of functions at an end, and across the axis slopes as well."""
     return sp.Matrix([[rational(f.derivative(d).at(end)) for f in functions] for d in range(len(rigid))])
 
 

@@ -39,7 +39,7 @@ def family_shapes(family: ShapeFamily) -> tuple[BeamFunction, ...]:
 
 
 def _pinned(n: int) -> BeamFunction:
-    """sin(n pi/2) cos(n pi xi/2) + cos(n pi/2) sin(n pi xi/2), of which one factor is zero and the other 1 or -1."""
+    """The shape sin(n pi/2) cos(n pi xi/2) + cos(n pi/2) sin(n pi xi/2): one factor is zero, the other 1 or -1."""
     k = WaveNumber("pi/2", ARITHMETIC.pi / 2)
     wave = _even(k, n, imaginary=True) if n % 2 else _odd(k, n, imaginary=True)
     return wave if n % 4 in (0, 1) else -wave

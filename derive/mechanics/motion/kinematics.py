@@ -118,5 +118,5 @@ class MovingFrame:
         return tuple(add({f: tensor.diff(w) for f, tensor in self.velocity.items()}) for w in self.omega)
 
     def deformation(self) -> Field:
-        """Q^T (delta x - delta c) of (6) for a unit variation of alpha_i: in the velocity, rdot becomes Phi_i."""
+        """The virtual displacement Q^T (delta x - delta c) of (6) for unit variation of alpha_i: rdot becomes Phi_i."""
         return {PHI: self.velocity[RDOT]}

@@ -40,7 +40,7 @@ class Tangents:
 
 
 def tangent_vectors(motion: Motion, point: MaterialPoint, name: Callable[[int, int], Symbol]) -> Tangents:
-    """dr/dalpha_i = Phi_i + sum alpha_j Psi_ij at a point; the components that move are symbols, by shape and axis."""
+    """Return dr/dalpha_i = Phi_i + sum alpha_j Psi_ij at a point; variable components become symbols, by i and axis."""
     vectors, definitions = [], []
     for i, shape in enumerate(point.shapes, 1):
         tangent = sp.Matrix(shape)

@@ -226,7 +226,7 @@ class _Assembly:
         return replace(joint, values=values)
 
     def _located(self, marker: MarkerRef) -> MarkerRef:
-        """A marker of a body as that of a component; other names are those of components or of the ground already."""
+        """The marker of a component for a marker of a body; markers of components or the ground are unchanged."""
         body = self.bodies.get(marker.body)
         if body is None or marker.marker not in {m.name for m in body.markers}:
             return marker

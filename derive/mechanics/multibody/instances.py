@@ -170,7 +170,7 @@ def _coefficient(group: str, c: ModelConstant) -> ModelConstant:
 def _definitions(
     name: str, definitions: tuple[Intermediate, ...], change: Symbols, point: str = ""
 ) -> list[Intermediate]:
-    """Definitions under names of the scene; `change` learns them, and numbers for those that are constant here."""
+    """Definitions under names of the scene; `change` receives their symbols, or the values of constant ones."""
     result = []
     for d in definitions:
         if d.zero:

@@ -51,7 +51,7 @@ class PointMotion:
         return not any((*self.velocity, *self.acceleration, self.angular_velocity, self.angular_acceleration))
 
     def replaced(self, by: Mapping[sp.Basic, sp.Basic]) -> PointMotion:
-        """The same motion in other symbols; `definitions` do not change."""
+        """Return the motion in other symbols; `definitions` do not change."""
 
         def change(expr: sp.Expr) -> sp.Expr:
             return expr.xreplace(by)

@@ -150,7 +150,7 @@ class SceneMechanics:
         return sp.Matrix(self.point(marker).position)
 
     def _support(self, support: EliminatedJoint) -> Resultant:
-        """What a joint that has eliminated coordinates exerts on the body it supports, about its marker there."""
+        """The force of a joint that has eliminated coordinates on its supported body; torque about its marker."""
         body, about = support.own.body, self.position(support.own)
         loads = self.loads(lambda marker: marker.body == body, about, without=support.joint.name)
         return self.inertia(body, about) + -loads

@@ -44,7 +44,7 @@ def _choice(switch: sp.Expr) -> Select | None:
 
 
 def _sides(difference: sp.Expr, below: sp.Expr, above: sp.Expr) -> Select | None:
-    """A choice by the sign of a difference that is linear in t; where the sign of its slope is open, of two such."""
+    """A choice by the sign of a difference that is linear in t; two choices if the sign of its slope is unknown."""
     linear = linear_in_t(difference)
     if linear is None:
         return None

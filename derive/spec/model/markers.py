@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from derive.spec.model.quantity import Quantity
 
 GROUND = "ground"
-"""The name under which joints and forces speak of the inertial base."""
+"""The name by which joints and forces refer to the inertial frame."""
 
 
 @dataclass(frozen=True)

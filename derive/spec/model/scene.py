@@ -27,7 +27,7 @@ NAMED = {
     "inputs": "input",
     "outputs": "output",
 }
-"""The tables of a scene whose elements have names, and what one element is called."""
+"""The sections of a scene whose elements have names, with the noun for one element."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class SceneInput:
 
 SceneStart = Literal["equilibrium"]
 EQUILIBRIUM: SceneStart = "equilibrium"
-"""The initial state of a scene is its static equilibrium."""
+"""The value of `start` for which the initial state of a scene is its static equilibrium."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class JointInitialValues:
 
     @property
     def coordinate(self) -> float | None:
-        """The angle or the displacement."""
+        """The given angle or displacement."""
         return self.displacement if self.angle is None else self.angle
 
 
@@ -116,7 +116,7 @@ class BeamBody:
 
     @property
     def markers(self) -> tuple[Marker, ...]:
-        """Those of the whole rod."""
+        """The markers of the whole rod."""
         return self.beam.markers
 
 
@@ -173,7 +173,7 @@ class Drive:
 
     @property
     def constant_speed(self) -> Quantity | None:
-        """The speed where it is a number or a parameter; None where a function of t is given."""
+        """The speed if it is a number or a parameter; None for a function of t."""
         return None if isinstance(self.speed, TimeFunction) else self.speed
 
 
@@ -201,10 +201,10 @@ class Scene:
 
 
 Specification = PlanarBeam | NodalBody | SymbolicBody | Scene
-"""What `read` returns and `derive` takes: a body alone, or a scene of bodies."""
+"""The types that `read` returns and `derive` takes: a body alone, or a scene of bodies."""
 
 
 def check_specification(spec: object) -> None:
-    """Raise TypeError if this is no specification, such as the path of one."""
+    """Raise TypeError if the argument is not a specification, for example the path of a file."""
     if not isinstance(spec, Specification):
         raise TypeError(f"a specification is needed, not {type(spec).__name__}; read a file with derive.read(...)")

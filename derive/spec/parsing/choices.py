@@ -36,7 +36,7 @@ def frame_kind(value: object) -> FrameKind:
 
 
 def ends(value: object) -> Ends:
-    """What shapes fulfil at the ends of a beam."""
+    """The conditions on shapes at the ends of a beam."""
     return choice(value, ENDS, "`ends`")
 
 
@@ -46,7 +46,7 @@ def family_kind(value: object) -> FamilyKind:
 
 
 def second_order_terms(value: object) -> str:
-    """Which terms a beam of order 2 keeps."""
+    """The terms that a beam of order 2 keeps."""
     return choice(value, SECOND_ORDER_TERMS, "terms")
 
 
@@ -61,5 +61,5 @@ def symbolic_frame(value: object) -> SymbolicFrame:
 
 
 def lowering(value: object) -> Lowering:
-    """How the integrals become code."""
+    """The lowering that is specified, such as flat or table."""
     return choice(value, LOWERINGS, "the lowering")

@@ -1,4 +1,4 @@
-"""Conditions on the columns of a trajectory, such as "rod_phi > pi/2", read by a parser that knows nothing else."""
+"""Conditions on the columns of a trajectory, such as "rod_phi > pi/2", read by a parser that accepts nothing else."""
 
 from __future__ import annotations
 

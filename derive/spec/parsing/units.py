@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from derive.errors import TisserandError
 
 Dimension = tuple[int, int, int]
-"""The powers of length, mass and time."""
+"""A dimension: the powers of length, mass and time."""
 
 PREFIXABLE: dict[str, tuple[float, Dimension]] = {
     "m": (1.0, (1, 0, 0)),
@@ -46,7 +46,7 @@ _NO_OPERATOR = ("*", ".", "/", ")", "^", "**", "-", None)
 
 
 class UnknownUnit(TisserandError):
-    """A text that is no unit of this list."""
+    """A text is not a unit that this module knows."""
 
 
 @dataclass(frozen=True)

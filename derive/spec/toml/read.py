@@ -1,4 +1,4 @@
-"""Reads specifications from TOML; every fault is reported at once, with its line."""
+"""Reading of specifications from TOML; all faults are reported at once, with their lines."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def read(path: str | os.PathLike[str]) -> Specification:
 
 
 def parse(text: str, source: str | None = None) -> Specification:
-    """What a TOML text specifies; `source` is the file that errors show, and beside which others are."""
+    """The specification in a TOML text; `source` is the file that errors show and to which other paths are relative."""
     data = _data(text, source)
     # pydantic is imported only when there is something to check, so that the command line answers at once.
     from derive.spec.checks.validation import validate
@@ -44,7 +44,7 @@ def parse(text: str, source: str | None = None) -> Specification:
 
 
 def warnings(path: str | os.PathLike[str], changed: Collection[str] = ()) -> tuple[str, ...]:
-    """The warnings on the specification of a TOML file without faults, each with its file, its line and its key.
+    """The warnings on the specification of a valid TOML file, each with its file, its line and its key.
 
     changed: keys that have got other values since, on which there are no warnings.
     """
@@ -75,7 +75,7 @@ def _text(source: str) -> str:
 
 
 def with_lines(error: SpecError, path: Path) -> SpecError:
-    """An error that knows its keys, with the file it is in and the lines there."""
+    """The error with its file, and with the lines of its keys."""
     known = lines(path.read_text(encoding="utf-8-sig"))
     problems = (replace(p, line=line_of(tuple(p.path.split(".")), known)) for p in error.problems)
     return SpecError(tuple(sorted(problems, key=lambda p: p.line or 0)), str(path))

@@ -94,7 +94,7 @@ class BeamSection:
         return self._damped(3, "damping_slope", "derivative of the moment of the damping", "N s/m")
 
     def _damped(self, order: int, label: str, doc: str, unit: str) -> sp.Expr:
-        """What the damping adds to a derivative of the deflection, times EI."""
+        """The moment of the damping (order 2) or its slope (3): EI d^n v/dx^n with the amplitudes K^-1 B alphadot."""
         beam, total = self.rod.beam, sp.S.Zero
         if beam.damping is None:
             return total
