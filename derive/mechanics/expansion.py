@@ -206,7 +206,7 @@ def _mass_zeros(
 ) -> tuple[tuple[int, int, Reason], ...]:
     """The row, column and reason of each structural zero of the mass matrix (lower triangle).
 
-    absent: what the terms leave out.
+    absent: the entries that the terms leave out.
     """
     full = _mass_matrix(motion, complete)
     n = len(motion.rows)

@@ -94,7 +94,7 @@ class Intermediate:
 
     `section` names the part of a kernel that computes it; `zero` is the reason if it vanishes, otherwise None.
     `divisor` is an earlier definition that has to be positive for this one to exist, otherwise None; `divisor_text`
-    says what is wrong where it is not.
+    is the message where it is not.
     """
 
     symbol: sp.Symbol

@@ -39,9 +39,9 @@ from derive.spec.model.body import Damping, NodalBody
 class Prepared:
     """The result of `prepare`: everything from which `reduce` computes integrals.
 
-    mass: the canonical mass matrix (nodes, nodes). raw: the modes as given or computed. framed: the same in the body
-    frame. shapes: those made orthonormal and symmetric. parities: those of `shapes`. orthonormal: whether c8 of
-    `shapes` is the unit matrix.
+    mass: the canonical mass matrix (nodes, nodes). raw: the modes as given or computed. framed: the modes in the
+    body frame. shapes: the modes made orthonormal and symmetric. parities: the parities of `shapes`. orthonormal:
+    whether c8 of `shapes` is the unit matrix.
     """
 
     mass: csr_array

@@ -238,7 +238,7 @@ def _rotations(x: Array, rigid: Array) -> Array:
 def _of_rotations(theta: Array, shapes: Array, position: Array) -> Array:
     """The terms theta_i x Phi_j + theta_j x Phi_i - 1/2 {theta_i x (theta_j x X) + theta_j x (theta_i x X)}, (N, N, 3).
 
-    theta (N, 3); shapes (N, 3): the values of the modes Phi, or their moments; position (3,): that of X.
+    theta (N, 3); shapes (N, 3): the values of the modes Phi, or their moments; position (3,): the same of X.
     """
     first, second = theta[:, None], theta[None]
     turned = np.cross(first, shapes[None]) - np.cross(first, np.cross(second, position)) / 2

@@ -48,7 +48,7 @@ def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetVa
     symbol; a number that may be a parameter becomes one, so that the model does not depend on its value; any other
     value is replaced.
 
-    Raises SpecError with all unknown names, or with what is wrong with the values.
+    Raises SpecError with all unknown names, or with all faults of the values.
     """
     tables = specification_tables(spec)
     known = dict(_values(tables, ()))
@@ -95,7 +95,7 @@ def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetVa
 def _without_unused(spec: S, tables: Any, assignments: Mapping[str, str]) -> tuple[S, list[KeyPath]]:
     """The specification without those parameters of functions that no function uses any more, and their paths.
 
-    Raises SpecError with what is wrong; also with parameters that nothing uses and that the assignments set.
+    Raises SpecError with all faults, among them parameters that nothing uses and that the assignments set.
     """
     try:
         return validated_tables(spec, tables), []
@@ -114,7 +114,7 @@ def _without_unused(spec: S, tables: Any, assignments: Mapping[str, str]) -> tup
 def _added(spec: Specification, tables: Mapping[str, Any], name: str, new: Any) -> Any:
     """The tables with a value for an optional key that is not given yet.
 
-    None if there is no such table, and what is wrong if the table knows no such key.
+    The result is None if there is no such table, and the fault if the table has no such key.
     """
     *parents, key = name.split(".")
     table: Any = tables

@@ -172,8 +172,8 @@ def point_that_sees(
 ) -> MaterialPoint:
     """A point that moves like the beam, or one of its pieces, at a position or in the mean over some part.
 
-    docs: of the point and of its position; value: what the point sees of a function of xi; zero: why its position
-    vanishes if it does.
+    docs: the descriptions of the point and of its position; value: evaluates a function of xi at the point; zero: the
+    reason if its position vanishes.
     """
     shapes = displacement_fields(beam)
     length = quantity.value(beam.length) / pieces

@@ -101,7 +101,7 @@ class BeamFunction:
 
     @property
     def real_terms(self) -> tuple[RealTerm, ...]:
-        """The same function in doubles, for texts and drawings; conjugate exponentials are one cosine and sine."""
+        """The terms of the function in doubles, for texts and drawings; conjugate exponentials are merged."""
         return tuple(self._real_terms())
 
     def _real_terms(self) -> Iterator[RealTerm]:

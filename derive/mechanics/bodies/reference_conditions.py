@@ -164,7 +164,7 @@ def piece_deflection(
 ) -> PieceDeflection | None:
     """The part of a deflection on piece k, from 0, of `pieces` of equal length; None if the shapes cannot describe it.
 
-    deflection: a polynomial in xi of the whole beam; shapes: those of a piece, which hold no rigid motion.
+    deflection: a polynomial in xi of the whole beam; shapes: the shapes of a piece, which contain no rigid motion.
     """
     local = on_piece(deflection, pieces, k)
     exact = [shape for shape in shapes if shape.is_exact]  # a polynomial holds nothing of the others

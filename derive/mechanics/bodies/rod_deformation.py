@@ -23,7 +23,7 @@ RIGID = {1: (ONE,), 2: (ONE, XI)}
 def deformation_mass(shapes: Sequence[BeamFunction], axis: int, pieces: int) -> sp.Matrix:
     """The exact mass matrix divided by the mass of the rod; amplitudes are counted through the pieces from the left.
 
-    shapes: those of each piece that displace it along the axis (1) or across it (2).
+    shapes: the shapes of each piece that displace it along the axis (1) or across it (2).
     """
     rigid = RIGID[axis]
     fields = (*rigid, *shapes)
@@ -42,7 +42,7 @@ def deformation_mass(shapes: Sequence[BeamFunction], axis: int, pieces: int) -> 
 def _displacements(shapes: Sequence[BeamFunction], rigid: Sequence[BeamFunction], pieces: int) -> Iterator[sp.Matrix]:
     """For each piece, the factors of its rigid fields and its shapes, with a column for each amplitude of the rod.
 
-    The first piece has no rigid motion: that of the whole rod is taken away from the mass matrix.
+    The first piece has no rigid motion: the rigid motion of the whole rod is removed from the mass matrix.
     """
     n = len(shapes)
     motion = sp.zeros(len(rigid), n * pieces)

@@ -87,7 +87,7 @@ class Motion:
     def definitions_without(self, reasons: zeros.Reasons) -> tuple[tuple[Intermediate, ...], zeros.Reasons]:
         """The definitions without their vanishing parts, and the reasons of all symbols that vanish.
 
-        reasons: of all symbols that vanish; those of the vanished moments are added to those that are returned.
+        reasons: the reasons of the symbols that vanish; the result contains those of the vanished moments as well.
         """
         known, result = dict(reasons), list(self.named)
         for s, i in _every(self.moment_sums, len(self.alpha)):

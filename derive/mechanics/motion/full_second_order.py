@@ -36,7 +36,7 @@ def field_weight(p: int, i: int, j: int) -> sp.Symbol:
 class DependentAmplitudes:
     """The amplitudes of the fields theta_p, of which there may be none, as functions of those of the shapes.
 
-    motion: that of the shapes; of_fields: that of the larger family.
+    motion: the motion in the amplitudes of the shapes; of_fields: the motion in the larger family of fields.
     """
 
     motion: Motion

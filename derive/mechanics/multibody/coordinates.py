@@ -21,9 +21,10 @@ from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 class CoordinateMap:
     """The coordinates of a body in a mechanism, and those of the free body as functions of them.
 
-    coordinates, rows: those of the body in the mechanism. values: each coordinate, velocity and acceleration of the
-    free body as an expression of them. weights: for each of `rows`, the factors of the equations of the free body, by
-    name, whose sum it is. definitions: the quantities of a prescribed motion. reason: why coordinates are eliminated.
+    coordinates, rows: the coordinates and the equations of motion of the body in the mechanism. values: each
+    coordinate, velocity and acceleration of the free body as an expression of them. weights: for each of `rows`, the
+    factors of the equations of the free body, by name, whose sum it is. definitions: the quantities of a prescribed
+    motion. reason: why coordinates are eliminated.
     """
 
     coordinates: tuple[Coordinate, ...]

@@ -29,7 +29,7 @@ Derivatives = tuple[sp.Expr, sp.Expr, sp.Expr]
 class PointMotion:
     """Position, velocity and acceleration (columns of 2, inertial frame), and the rotation of the section about e3.
 
-    Accelerations are linear in those of the coordinates, whose factors are the columns of the Jacobian.
+    Accelerations are linear in the accelerations of the coordinates, whose factors are the columns of the Jacobian.
     """
 
     definitions: tuple[Intermediate, ...]
@@ -72,7 +72,7 @@ def point_motion(
 ) -> PointMotion:
     """The motion of a material point from (1) and (5).
 
-    rotations: those of the section by each shape and, at second order, by products of two amplitudes.
+    rotations: the rotations of the section by each shape and, at second order, by products of two amplitudes.
     """
     rotation, (generator,), axes = motion.rotation, motion.frame.generators, (1, 2)
     shape_rows = motion.rows[len(motion.rows) - len(motion.alpha) :]

@@ -127,7 +127,7 @@ def _weightless(view: SceneData) -> Iterator[Fault]:
     for name, joint in view.tables["joints"].items():
         bodies = {marker.body for marker in view.pair("joints", name) or ()}
         connected |= bodies
-        # What a weld holds may be held to a body whose motion is prescribed: that is for the derivation to find out.
+        # A weld may fix a body to another whose motion is prescribed, which the derivation checks.
         joint_type = _type(joint)
         if name in driven or (joint_type and joint_type.freedom == 0):
             prescribed |= bodies

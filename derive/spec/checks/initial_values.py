@@ -16,7 +16,7 @@ from derive.spec.tables.beam_shapes import ShapeKeys
 
 
 def body_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Fault]:
-    """Faults of deflections that the shapes of a beam cannot describe in any number of pieces that the scene names."""
+    """Faults of deflections that the shapes of a beam cannot describe in one of the numbers of pieces in the scene."""
     start = body.get("start")
     if not isinstance(start, dict) or start.get("guess") is True:  # a guess is approached by the nearest curve
         return

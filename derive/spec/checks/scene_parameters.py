@@ -62,7 +62,7 @@ def parameter_faults(view: SceneData) -> Iterator[Fault]:
 
 
 def _difference(constant: SceneConstant, other: SceneConstant) -> str | None:
-    """What two parameters of one symbol do not agree in; None if they agree, or if one of them is unreadable."""
+    """The difference between two parameters with one symbol; None if they agree, or if one is unreadable."""
     for noun, own, others in (
         ("unit", _unit(constant), _unit(other)),
         ("default", _default(constant), _default(other)),

@@ -61,7 +61,7 @@ def _is_triangle(matrix: csr_array) -> bool:
 
 
 def symmetric(matrix: csr_array) -> csr_array:
-    """The symmetric part of a matrix whose asymmetry is due to rounding."""
+    """The symmetric part of a matrix. Raises WrongValueError if its asymmetry is larger than rounding."""
     gap = coo_array(abs(matrix - matrix.T))
     largest = float(abs(matrix).max())
     if gap.nnz and gap.data.max() > NEARLY * largest:

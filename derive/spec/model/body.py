@@ -81,8 +81,11 @@ FAMILY_FRAMES: dict[FamilyKind, Frame] = {
 
 @dataclass(frozen=True)
 class AssumedDeflection:
-    """What the shape functions of a beam follow from: polynomials, and the conditions of the frame and of the ends; or
-    a family, whose shapes have to fulfil the conditions of the frame."""
+    """The assumed deflection of a beam, which determines its shape functions.
+
+    It is an ansatz of polynomials with the conditions of the frame and of the ends, or a family of shapes, which have to
+    fulfil the conditions of the frame.
+    """
 
     ansatz: tuple[Polynomial, ...] | ShapeFamily
     frame: Frame
@@ -141,7 +144,7 @@ class BeamDamping:
 class PlanarBeam:
     """A uniform slender free beam that moves in a plane: the example of the paper, (21)-(27).
 
-    `gravity` is the acceleration of free fall in the inertial base, m/s^2. `start`, `simulation` and `plots` are for
+    `gravity` is the acceleration of free fall in the inertial frame, m/s^2. `start`, `simulation` and `plots` are for
     the simulation of the beam alone. The conditions of `frame` are on the beam without its `masses`. Without `axial`
     the beam does not stretch.
     """
@@ -176,7 +179,7 @@ class PlanarBeam:
 
 
 Gravity = tuple[Quantity, Quantity, Quantity]
-"""The acceleration of free fall in the inertial base, m/s^2; each component a parameter or a number."""
+"""The acceleration of free fall in the inertial frame, m/s^2; each component a parameter or a number."""
 
 Lowering = Literal["auto", "flat", "table"]
 BodyFrameKind = Literal["mean", "point", "given"]

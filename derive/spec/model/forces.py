@@ -114,7 +114,7 @@ class Bushing(_BetweenMarkers):
 class CustomForce:
     """A force, torque or spring of a kind that is registered from outside the package.
 
-    `markers` are those that it acts at; `values` are those of the keys of the kind.
+    `markers` are the markers at which it acts; `values` are the values of the keys of the kind.
     """
 
     name: str

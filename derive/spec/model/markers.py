@@ -12,7 +12,7 @@ GROUND = "ground"
 
 @dataclass(frozen=True)
 class PointMarker:
-    """A named material point of a rigid body or of the ground, with its coordinates in the base of that body."""
+    """A named material point of a rigid body or of the ground, with its coordinates in the frame of that body."""
 
     name: str
     x: Quantity

@@ -68,11 +68,11 @@ class JointInitialValues:
 
 @dataclass(frozen=True)
 class RigidBody:
-    """A rigid body in the plane. Its base has its origin where the markers' coordinates count from.
+    """A rigid body in the plane. The coordinates of its markers count from the origin of its frame.
 
-    `inertia` is about the centre of mass, which lies at `centre` in the base of the body. A body whose motion is
+    `inertia` is about the centre of mass, which lies at `centre` in the frame of the body. A body whose motion is
     prescribed needs neither mass nor inertia (None). With `keep_coordinates` it has three coordinates however it is
-    held, so that its joints and drives are constraints and their multipliers are the constraint reactions.
+    constrained, so that its joints and drives are constraints and their multipliers are the constraint reactions.
     """
 
     name: str

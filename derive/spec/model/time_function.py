@@ -159,8 +159,8 @@ def break_times(function: TimeFunction, end: float, parameters: Mapping[str, flo
     """The times at which a function or one of its first three derivatives jumps, as far as they are known.
 
     These are the conditions of piecewise functions, both ends of steps and tables, and where the operand of abs or the
-    difference of those of min and max changes its sign. Where operands are linear in t all times are found; where they
-    are not, those from 0 to `end` (s) between which some of SAMPLES + 1 equally spaced times lie.
+    difference of those of min and max changes its sign. Where operands are linear in t all times are computed; where
+    they are not, those from 0 to `end` (s) between which some of SAMPLES + 1 equally spaced times lie.
     """
     zero = TimeFunction("number")
     for part in parts(function):

@@ -32,7 +32,7 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
 class Condition:
     """A comparison of two expressions of columns: `text` as it is written, `names` those of its columns.
 
-    value: of a row; the condition holds where it is positive, or, with `crossing`, where it changes its sign.
+    value: the value for a row; the condition holds where it is positive, or, with `crossing`, where its sign changes.
     """
 
     text: str

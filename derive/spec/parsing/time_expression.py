@@ -38,7 +38,7 @@ FORMS = {
 
 @dataclass(frozen=True)
 class Known:
-    """What a function of time may refer to: names that stand for functions, such as parameters, and tables."""
+    """The names to which a function of time may refer: names of functions such as parameters, and tables."""
 
     names: Mapping[str, TimeFunction] = field(default_factory=dict)
     splines: Mapping[str, Spline] = field(default_factory=dict)

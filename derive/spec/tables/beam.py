@@ -109,7 +109,7 @@ class BeamKeys(ShapeKeys):
 
     @model_validator(mode="after")
     def check_axial(self) -> BeamKeys:
-        """Refuse a preload, or masses on a beam that stretches, with orders or terms that do not support it."""
+        """Refuse a preload at first order, and rotary inertia of masses in the full model of a beam that stretches."""
         if self.axial is None:
             return self
         if self.order == 1 and self.axial.preload != 0:

@@ -56,7 +56,7 @@ def _few_shapes(value: object) -> object:
 
 
 def _few_digits(ansatz: tuple[Polynomial, ...]) -> tuple[Polynomial, ...]:
-    # Shapes are found exactly, and their fractions are about as long as those of the whole ansatz together.
+    # Shapes are computed exactly, and their fractions are about as long as those of the whole ansatz together.
     digits = sum(values.digits(shape) for shape in ansatz)
     if digits > MAX_DIGITS:
         raise values.WrongValueError(

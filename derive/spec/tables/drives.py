@@ -92,7 +92,7 @@ class DriveTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> DriveTable:
-        """Require either `motion` or `speed`."""
+        """Require either `motion` or `speed`, and refuse `offset` with `motion`."""
         if (self.motion is None) == (self.speed is None):
             raise values.WrongValueError('write either motion = "0.1*sin(2*pi*t)", a function of t, or speed = 150')
         if self.motion is not None and self.offset is not None:

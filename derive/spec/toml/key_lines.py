@@ -74,7 +74,7 @@ class _Scanner:
                 array = self.take("[")
                 table = self.key()
                 if array:
-                    # Only the first table of an array is told apart: no specification has one.
+                    # Only the first table of an array is distinguished: no specification has one.
                     self.lines.setdefault(table, self.line)
                 else:
                     self._define(table)

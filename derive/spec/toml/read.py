@@ -25,7 +25,7 @@ MAX_DOTS = 200
 def read(path: str | os.PathLike[str]) -> Specification:
     """The body or the scene that a TOML file specifies.
 
-    Raises SpecError with all that is wrong with the file, TypeError for anything but a path.
+    Raises SpecError with all faults of the file, TypeError if `path` is not a path.
     """
     if not isinstance(path, (str, os.PathLike)):
         read_already = "; it is a specification already" if isinstance(path, Specification) else ""
@@ -46,7 +46,7 @@ def parse(text: str, source: str | None = None) -> Specification:
 def warnings(path: str | os.PathLike[str], changed: Collection[str] = ()) -> tuple[str, ...]:
     """The warnings on the specification of a valid TOML file, each with its file, its line and its key.
 
-    changed: keys that have got other values since, on which there are no warnings.
+    changed: keys whose values have been replaced, on which there are no warnings.
     """
     from derive.spec.checks.warnings import specification_warnings
 
@@ -97,9 +97,9 @@ def _data(text: str, source: str | None) -> dict[str, Any]:
 
 
 def _syntax_problem(message: str, text: str) -> Problem:
-    """tomllib says where in words: "Invalid value (at line 3, column 7)", or "(at end of document)".
+    """The fault of a text that tomllib refuses. Its messages end with "(at line 3, column 7)" or the like.
 
-    It does not name a key that is there twice.
+    They do not name a key that is repeated, which is therefore searched for.
     """
     match = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", message, re.DOTALL)
     if match is None:

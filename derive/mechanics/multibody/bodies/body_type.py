@@ -72,9 +72,9 @@ class Constant:
 class BodyType(ABC, Generic[B]):
     """A type of body in a mechanism. Subclasses are registered in `registry.BODIES`.
 
-    doc: what the body is, in a clause; identifying_keys: a table with one of them describes a body of this type (none
-    for the rigid body, which a table describes otherwise); keys: what its table has besides `markers` and `start`;
-    empty for bodies whose tables the specification layer knows by itself.
+    doc: a description, in a clause; identifying_keys: a table with one of these keys describes a body of this type
+    (none for the rigid body, which all other tables describe); keys: the keys of its table besides `markers` and
+    `start`; empty for bodies whose tables the specification layer defines itself.
     """
 
     doc: ClassVar[str]

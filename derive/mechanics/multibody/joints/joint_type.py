@@ -69,9 +69,10 @@ class Support:
 class JointType:
     """A type of joint between two markers. Subclasses are registered in `registry.JOINTS`.
 
-    doc: what the joint does, in a clause; axes: those along which displacements are resolved; removes: the rows that
-    vanish, each with a multiplier; driven: the row that a drive may prescribe; drawing: its symbol. Constraints with
-    their derivatives, multipliers, keys and minimal coordinates (`joint_elimination.py`) follow from the rows.
+    doc: the function of the joint, in a clause; axes: the axes along which displacements are resolved; removes: the
+    rows that vanish, each with a multiplier; driven: the row that a drive may prescribe; drawing: its symbol.
+    Constraints with their derivatives, multipliers, keys and minimal coordinates (`joint_elimination.py`) follow from
+    the rows.
     """
 
     doc: ClassVar[str]

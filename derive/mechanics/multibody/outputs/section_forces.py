@@ -82,7 +82,7 @@ class MomentGap(OutputType):
 
 
 class ShearGap(OutputType):
-    """The gap of the shear force at a section, from equilibrium less from the derivative of curvature.
+    """The derivative of the bending moment from the shear force in equilibrium, less that of the shapes.
 
     The shear force is across the deformed axis; at first order, which does not know how an axial force acts on slopes,
     across e1 of the floating frame.
