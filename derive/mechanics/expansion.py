@@ -31,7 +31,7 @@ from derive.mechanics.virtual_work_equations import (
 )
 
 Absent = dict[tuple[str, sp.Expr], list[Symbol]]
-"""Vanishing entries of sums by their row and their factor."""
+"""The vanishing entries of sums by their row and their factor."""
 
 TRANSLATIONS = "the mass enters as m I, so translations along different axes do not couple"
 

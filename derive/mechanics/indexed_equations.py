@@ -168,7 +168,7 @@ def _zero_entries(tables: tuple[CoefficientTable, ...]) -> zeros.Reasons:
 
 
 class _Sums:
-    """IndexedSum sorted into what is summed by loops, what is written where it is used, and what vanishes."""
+    """The sums of a body, sorted into those that loops compute, those that are inlined, and those that vanish."""
 
     def __init__(self, tables: Mapping[Family, CoefficientTable], reasons: zeros.Reasons) -> None:
         self.tables = tables

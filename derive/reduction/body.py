@@ -115,7 +115,7 @@ def zero_stiffness_modes(body: NodalBody) -> tuple[int, ...]:
 
 
 def _deforming_mass(body: NodalBody, prepared: Prepared) -> Array:
-    """c8 (N, N) of the modes without their rigid motion; in the mean frame this is c8 itself."""
+    """The matrix c8 (N, N) of the modes without their rigid motion; in the mean frame this is c8 itself."""
     mass, shapes = prepared.mass, prepared.shapes
     if prepared.orthonormal and body.frame.kind == "mean":
         return np.eye(len(shapes.phi))

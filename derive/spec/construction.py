@@ -45,7 +45,7 @@ Nodes = str | os.PathLike[str] | Mapping[str, Any] | NodeData
 Table = Mapping[str, object]
 Element = TypeVar("Element")
 Named = Mapping[str, Element | Table] | Sequence[Element]
-"""Elements with names: a mapping from names to tables or typed values, or a sequence of typed values."""
+"""The type of elements with names: a mapping from names to tables or typed values, or a sequence of typed values."""
 
 S = TypeVar("S", bound=Specification)
 

@@ -179,7 +179,7 @@ def _as_parameter(path: KeyPath, old: Any, new: Any, taken: set[str]) -> Any:
 
 
 def _replaced(value: Any, path: KeyPath, new: Any) -> Any:
-    """Tables and lists with a new value at a path."""
+    """A copy of tables and lists with a new value at a path."""
     if not path:
         return new
     if isinstance(value, Mapping):

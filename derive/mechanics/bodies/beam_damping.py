@@ -27,7 +27,7 @@ from derive.spec.model.body import PlanarBeam
 from derive.spec.model.quantity import Parameter
 
 DIGITS = 60
-"""Digits of the modes, whose results are rounded to doubles: the same on any machine."""
+"""The precision of the modes in digits; results are rounded to doubles, so that they are the same on any machine."""
 
 NEGLIGIBLE = mpmath.mpf(10) ** -40
 UNCOUPLED = "these shapes (the modes that they are part of are damped alone)"
@@ -64,7 +64,7 @@ def damping_constants(beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant,
 
 
 def retardation_times(beam: PlanarBeam, pieces: int = 1) -> sp.Matrix:
-    """K^-1 B (s) of the bending of a beam with damping, or of all pieces of a rod.
+    """The matrix K^-1 B (s) of the bending of a beam with damping, or of all pieces of a rod.
 
     It gives the amplitudes whose elastic forces are the damping forces of given velocities. Of damping that is
     proportional to the stiffness it is the retardation time of the material times the unit matrix.

@@ -21,7 +21,7 @@ import sympy as sp
 from derive.spec.model.body import Polynomial
 
 WORKING_DIGITS = 200
-"""Antiderivatives divide by differences of wave numbers, of which some almost vanish: 60 digits are left and more."""
+"""The precision: antiderivatives divide by small differences of wave numbers, which leaves 60 digits and more."""
 NEGLIGIBLE_DIGITS = 40
 
 ARITHMETIC = mpmath.MPContext()
@@ -53,7 +53,7 @@ Term = tuple[Rate, int]
 
 @dataclass(frozen=True)
 class RealTerm:
-    """xi^power exp(growth xi) (cosine cos(frequency xi) + sine sin(frequency xi)), in doubles."""
+    """The term xi^power exp(growth xi) (cosine cos(frequency xi) + sine sin(frequency xi)), in doubles."""
 
     power: int
     growth: float

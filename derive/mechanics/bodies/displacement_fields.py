@@ -43,7 +43,7 @@ def stretching_shapes(beam: PlanarBeam) -> tuple[BeamFunction, ...]:
 
 @cache
 def axial_shapes(ansatz: tuple[Polynomial, ...], frame: Frame, orthogonal: bool) -> tuple[BeamFunction, ...]:
-    """Each polynomial less the constant that the frame takes away, scaled to one at the right end.
+    """The polynomials of an axial ansatz, each less the constant that the frame removes, scaled to one at xi = 1.
 
     A translation along the axis is left out. Raises ConditionError when the others are linearly dependent, or when
     there are none.

@@ -197,7 +197,7 @@ def _combination(functions: list[BeamFunction], weights: Iterable[Fraction]) -> 
 
 
 def orthogonalised(polynomials: list[BeamFunction]) -> list[BeamFunction]:
-    """Gram-Schmidt in the mass metric of a uniform beam, in the order of the ansatz."""
+    """Orthogonalise shapes by Gram-Schmidt in the mass metric of a uniform beam, in the order of the ansatz."""
     result: list[BeamFunction] = []
     for p in polynomials:
         known = (other.scaled((p * other).integral() / (other * other).integral()) for other in result)
@@ -244,7 +244,7 @@ def dependencies(polynomials: list[BeamFunction]) -> list[str]:
 
 
 def _null_vectors(polynomials: list[BeamFunction]) -> list[list[Fraction]]:
-    """Weights, whole numbers, of all independent combinations that vanish identically (exact rank)."""
+    """The integer weights of all independent combinations that vanish identically (exact rank)."""
     height = max(1, *(len(p.coefficients) for p in polynomials))
     columns = [[*map(rational, p.coefficients), *[0] * (height - len(p.coefficients))] for p in polynomials]
     vectors = (list(map(_fraction, vector)) for vector in sp.Matrix(columns).T.nullspace())

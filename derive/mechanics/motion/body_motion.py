@@ -30,7 +30,7 @@ __all__ = ["MASS", "Motion"]
 
 @dataclass(frozen=True)
 class Motion:
-    """How a body with some number of shapes moves: coordinates, rotation tensor Q, moving frame, and moments.
+    """The motion of a body with some number of shapes: coordinates, rotation tensor Q, moving frame, and moments.
 
     `moment_sums` define d1, D2, d3, J in terms of the shape integrals; `row_sums` occur in a single equation or contain
     accelerations, and are expanded in place; `products` gives names to products of velocities, which `named` defines.

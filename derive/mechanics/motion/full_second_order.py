@@ -68,7 +68,7 @@ class DependentAmplitudes:
         return tuple(result)
 
     def put_in(self, expr: sp.Expr) -> sp.Expr:
-        """Express an expression of the larger family in the amplitudes of the shapes."""
+        """Substitute the amplitudes of the shapes into an expression of the larger family."""
         if not self.numbers:
             return expr
         n, result = len(self.motion.alpha), {}

@@ -1,6 +1,6 @@
 """Names that are derived from the names in a scene, and clashes between them.
 
-Coordinates, multipliers and definitions begin with the name of what they belong to: rod_c1, rod_2_alpha1, pin_1. In the
+Coordinates, multipliers and definitions begin with the name of their element: rod_c1, rod_2_alpha1, pin_1. In the
 code some of them are in upper case, so that names must differ in more than case.
 """
 

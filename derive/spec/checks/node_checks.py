@@ -1,4 +1,4 @@
-"""Checks of the other keys of a body of nodes against its arrays."""
+"""Checks of the keys of a body of nodes that depend on its arrays."""
 
 from __future__ import annotations
 

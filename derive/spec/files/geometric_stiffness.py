@@ -69,7 +69,7 @@ def _node_numbers(array: Array, nodes: int) -> NDArray[np.int64]:
 
 
 def _matrices(array: Array, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Matrices that are symmetric in the modes; in an array with two indices they are stacked."""
+    """The matrices in an array, made symmetric in the modes; in an array with two indices they are stacked by rows."""
     stacked = (int(np.prod(shape[:-1])), shape[-1])
     if array.shape not in (shape, stacked):
         raise WrongValueError(f"the shape is {array.shape}, and {shape} or {stacked} is needed, of {shape[-1]} modes")

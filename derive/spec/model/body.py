@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 Polynomial = tuple[Fraction, ...]
-"""Coefficients of 1, xi, xi^2, ...; no trailing zeros."""
+"""A polynomial as its coefficients of 1, xi, xi^2, ... without trailing zeros."""
 
 FrameKind = Literal["mean", "point", "chord", "tangent", "given"]
 Ends = Literal["pinned", "free"]
@@ -83,8 +83,8 @@ FAMILY_FRAMES: dict[FamilyKind, Frame] = {
 class AssumedDeflection:
     """The assumed deflection of a beam, which determines its shape functions.
 
-    It is an ansatz of polynomials with the conditions of the frame and of the ends, or a family of shapes, which have to
-    fulfil the conditions of the frame.
+    It is an ansatz of polynomials with the conditions of the frame and of the ends, or a family of shapes, which have
+    to fulfil the conditions of the frame.
     """
 
     ansatz: tuple[Polynomial, ...] | ShapeFamily

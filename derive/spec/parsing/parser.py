@@ -50,7 +50,7 @@ _TOKEN = re.compile(
 
 
 class Parser(Generic[Value]):
-    """Recursive descent over the tokens of a text; a subclass defines numbers, names and operators."""
+    """A recursive descent parser of the tokens of a text; a subclass defines numbers, names and operators."""
 
     made_of: ClassVar[str]
     names: ClassVar[tuple[str, ...]] = ()

@@ -75,7 +75,7 @@ def unit_size(text: str) -> UnitSize:
 
 
 class _Reader:
-    """Recursive descent over the tokens of a unit."""
+    """A recursive descent parser of the tokens of a unit."""
 
     def __init__(self, text: str) -> None:
         self.text = text

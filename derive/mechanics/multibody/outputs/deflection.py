@@ -32,8 +32,8 @@ Number = TypeVar("Number")
 def distance_from_line(points: Iterable[Any], length: Callable[[Any, Any], Number]) -> Number:
     """The distance of a point to the left of a line: `points` are the point, the start and the end of the line.
 
-    All have two components, which may be expressions or arrays. length: the function that gives
-    the length of a vector from its components.
+    All have two components, which may be expressions or arrays. length: the function that gives the
+    length of a vector from its components.
     """
     point, start, end = points
     along, arm = ([b[i] - a[i] for i in range(2)] for a, b in ((start, end), (start, point)))

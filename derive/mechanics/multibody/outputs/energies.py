@@ -15,7 +15,7 @@ from derive.mechanics.symbols import Family, identity
 
 
 class Energies(OutputType):
-    """Kinetic energy, strain energy with that of springs, the potential of gravity, and their sum."""
+    """The kinetic energy, the strain energy including springs, the potential energy of gravity, and their sum."""
 
     doc = "kinetic, strain (with springs), gravitational and total energy"
     labels = ("kinetic", "strain", "gravity", "total")
