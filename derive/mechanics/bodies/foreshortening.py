@@ -76,7 +76,7 @@ class Foreshortening:
 
     @cached_property
     def combinations(self) -> tuple[Combination, ...]:
-        """The fields theta_p whose combinations all psi_ij are, and their weights.
+        """The fields theta_p of which all psi_ij are combinations, and the weights.
 
         For polynomials these are Legendre polynomials, which are orthogonal; for others the psi_ij themselves.
         """
