@@ -243,7 +243,7 @@ class _Assembly:
         return {name: fixed_point(sp.Matrix(position)) for name, position in positions.items()}
 
     def _motion(self, drive: Drive) -> Derivatives:
-        """The motion of a drive with two derivatives, which become named definitions if they contain a TimeOperation."""
+        """The motion of a drive with two derivatives, as named definitions if they contain a TimeOperation."""
         match drive.speed:
             case None:
                 derivatives = time_derivatives(self._function(drive_motion(drive), f"drives.{drive.name}.motion"))
