@@ -90,22 +90,22 @@ class Body:
 
     @cached_property
     def generic_inertia(self) -> tuple[Term, ...]:
-        """The same on a variation of alpha_i, for a generic mode i."""
+        """The virtual work of the inertia on a variation of alpha_i, for a generic mode i; sums are named."""
         return generic_inertia(self.rigid_motion)
 
     @cached_property
     def kinetic_energy(self) -> sp.Expr:
-        """1/2 int rho xdot . xdot; sums are named."""
+        """The kinetic energy 1/2 int rho xdot . xdot; sums are named."""
         return kinetic_energy(self.rigid_motion)
 
     @cached_property
     def linear_momentum(self) -> tuple[sp.Expr, ...]:
-        """int rho xdot along each axis, likewise."""
+        """The linear momentum int rho xdot along each axis; sums are named."""
         return linear_momentum(self.rigid_motion)
 
     @cached_property
     def angular_momentum(self) -> tuple[sp.Expr, ...]:
-        """int rho x x xdot about the inertial origin, likewise."""
+        """The angular momentum int rho x x xdot about the inertial origin; sums are named."""
         return angular_momentum(self.rigid_motion)
 
     @property
@@ -160,20 +160,20 @@ class Body:
 
 @dataclass(frozen=True)
 class ExactValues:
-    """Entries that are exact expressions, each known by itself."""
+    """Entries that are exact expressions, each known individually."""
 
     every: tuple[ModelConstant, ...]
 
     def constants(self, table: CoefficientTable) -> Iterable[ModelConstant]:
-        """See `Values`."""
+        """Return the constants of a table, see `Values`."""
         return (c for c in self.every if c.symbol.identity.family is table.family)
 
     def present(self, table: CoefficientTable) -> NDArray[np.bool_]:
-        """See `Values`."""
+        """Return the mask of a table, see `Values`."""
         raise NotImplementedError("planar bodies are lowered to straight-line code alone")
 
     def numbers(self, table: CoefficientTable) -> NDArray[np.float64] | None:
-        """See `Values`."""
+        """Return the numbers of a table, see `Values`."""
         return None
 
 

@@ -36,11 +36,11 @@ from derive.spec.model.body import Lowering
 from derive.spec.model.time_function import Spline
 
 WIDTH = 110
-"""Characters of a line of equations as text."""
+"""The number of characters of a line of equations as text."""
 MOST_LINES = 3
-"""Lines that one equation may take."""
+"""The largest number of lines of one equation."""
 MOST_EQUATIONS = 14
-"""Equations of one block."""
+"""The largest number of equations of one block."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Equations:
         return self.body is not None and self.body.truncated
 
     def expanded(self) -> Equations:
-        """The same equations with all sums over the modes expanded, and one row for each mode."""
+        """Return the equations with all sums over the modes expanded, and one row for each mode."""
         return self._expanded if self.indexed else self
 
     @cached_property
@@ -142,7 +142,7 @@ class Equations:
         return next(m for m in self.markers if m.name == name)
 
     def reason(self, *families: Family) -> Reason:
-        """The reason that something vanishes because the tables of these families are zero."""
+        """The reason why a quantity vanishes: the tables of these families are zero."""
         return Reason(tuple((t.symbol, t.zero) for t in map(self.table, families)))
 
     def sum_of(self, row: str) -> sp.Expr:
@@ -191,13 +191,13 @@ class Equations:
 
 
 def _equation(left: str, right: sp.Expr | str) -> list[str]:
-    """An equation, wrapped; of a long one the beginning."""
+    """The lines of an equation, wrapped; a long equation is shortened to its beginning."""
     lines = textwrap.wrap(f"{left} = {right}", WIDTH, subsequent_indent="        ")
     return lines if len(lines) <= MOST_LINES else [*lines[: MOST_LINES - 1], f"        ... ({len(lines)} lines in all)"]
 
 
 def _block(title: str, equations: Sequence[tuple[str, sp.Expr | str]]) -> list[str]:
-    """A titled list of equations; of many the first ones, with their number."""
+    """A titled list of equations; of a long list the first equations, with the number of the others."""
     if not equations:
         return []
     lines = [title]
@@ -208,5 +208,5 @@ def _block(title: str, equations: Sequence[tuple[str, sp.Expr | str]]) -> list[s
 
 
 def _page(blocks: Iterable[list[str]]) -> str:
-    """Blocks with an empty line between them."""
+    """Join blocks with an empty line between them."""
     return "\n\n".join("\n".join(lines) for lines in blocks if lines)

@@ -31,7 +31,7 @@ from derive.mechanics.virtual_work_equations import (
 )
 
 Absent = dict[tuple[str, sp.Expr], list[Symbol]]
-"""Vanishing entries of sums by their row and their factor."""
+"""The vanishing entries of sums by their row and their factor."""
 
 TRANSLATIONS = "the mass enters as m I, so translations along different axes do not couple"
 
@@ -113,7 +113,7 @@ def expand(body: Body) -> ExpandedEquations:
 def _moments(
     dependent: DependentAmplitudes, fields: Motion, reasons: zeros.Reasons
 ) -> tuple[tuple[Intermediate, ...], zeros.Reasons]:
-    """The moments of the larger family of fields without their vanishing parts, and the reasons with theirs."""
+    """The moments of the larger family of fields without vanishing parts, and the reasons with those of the moments."""
     if not dependent.numbers:
         return fields.definitions_without(reasons)
     in_amplitudes = (replace(d, expr=dependent.put_in(d.expr)) for d in fields.definitions)
@@ -204,9 +204,9 @@ def linear_factors(expr: sp.Expr, symbols: Sequence[sp.Symbol]) -> dict[sp.Symbo
 def _mass_zeros(
     motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reasons, absent: Absent
 ) -> tuple[tuple[int, int, Reason], ...]:
-    """Row, column and reason of each structural zero of the mass matrix (lower triangle).
+    """The row, column and reason of each structural zero of the mass matrix (lower triangle).
 
-    absent: what the terms leave out.
+    absent: the entries that the terms leave out.
     """
     full = _mass_matrix(motion, complete)
     n = len(motion.rows)

@@ -157,7 +157,7 @@ def _shape_row() -> EquationOfMotion:
 
 
 def _zero_entries(tables: tuple[CoefficientTable, ...]) -> zeros.Reasons:
-    """The entries of tables that vanish for every shape, with the reasons."""
+    """The entries of tables that vanish for every shape, with their reasons."""
     reasons: zeros.Reasons = {}
     for t in tables:
         vanishing = dict(t.zeros)
@@ -168,7 +168,7 @@ def _zero_entries(tables: tuple[CoefficientTable, ...]) -> zeros.Reasons:
 
 
 class _Sums:
-    """IndexedSum sorted into what is summed by loops, what is written where it is used, and what vanishes."""
+    """The sums of a body, sorted into those that loops compute, those that are inlined, and those that vanish."""
 
     def __init__(self, tables: Mapping[Family, CoefficientTable], reasons: zeros.Reasons) -> None:
         self.tables = tables
@@ -216,7 +216,7 @@ class _Sums:
             self.reasons[indexed_sum.symbol] = tuple(dict.fromkeys(behind))
 
     def _entry(self, symbol: Symbol, behind: list[tuple[sp.Symbol, str]]) -> sp.Expr:
-        """An integral or an earlier sum, zero if it vanishes."""
+        """The symbol of an integral or of an earlier sum; zero if it vanishes."""
         if symbol in self.reasons:
             behind += self.reasons[symbol]
             return sp.S.Zero

@@ -1,4 +1,4 @@
-"""What a drive prescribes, as functions of time: its motion, whether it is written or the integral of a speed."""
+"""The motion and the speed that a drive prescribes, as functions of time."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from derive.spec.model.time_function import TimeFunction
 
 
 def drive_speed(drive: Drive) -> TimeFunction | None:
-    """The speed of a drive as a function of t, s; None if its motion is written."""
+    """The speed of a drive as a function of t, s; None if a motion is specified instead."""
     constant = drive.constant_speed
     return drive.speed if isinstance(drive.speed, TimeFunction) else None if constant is None else _constant(constant)
 

@@ -20,14 +20,14 @@ NO_GRAVITY = "the specification (no gravity along this axis)"
 
 
 def value(quantity: Quantity, positive: bool = True) -> sp.Expr:
-    """The symbol of a parameter, or the number."""
+    """The value of a quantity: the symbol of a parameter, or the number."""
     if isinstance(quantity, Parameter):
         return parameter_symbol(quantity.symbol, positive)
     return sp.Rational(quantity)
 
 
 def parameter(quantity: Parameter, doc: str, positive: bool = True) -> ParameterSymbol:
-    """A run-time parameter; setup refuses it unless it is positive, if it must be."""
+    """A run-time parameter; if `positive`, setup refuses values that are not."""
     return ParameterSymbol(value(quantity, positive), doc, quantity.unit, quantity.default, positive)
 
 
@@ -69,7 +69,7 @@ def function(of: TimeFunction) -> sp.Expr:
 
 
 EXACT = ("add", "sub", "mul", "div", "pow", "neg", "sin", "cos", "sqrt")
-"""The kinds whose values of numbers SymPy knows to any number of digits."""
+"""The kinds of functions of numbers that SymPy evaluates to any number of digits."""
 
 
 def function_constant(parameter: Parameter) -> Symbol:
@@ -91,7 +91,7 @@ def time_derivatives(of: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
 
 
 def _rate(of: sp.Expr) -> sp.Expr:
-    """The time derivative by the chain rule."""
+    """The time derivative of an expression by the chain rule."""
     inputs = [s for s in of.free_symbols if s != t and identity(s).family is Family.INPUT]
     following = {s: Symbol(replace(identity(s), derivative=identity(s).derivative + 1)) for s in inputs}
     return of.diff(t) + sp.Add(*(of.diff(s) * rate for s, rate in following.items()))

@@ -85,30 +85,30 @@ def component_doc(doc: str, symbol: Symbol) -> str:
 
 
 def exchanged(symbol: sp.Basic, indices: Mapping[Index, ShapeIndex]) -> Symbol:
-    """The same quantity for other modes: `indices` maps generic indices to their replacements."""
+    """Return the same sum for other modes: `indices` maps generic indices to their replacements."""
     known = identity(symbol)
     return Symbol(known.of_shapes(tuple([indices.get(s, s) if isinstance(s, Index) else s for s in known.shapes])))
 
 
 def swapped(entry: sp.Basic) -> Symbol:
-    """A table's entry with i and j exchanged."""
+    """Return the entry of a table with i and j exchanged."""
     return exchanged(entry, {I: J, J: I})
 
 
 def canonical(entry: sp.Basic) -> Symbol:
-    """A table's entry with its indices in the order i, j."""
+    """Return the entry of a table with its indices in the order i, j."""
     known = identity(entry)
     return Symbol(known) if known.shapes == (I, J) else swapped(entry)
 
 
 def of_index(expr: sp.Expr, i: ShapeIndex, index: Index = I) -> sp.Expr:
-    """An expression in a generic index, with the index replaced by a mode."""
+    """Return an expression in a generic index with the index replaced by a mode."""
     generic = {s: exchanged(s, {index: i}) for s in expr.free_symbols if isinstance(s, Symbol) and s.identity.indexed}
     return expr.xreplace(generic)
 
 
 def signed_entry(symbol: Symbol, i: int = 0, j: int = 0) -> tuple[int, Symbol]:
-    """A generic symbol at the modes i and j, with its sign; that of an entry of an odd table is 0 for i = j."""
+    """Return a generic symbol at the modes i and j, with its sign, which is 0 for i = j in an odd table."""
     generic, sign = symbol.identity.shapes, 1
     shapes = tuple([i if s is I else j if s is J else s for s in generic])
     if generic in (IJ, JI):
@@ -125,7 +125,7 @@ def signed_entry(symbol: Symbol, i: int = 0, j: int = 0) -> tuple[int, Symbol]:
 
 @cache
 def _known_entries(symbol: Symbol) -> dict[tuple[ShapeIndex, ...], Symbol]:
-    """The symbols that a generic symbol stands for, as far as there are some: to look one up is faster than to make it.
+    """A cache of the symbols that a generic symbol stands for: a lookup is faster than the construction of a symbol.
 
     An entry of a table is the same with its indices exchanged.
     """
@@ -135,7 +135,7 @@ def _known_entries(symbol: Symbol) -> dict[tuple[ShapeIndex, ...], Symbol]:
 def expanded_sum(
     indexed_sum: IndexedSum, i: int, vectors: Vectors, vanishing: Container[sp.Basic] = ()
 ) -> tuple[sp.Expr, list[AbsentPart]]:
-    """The indexed sum for mode i as an explicit sum without the entries that vanish, and these.
+    """Return the sum for mode i as an explicit sum without vanishing entries, and the parts left out.
 
     vectors: the symbols of each factor. vanishing: the symbols that are zero.
     """
@@ -158,7 +158,7 @@ def expanded_sum(
 
 
 def _product(number: sp.Rational, a: sp.Symbol, entry: Symbol) -> sp.Expr:
-    """number a entry.
+    """The product of a number, an amplitude a (or its rate) and an entry.
 
     The factors get the order of SymPy, which is most of its work in a product of any expressions.
     """

@@ -34,11 +34,11 @@ ShapeIndex = int | Index
 """The number of a shape, counted from 1, or a generic index."""
 
 DOTS = ("", "dot", "ddot")
-"""How names write time derivatives."""
+"""The suffixes of names for the time derivatives 0, 1 and 2."""
 
 
 class Kind(Enum):
-    """What a family of quantities is, from which follows how its names are printed."""
+    """The kind of a family of quantities, which determines how its names are printed."""
 
     MOTION = "coordinates, velocities and accelerations"
     INTEGRAL = "integrals over the undeformed body, stiffness and damping"
@@ -173,7 +173,7 @@ class Identity:
 
     @property
     def indexed(self) -> bool:
-        """Whether there is one for each shape of a generic index."""
+        """Whether the quantity has a generic index, so that it exists once for each shape."""
         return any(isinstance(s, Index) for s in self.shapes)
 
     @property
@@ -193,7 +193,7 @@ class Identity:
         return self.family.stem + DOTS[self.derivative]
 
     def of_shapes(self, shapes: tuple[ShapeIndex, ...]) -> Identity:
-        """The same quantity counted by other shapes; `dataclasses.replace` is several times slower."""
+        """The identity of the same quantity for other shapes; `dataclasses.replace` is several times slower."""
         return Identity(
             self.family,
             shapes,
@@ -211,11 +211,11 @@ class Identity:
         return Symbol(self)
 
     def __lt__(self, other: Identity) -> bool:
-        """An order for SymPy, which asks for it where two names are equal."""
+        """Define an order for SymPy, which asks for it where two names are equal."""
         return repr(self) < repr(other)
 
     def __gt__(self, other: Identity) -> bool:
-        """See `__lt__`."""
+        """Define the reverse of `__lt__`."""
         return repr(self) > repr(other)
 
 
@@ -232,7 +232,7 @@ class Symbol(sp.Symbol):  # type: ignore[misc]  # SymPy has no types
     __hash__ = object.__hash__  # equal symbols are the same object; SymPy's own is called a million times
 
     def __new__(cls, identity: Identity, **assumptions: bool | None) -> Symbol:
-        """The symbol of an identity, the same object for equal arguments."""
+        """Return the symbol of an identity, the same object for equal arguments."""
         given = tuple(sorted((k, v) for k, v in assumptions.items() if v is not None)) if assumptions else ()
         known = _symbols.get((identity, given))
         if known is None:
@@ -243,18 +243,18 @@ class Symbol(sp.Symbol):  # type: ignore[misc]  # SymPy has no types
 
     @property
     def name(self) -> str:
-        """The printed name, which is made when it is needed: those of most entries that vanish never are."""
+        """The printed name, which is composed when it is needed: names of most entries that vanish are never used."""
         return self.identity.name
 
     @name.setter
     def name(self, _: str) -> None:
-        """The constructor of SymPy sets a name."""
+        """Accept the name that the constructor of SymPy sets."""
 
     def _hashable_content(self) -> tuple[Any, ...]:
         return (*super()._hashable_content(), self.identity)
 
     def __getnewargs_ex__(self) -> tuple[tuple[Identity], dict[str, bool]]:
-        """Arguments for copying and pickling."""
+        """Return the arguments for copying and pickling."""
         return (self.identity,), self._assumptions_orig
 
 
@@ -270,12 +270,12 @@ def identity(symbol: sp.Basic) -> Identity:
 
 
 def is_indexed(symbol: sp.Basic) -> bool:
-    """Whether there is one for each shape of a generic index."""
+    """Whether a symbol has a generic index, so that it stands for one quantity for each shape."""
     return isinstance(symbol, Symbol) and symbol.identity.indexed
 
 
 def owned(symbol: sp.Basic, owner: str, point: str = "") -> Symbol:
-    """The same quantity of a body of a mechanism, or of one of its points."""
+    """The symbol of the same quantity of a body of a mechanism, or of one of its points."""
     known = identity(symbol)
     return Symbol(replace(known, owner=owner, point=point or known.point))
 
@@ -284,7 +284,7 @@ def owned(symbol: sp.Basic, owner: str, point: str = "") -> Symbol:
 
 
 def quantity(family: Family, *components: int, derivative: int = 0, shapes: Iterable[ShapeIndex] = ()) -> Symbol:
-    """A quantity of a family with its components, shapes and time derivatives."""
+    """The symbol of a quantity of a family with its components, shapes and time derivatives."""
     return Symbol(Identity(family, tuple(shapes), components, derivative))
 
 
@@ -296,7 +296,7 @@ def vector(family: Family, dimension: int, derivative: int = 0, shapes: Iterable
 
 
 def amplitude(shape: ShapeIndex, derivative: int = 0) -> Symbol:
-    """alpha of a shape, or its time derivative."""
+    """The amplitude alpha of a shape, or its time derivative."""
     return quantity(Family.AMPLITUDE, derivative=derivative, shapes=(shape,))
 
 

@@ -74,7 +74,7 @@ class CoefficientTable:
 
     @property
     def symbol(self) -> Symbol:
-        """The table as a whole."""
+        """The symbol of the table as a whole."""
         return Symbol(Identity(self.family, point=self.point))
 
     @property
@@ -163,7 +163,7 @@ PLANAR_DOCS = {
     Family.DAMPING: ("damping", "N s/m"),
     Family.ROTARY: ("rotary inertia of attached masses", "kg"),
 }
-"""The tables of a planar body: what they are, their units. C5 is a table of its own at second order alone."""
+"""The tables of a planar body with their descriptions and units. C5 is a table of its own at second order alone."""
 
 OPTIONAL = (
     Family.C5,
@@ -207,6 +207,6 @@ def _planar_table(full: CoefficientTable, constants: Sequence[ModelConstant]) ->
 
 
 def _reason(constants: Iterable[ModelConstant], component: tuple[int, ...]) -> str:
-    """Why a component vanishes for all shapes, or nothing if it does not."""
+    """The reason why a component vanishes for all shapes; empty if it does not vanish."""
     of_component = [c for c in constants if c.symbol.identity.components == component]
     return str(of_component[0].zero) if of_component and all(c.zero for c in of_component) else ""

@@ -54,7 +54,7 @@ class EquationOfMotion:
 
 @dataclass(frozen=True)
 class ParameterSymbol:
-    """A run-time parameter: symbol, description, unit, default, and whether setup requires a positive value."""
+    """A run-time parameter: symbol, description, unit, default value, and whether setup requires a positive value."""
 
     symbol: sp.Symbol
     doc: str
@@ -94,7 +94,7 @@ class Intermediate:
 
     `section` names the part of a kernel that computes it; `zero` is the reason if it vanishes, otherwise None.
     `divisor` is an earlier definition that has to be positive for this one to exist, otherwise None; `divisor_text`
-    says what is wrong where it is not.
+    is the message where it is not.
     """
 
     symbol: sp.Symbol
@@ -108,7 +108,7 @@ class Intermediate:
 
     @cached_property
     def needs(self) -> frozenset[sp.Symbol]:
-        """The symbols in its expression: a long sum is searched once, not for each kernel."""
+        """The symbols in the expression, which is searched once and not for each kernel."""
         return frozenset(self.expr.free_symbols)
 
 
@@ -130,7 +130,7 @@ class Term:
 
 @dataclass(frozen=True)
 class Reason:
-    """Why an entry or a term vanishes: the integrals that are zero in it, each with its own reason.
+    """The reason why an entry or a term vanishes: the integrals that are zero in it, each with its own reason.
 
     `identity` is the reason of what vanishes in every body, without an integral. The text gathers the integrals by
     reason: `c6_1 .. c6_8 = 0 by condition (19); ...`.

@@ -1,4 +1,4 @@
-"""From expressions of the derivation back to functions of time, and to text as a user writes it."""
+"""Conversion of SymPy expressions of the derivation to functions of time, and to text in the notation of a user."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from derive.spec.model.time_function import Spline, TimeFunction
 
 
 class NoTimeFunction(TisserandError):
-    """An expression that functions of time do not have."""
+    """An expression is not a function of time that a specification can have."""
 
 
 KINDS: Mapping[type[sp.Expr], str] = {
@@ -42,7 +42,7 @@ KINDS: Mapping[type[sp.Expr], str] = {
     Maximum: "max",
     Atan2: "atan2",
 }
-"""The kinds of functions whose operands are those of the expression."""
+"""The kinds of functions whose operands are the arguments of the SymPy expression, by the class of the expression."""
 
 
 def time_function(expr: sp.Expr, parameters: Iterable[Parameter], splines: Mapping[str, Spline]) -> TimeFunction:
@@ -96,7 +96,7 @@ def _sum(expr: sp.Expr, convert: Callable[[sp.Expr], TimeFunction]) -> TimeFunct
 
 
 def _product(expr: sp.Expr, convert: Callable[[sp.Expr], TimeFunction]) -> TimeFunction:
-    """A product in a fixed order, over one of the factors with negative powers."""
+    """A product in a fixed order, divided by the product of the factors with negative powers."""
     weight, rest = expr.as_coeff_Mul()
     if weight.is_negative:
         return TimeFunction("neg", (convert(-expr),))
@@ -126,7 +126,7 @@ def _power(base: TimeFunction, exponent: sp.Rational) -> TimeFunction:
 
 
 def folded(expr: sp.Expr) -> sp.Expr:
-    """An expression in which functions of numbers that have an exact value are this value."""
+    """Replace functions of numbers by their value where it is exact."""
     return expr.replace(_is_known, _known_value)
 
 

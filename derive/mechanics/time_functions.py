@@ -1,4 +1,4 @@
-"""Functions of the derivation beyond those of SymPy: they stay as they are written, and know their derivatives.
+"""SymPy functions of the derivation that are not expanded automatically and that know their derivatives.
 
 SymPy would expand exp(a + b) to exp(a) exp(b) and differentiate |x| to distributions. At kinks and jumps a derivative
 is that of one side.
@@ -22,7 +22,7 @@ class Exp(TimeOperation):
     """The exponential function."""
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """The function itself."""
+        """The derivative, which is the function itself."""
         return self
 
 
@@ -30,7 +30,7 @@ class Log(TimeOperation):
     """The natural logarithm."""
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """1/x."""
+        """The derivative 1/x."""
         return 1 / self.args[0]
 
 
@@ -38,23 +38,23 @@ class Tanh(TimeOperation):
     """The hyperbolic tangent."""
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """1 - tanh^2."""
+        """The derivative 1 - tanh^2."""
         return 1 - self**2
 
 
 class Sign(TimeOperation):
-    """-1, 0 or 1."""
+    """The sign of a number: -1, 0 or 1."""
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """Zero, where there is a derivative."""
+        """The derivative: zero, wherever it exists."""
         return sp.S.Zero
 
 
 class Absolute(TimeOperation):
-    """The magnitude."""
+    """The absolute value of a number."""
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """The sign."""
+        """The derivative, which is the sign."""
         return Sign(self.args[0])
 
 
@@ -62,13 +62,13 @@ class Atan2(TimeOperation):
     """The angle of the point (x, y) from its coordinates y, x."""
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """x/(x^2 + y^2) and -y/(x^2 + y^2)."""
+        """The derivatives x/(x^2 + y^2) and -y/(x^2 + y^2)."""
         y, x = self.args
         return (x if argindex == 1 else -y) / (x**2 + y**2)
 
 
 class Select(TimeOperation):
-    """Of the arguments a, b, x, y: x where a < b, else y."""
+    """The choice between two values: of the arguments a, b, x, y it is x where a < b, else y."""
 
     def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
         a, b, x, y = self.args
@@ -92,7 +92,7 @@ class Maximum(TimeOperation):
 
 
 class SmoothStep(TimeOperation):
-    """Of the arguments x, x0, x1, n: derivative n of the polynomial of degree five from 0 at x0 to 1 at x1."""
+    """The smooth step with the arguments x, x0, x1, n: derivative n of a quintic polynomial from 0 at x0 to 1 at x1."""
 
     def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
         x, x0, x1, order = self.args
@@ -100,7 +100,7 @@ class SmoothStep(TimeOperation):
 
 
 class Lookup(TimeOperation):
-    """Of the arguments name, n, x: derivative n of a table at x."""
+    """A table lookup with the arguments name, n, x: derivative n of a table at x."""
 
     is_commutative = True  # in spite of its name, which SymPy does not take for a number
 
@@ -110,19 +110,19 @@ class Lookup(TimeOperation):
 
 
 def select(a: sp.Expr, b: sp.Expr, x: sp.Expr, y: sp.Expr) -> sp.Expr:
-    """x where a < b, else y; one of them, if they are equal or a and b are numbers."""
+    """Return x where a < b, else y; simplified where x and y are equal, or where a and b are numbers."""
     if a.is_Rational and b.is_Rational:
         return x if a < b else y
     return x if x == y else Select(a, b, x, y)
 
 
 def lookup(spline: Spline, x: sp.Expr) -> sp.Expr:
-    """The value of a table at x."""
+    """Return the value of a table at x."""
     return Lookup(Str(spline.name), sp.S.Zero, x)
 
 
 def piecewise(conditions: Sequence[tuple[sp.Expr, sp.Expr]], values: Sequence[sp.Expr]) -> sp.Expr:
-    """The value of the first condition (a, b) with a < b; where there is none, the last value."""
+    """Return the value of the first condition (a, b) with a < b; where none holds, the last value."""
     if not conditions:
         return values[0]
     return select(*conditions[0], values[0], piecewise(conditions[1:], values[1:]))

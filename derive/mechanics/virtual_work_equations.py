@@ -75,7 +75,7 @@ def gravity_definitions(motion: Motion, gravity: tuple[ModelConstant, ...]) -> t
 
 
 def _work_of(motion: Motion, displacement: Field) -> sp.Expr:
-    """The work int rho g . f of gravity on a field: g as it is on a translation, from the body frame on the rest."""
+    """The work int rho g . f of gravity on a field: inertial g on a translation, g in the body frame on the rest."""
     seen = vector(Family.BODY_GRAVITY, motion.rotation.rows)
     translation = {ONE: displacement[ONE]} if ONE in displacement else {}
     rest = {name: tensor for name, tensor in displacement.items() if name != ONE}
@@ -101,17 +101,17 @@ def weight_energy(motion: Motion) -> sp.Expr:
 
 
 def kinetic_energy(motion: Motion) -> sp.Expr:
-    """1/2 int rho xdot . xdot; sums are named."""
+    """The kinetic energy 1/2 int rho xdot . xdot; sums are named."""
     return motion.product(motion.velocity, motion.velocity) / 2
 
 
 def linear_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
-    """int rho xdot along each axis: the virtual work of the velocity on the two translations."""
+    """The linear momentum int rho xdot along each axis: the virtual work of the velocity on unit translations."""
     return tuple(motion.product(motion.velocity, d) for d in motion.translations)
 
 
 def angular_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
-    """int rho x x xdot about the inertial origin: the virtual work of the velocity on e_k x x."""
+    """The angular momentum int rho x x xdot about the inertial origin: the virtual work of the velocity on e_k x x."""
     position = motion.position
     rotated = ({ONE: fixed * position[ONE], R: moving} for fixed, moving in motion.rotation_generators)
     return tuple(motion.product(field, motion.velocity) for field in rotated)

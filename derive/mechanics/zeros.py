@@ -25,7 +25,7 @@ def drop(expr: sp.Expr, reasons: Reasons) -> sp.Expr:
 
 
 class _Zeros(Mapping[sp.Basic, sp.Expr]):
-    """Zero for each vanishing symbol: a dict of them would be made anew for each expression."""
+    """A mapping from each vanishing symbol to zero: a dict would have to be built again for each expression."""
 
     def __init__(self, reasons: Reasons) -> None:
         self._reasons = reasons
@@ -46,7 +46,7 @@ class _Zeros(Mapping[sp.Basic, sp.Expr]):
 
 
 def why(expr: sp.Expr, reasons: Reasons) -> Reason:
-    """Why an expression vanishes: the integrals that are zero in it; an empty reason if there are none."""
+    """The reason why an expression vanishes: the integrals that are zero in it; empty if there are none."""
     return Reason(behind(expr.free_symbols, reasons))
 
 

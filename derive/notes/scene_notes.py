@@ -1,4 +1,4 @@
-"""Lines for a user on what a scene leaves out: masses of bodies that outputs count, and connections with the ground."""
+"""Lines for a user on what a scene omits: masses of bodies that outputs count, and connections with the ground."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from derive.spec.model.scene import Scene
 
 
 def scene_notes(scene: Scene) -> tuple[str, ...]:
-    """A line on each body without mass or inertia that an output counts, and on bodies that nothing holds."""
+    """A line on each body without mass or inertia that an output counts, and on bodies that are unconstrained."""
     return *inertia_notes(scene), *_connection_notes(scene)
 
 

@@ -59,7 +59,7 @@ def cholesky(a: Array) -> Array | None:
 
 
 def forward_substitution(lower: Array, b: Array) -> Array:
-    """L^-1 b, for a lower triangular L (n, n) and b (n, ...)."""
+    """The solution L^-1 b for a lower triangular L (n, n) and b (n, ...)."""
     result = np.array(b, dtype=np.float64)
     for j in range(len(lower)):
         result[j] /= lower[j, j]

@@ -39,9 +39,9 @@ from derive.spec.model.body import Damping, NodalBody
 class Prepared:
     """The result of `prepare`: everything from which `reduce` computes integrals.
 
-    mass: the canonical mass matrix (nodes, nodes). raw: the modes as given or computed. framed: the same in the body
-    frame. shapes: those made orthonormal and symmetric. parities: those of `shapes`. orthonormal: whether c8 of
-    `shapes` is the unit matrix.
+    mass: the canonical mass matrix (nodes, nodes). raw: the modes as given or computed. framed: the modes in the
+    body frame. shapes: the modes made orthonormal and symmetric. parities: the parities of `shapes`. orthonormal:
+    whether c8 of `shapes` is the unit matrix.
     """
 
     mass: csr_array
@@ -115,7 +115,7 @@ def zero_stiffness_modes(body: NodalBody) -> tuple[int, ...]:
 
 
 def _deforming_mass(body: NodalBody, prepared: Prepared) -> Array:
-    """c8 (N, N) of the modes without their rigid motion; in the mean frame this is c8 itself."""
+    """The matrix c8 (N, N) of the modes without their rigid motion; in the mean frame this is c8 itself."""
     mass, shapes = prepared.mass, prepared.shapes
     if prepared.orthonormal and body.frame.kind == "mean":
         return np.eye(len(shapes.phi))
@@ -174,7 +174,7 @@ def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...
 
 
 def _doc(body: NodalBody, prepared: Prepared) -> str:
-    """The description of the body in words."""
+    """The description of the body and its frame."""
     kind = {"mean": "mean frame", "point": "frame at a node", "given": "frame of the modes as given"}[body.frame.kind]
     parts = [f"body of {len(prepared.raw.x)} nodes with {len(prepared.shapes.phi)} modes, {kind}"]
     if prepared.shapes.around:

@@ -98,7 +98,10 @@ def _dense_eigenvectors(k: csr_array, m: csr_array, shift: float, count: int) ->
 
 
 def _sparse_eigenvectors(k: csr_array, m: csr_array, shift: float, count: int) -> Array:
-    """The same with sparse matrices, by the Lanczos method with a fixed initial vector."""
+    """The eigenvectors of `_dense_eigenvectors` with sparse matrices, by the Lanczos method.
+
+    A fixed initial vector makes the result reproducible.
+    """
     shifted = (k + shift * m).tocsc()
     try:
         factors = splu(shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
@@ -120,7 +123,7 @@ def _sparse_eigenvectors(k: csr_array, m: csr_array, shift: float, count: int) -
 
 
 def _indefinite(value: float, vector: Array, largest: float, k: csr_array, m: csr_array) -> Problem:
-    """The fault of a K + shift M with the lowest eigenvalue `value` and its vector."""
+    """The fault of an indefinite K + shift M with the lowest eigenvalue `value` and its vector."""
     if value > -1e-12 * float(largest):
         return _unconstrained_node(k, m, int(np.argmax(np.abs(vector))) // 3)
     message = f"the stiffness has a negative eigenvalue ({value:.3g}): check its sign and symmetry"

@@ -25,7 +25,7 @@ class Integrals:
     """The shape integrals of the appendix, with the shapes of `ModalBody`.
 
     C4 and C5 are represented by their symmetric parts S4 (N, 3, 3) and S5 (N, N, 3, 3), because c6 and c7 are their
-    antisymmetric parts. c9, c10 (N, N, 3): those of second-order fields, of which S5 then contains a part as well.
+    antisymmetric parts. c9, c10 (N, N, 3): integrals of second-order fields, of which S5 then contains a part as well.
     """
 
     mass: float

@@ -24,13 +24,13 @@ EXACT_SUM = "the sum over the nodes, which is exactly zero"
 PAIRS = tuple(combinations_with_replacement(range(3), 2))
 """The components (a, b), a <= b, of a symmetric tensor."""
 AXIAL_PAIRS = ((1, 2), (2, 0), (0, 1))
-"""The components (a, b) of the product whose antisymmetric part is component k of an axial vector."""
+"""The components (a, b) of the product of which component k of an axial vector is the antisymmetric part."""
 SCALAR = 3
-"""The component of a factor that has none: its parity is that of the field."""
+"""The component of a scalar factor, whose parity is that of its field alone."""
 SECOND_ORDER_TABLES = ("S5", "c9", "c10")
-"""The tables that fields of second order contribute to."""
+"""The tables to which fields of second order contribute."""
 SECOND_ORDER_PARITY = 1e-5
-"""The largest entry that a mirror symmetry forbids, relative to the others, where fields of second order have it."""
+"""The largest entry that a mirror symmetry forbids, relative to the others, up to which second-order fields have it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -72,7 +72,7 @@ ASYMMETRY = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class SecondOrderFields:
-    """What the equations of motion need to know of the fields Psi_ij.
+    """The moments and the nodal values of the second-order fields Psi_ij that the equations of motion need.
 
     S (N, N, 3) = int rho Psi_ij; G (N, N, 3, 3) = int rho X (x) Psi_ij; `points`: Psi_ij (N, N, 3) by nodes.
     """
@@ -83,12 +83,12 @@ class SecondOrderFields:
 
     @property
     def axial(self) -> Array:
-        """int rho X x Psi_ij, (N, N, 3)."""
+        """The moments int rho X x Psi_ij, (N, N, 3)."""
         return np.stack([self.G[..., a, b] - self.G[..., b, a] for a, b in ((1, 2), (2, 0), (0, 1))], axis=-1)
 
     @property
     def inertia(self) -> Array:
-        """P_ij = int rho {(X . Psi_ij) I - sym X Psi_ij}, (N, N, 3, 3)."""
+        """The tensors P_ij = int rho {(X . Psi_ij) I - sym X Psi_ij}, (N, N, 3, 3)."""
         trace = self.G[..., 0, 0] + self.G[..., 1, 1] + self.G[..., 2, 2]
         return np.asarray(trace[..., None, None] * np.eye(3) - _symmetric(self.G))
 
@@ -164,7 +164,7 @@ def combined(fields: SecondOrderFields, weights: Array) -> SecondOrderFields:
 
 
 def without_rounding(fields: SecondOrderFields) -> SecondOrderFields:
-    """The fields, symmetric in the modes to the last bit."""
+    """The fields made symmetric in the modes to the last bit."""
     return _each_table(fields, lambda table: np.ascontiguousarray((table + np.swapaxes(table, 0, 1)) / 2))
 
 
@@ -236,9 +236,9 @@ def _rotations(x: Array, rigid: Array) -> Array:
 
 
 def _of_rotations(theta: Array, shapes: Array, position: Array) -> Array:
-    """theta_i x Phi_j + theta_j x Phi_i - 1/2 {theta_i x (theta_j x X) + theta_j x (theta_i x X)}, (N, N, 3).
+    """The terms theta_i x Phi_j + theta_j x Phi_i - 1/2 {theta_i x (theta_j x X) + theta_j x (theta_i x X)}, (N, N, 3).
 
-    theta (N, 3); shapes (N, 3): the values of the modes Phi, or their moments; position (3,): that of X.
+    theta (N, 3); shapes (N, 3): the values of the modes Phi, or their moments; position (3,): the same of X.
     """
     first, second = theta[:, None], theta[None]
     turned = np.cross(first, shapes[None]) - np.cross(first, np.cross(second, position)) / 2

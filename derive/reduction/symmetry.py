@@ -60,7 +60,7 @@ def mirror_planes(mass: csr_array, x: Array) -> tuple[Mirror, ...]:
 
 
 def separated_by_parity(mass: csr_array, phi: Array, values: Array, planes: tuple[Mirror, ...]) -> Array:
-    """Modes in which degenerate ones are combined so that each has a definite parity, where that is possible.
+    """The modes, where degenerate ones are combined so that each has a definite parity, if that is possible.
 
     phi (N, nodes, 3): orthonormal modes. values (N,): their stiffnesses, ascending.
     """

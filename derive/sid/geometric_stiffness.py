@@ -1,4 +1,4 @@
-"""The geometric stiffness of a SID: what of it a text contains, and the integrals of second order that it gives.
+"""The geometric stiffness of a SID: the matrices that a text contains, and their integrals of second order.
 
 See `derive.reduction.second_order` for what the matrices mean and for their signs. Ct has K0t as its first order, that
 of Cr is K0r - c7, and K0omega is added to that of Oe, from which it need not be separated: J and the centrifugal forces
@@ -19,7 +19,7 @@ from derive.sid.mapping import AGREEMENT, INERTIA_COLUMN, Array, Matrices, close
 
 
 def given_stiffening(matrices: Matrices, points: tuple[ModalPoint, ...]) -> tuple[str, ...]:
-    """Which of K0t, K0r, K0omega and K0F a text contains."""
+    """The names of the matrices among K0t, K0r, K0omega and K0F that a text contains."""
     size = float(np.abs(matrices["Me"].m0).max(initial=0.0))
     ct, cr = matrices["Ct"].m1, matrices["Cr"].m1
     c5 = first_order_of_oe(matrices, OMEGA_PRODUCTS)
@@ -35,13 +35,13 @@ def given_stiffening(matrices: Matrices, points: tuple[ModalPoint, ...]) -> tupl
 
 
 def header_stiffening(first: str) -> bool | None:
-    """Whether the first line of a text says that there is geometric stiffness; None if it does not say."""
+    """Whether the first line of a text states that there is geometric stiffness; None if it does not state it."""
     match = re.search(r"\bGeo_Stiff *= *(yes|no)\b", first, re.ASCII | re.IGNORECASE)
     return match[1].lower() == "yes" if match else None
 
 
 def without_forces(points: tuple[ModalPoint, ...]) -> Iterator[str]:
-    """A line of text about nodes that have no K0F, of a body of second order."""
+    """A line of text about the nodes of a body of second order that have no K0F."""
     missing = [point.name for point in points if point.second is None]
     if missing:
         names = ", ".join(missing[:4]) + (f" and {len(missing) - 4} more" if len(missing) > 4 else "")
@@ -49,7 +49,7 @@ def without_forces(points: tuple[ModalPoint, ...]) -> Iterator[str]:
 
 
 def of_one_order(points: tuple[ModalPoint, ...], second_order: bool) -> tuple[ModalPoint, ...]:
-    """The points of a body of second order, those without K0F with zeros; or of first order."""
+    """The points of a body, all of second order (zeros for those without K0F) or all of first order."""
 
     def second(point: ModalPoint) -> Array:
         n = len(point.shapes)
@@ -59,7 +59,7 @@ def of_one_order(points: tuple[ModalPoint, ...], second_order: bool) -> tuple[Mo
 
 
 def rotational_stiffness(first: Array | None, c7: Array) -> Array:
-    """c10 (N, N, 3), which is K0r, from the first order of Cr."""
+    """The integral c10 (N, N, 3), which is K0r, from the first order of Cr."""
     return np.zeros(c7.shape) if first is None else closest_symmetric(first, -c7)
 
 

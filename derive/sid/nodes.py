@@ -62,7 +62,7 @@ def symmetric_in_modes(table: Array) -> bool:
 
 
 def mean_of_both(table: Array) -> Array:
-    """The part of a table (N, N, ...) that is symmetric in the modes; to the last bit where the table is symmetric."""
+    """The symmetric part in the modes of a table (N, N, ...); a symmetric table is reproduced to the last bit."""
     return np.ascontiguousarray((table + np.swapaxes(table, 0, 1)) / 2) + 0.0
 
 

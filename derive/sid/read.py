@@ -205,7 +205,7 @@ def _integrals(
 
 
 def _inertia(inertia: Taylor) -> tuple[Array, Array | None]:
-    """C3 (3, 3), and the first order (N, 3, 3) of J, if there is one."""
+    """The integral C3 (3, 3), and the first order (N, 3, 3) of J, if there is one."""
     m1 = None if inertia.m1 is None else inertia.m1.transpose(1, 0, 2)  # mode first
     if inertia.m0.shape == (3, 3):
         return inertia.m0, m1

@@ -1,4 +1,4 @@
-"""What a SID contains that a modal body does not use. `read` reports it, so that nothing is dropped in silence."""
+"""The data of a SID that a modal body does not use. `read` reports them, so that nothing is dropped in silence."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class SidWarning(UserWarning):
 
 
 Unused = tuple[int, str, str]
-"""A line, what is not used there, and why."""
+"""The number of a line, the data that are not used there, and the reason."""
 
 
 def unused(root: Block) -> tuple[str, ...]:
@@ -50,7 +50,7 @@ def _unused(root: Block) -> Iterator[Unused]:
 
 
 def _of_modal(modal: Block) -> Iterator[Unused]:
-    """What of a body is not used."""
+    """The data of a body that are not used."""
     yield from _entries(modal, ())
     known = {name: modal.find(name) for name in ("refmod", "frame", *MATRICES)}
     for block in modal.blocks:
@@ -69,7 +69,7 @@ def _of_modal(modal: Block) -> Iterator[Unused]:
 
 
 def _of_node(node: Block) -> Iterator[Unused]:
-    """What of a node is not used. The first order of AP contains what psi does."""
+    """The data of a node that are not used. The first order of AP has the same content as psi."""
     yield from _entries(node, ("rframe",))
     for entry in node.entries:
         if entry.key == "rframe" and entry.value != "body ref":
@@ -83,7 +83,7 @@ def _of_node(node: Block) -> Iterator[Unused]:
 
 
 def _entries(block: Block, known: tuple[str, ...]) -> Iterator[Unused]:
-    """The entries of a block besides those that are read."""
+    """The entries of a block that are not read."""
     for entry in block.entries:
         if entry.key not in known:
             yield entry.line, f"{entry.key} in {block.name}", "a modal body has no such data"

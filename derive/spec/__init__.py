@@ -1,1 +1,1 @@
-"""Specifications: what the user writes, checked and turned into frozen data."""
+"""Specifications: the input of a user, which is checked and converted to frozen data."""

@@ -50,7 +50,7 @@ Data = dict[str, object]
 
 
 def specification_tables(spec: Specification) -> Data:
-    """A whole specification as tables."""
+    """The tables of a whole specification."""
     if isinstance(spec, Scene):
         return scene_tables(spec)
     kind = "beam" if isinstance(spec, PlanarBeam) else "body"
@@ -60,7 +60,7 @@ def specification_tables(spec: Specification) -> Data:
 
 
 def scene_tables(scene: Scene) -> Data:
-    """A scene as tables. Raises SpecError where two elements of one kind have the same name."""
+    """The tables of a scene. Raises SpecError where two elements of one kind have the same name."""
     tables: Data = {"name": scene.name, "ground": {"markers": named("ground", scene.ground)}}
     if scene.gravity is not None or scene.start is not None:
         tables["scene"] = without_none(gravity=as_table(scene.gravity), start=scene.start)
@@ -76,7 +76,7 @@ def scene_tables(scene: Scene) -> Data:
 
 
 _OTHERS = {"ground": ("ground.markers", "marker"), "masses": ("beam.masses", "attached mass")}
-"""Where elements with names are that no table of a scene has, and what one is called."""
+"""The tables with named elements besides those of a scene, with the noun for one element."""
 
 
 def named(kind: str, elements: Any) -> Any:
@@ -97,7 +97,7 @@ def named(kind: str, elements: Any) -> Any:
 
 
 def as_table(value: Any) -> Any:
-    """A value as it would be written in a table; tables and sequences with all they hold."""
+    """A value in the form that a table has; tables and sequences are converted with all their elements."""
     if isinstance(value, TimeFunction):
         return {"input": value.name} if value.kind == "input" else value
     convert = _CONVERT.get(type(value))
@@ -111,7 +111,7 @@ def as_table(value: Any) -> Any:
 
 
 def without_none(**keys: object) -> Data:
-    """The keys whose value is not None."""
+    """The entries whose value is not None."""
     return {key: value for key, value in keys.items() if value is not None}
 
 

@@ -1,6 +1,6 @@
-"""Specifications built in Python: typed values or mappings, with the keys, the defaults and the checks of a TOML file.
+"""Specifications built in Python from typed values or mappings, with the keys, defaults and checks of a TOML file.
 
-Every function raises SpecError with all that is wrong; paths are those of a TOML file, without lines.
+Every function raises SpecError with all faults; paths are those of a TOML file, without lines.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ Nodes = str | os.PathLike[str] | Mapping[str, Any] | NodeData
 Table = Mapping[str, object]
 Element = TypeVar("Element")
 Named = Mapping[str, Element | Table] | Sequence[Element]
-"""Elements with names: a mapping from names to tables or typed values, or a sequence of typed values."""
+"""The type of elements with names: a mapping from names to tables or typed values, or a sequence of typed values."""
 
 S = TypeVar("S", bound=Specification)
 

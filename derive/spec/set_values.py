@@ -1,4 +1,4 @@
-"""Single values of a specification replaced by others: what `--set NAME=VALUE` does.
+"""Replacement of single values of a specification, as for `--set NAME=VALUE`.
 
 A name is the symbol of a parameter, or a key of the specification with dots, such as `bodies.rod.bending_stiffness`.
 """
@@ -42,13 +42,13 @@ class SetValue:
 
 
 def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetValue, ...]]:
-    """A specification with other values, and what has been replaced.
+    """The specification with other values, and the list of replaced values.
 
     assignments: values by names, as they are written in TOML. A parameter gets another default, at all keys with its
     symbol; a number that may be a parameter becomes one, so that the model does not depend on its value; any other
     value is replaced.
 
-    Raises SpecError with all unknown names, or with what is wrong with the values.
+    Raises SpecError with all unknown names, or with all faults of the values.
     """
     tables = specification_tables(spec)
     known = dict(_values(tables, ()))
@@ -95,7 +95,7 @@ def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetVa
 def _without_unused(spec: S, tables: Any, assignments: Mapping[str, str]) -> tuple[S, list[KeyPath]]:
     """The specification without those parameters of functions that no function uses any more, and their paths.
 
-    Raises SpecError with what is wrong; also with parameters that nothing uses and that the assignments set.
+    Raises SpecError with all faults, among them parameters that nothing uses and that the assignments set.
     """
     try:
         return validated_tables(spec, tables), []
@@ -112,9 +112,9 @@ def _without_unused(spec: S, tables: Any, assignments: Mapping[str, str]) -> tup
 
 
 def _added(spec: Specification, tables: Mapping[str, Any], name: str, new: Any) -> Any:
-    """The tables with a key that may be left out, and that is not there yet.
+    """The tables with a value for an optional key that is not given yet.
 
-    None if there is no such table, and what is wrong if the table knows no such key.
+    The result is None if there is no such table, and the fault if the table has no such key.
     """
     *parents, key = name.split(".")
     table: Any = tables
@@ -132,7 +132,7 @@ def _added(spec: Specification, tables: Mapping[str, Any], name: str, new: Any) 
 
 
 def _values(value: Any, path: KeyPath) -> Iterator[tuple[KeyPath, Any]]:
-    """All values of tables that are no tables, and the elements of lists, with their paths; a parameter is a value."""
+    """All values that are not tables, and the elements of lists, with their paths; a parameter counts as a value."""
     if isinstance(value, Mapping) and "symbol" not in value and path[:-1] != ("parameters",):
         for key, item in value.items():
             yield from _values(item, (*path, str(key)))
@@ -162,12 +162,12 @@ def _constants(spec: Specification, tables: Mapping[str, Any]) -> set[KeyPath]:
 
 
 def _names(spec: Specification, tables: Mapping[str, Any]) -> set[str]:
-    """Names in lower case that parameters cannot have."""
+    """The names in lower case that parameters cannot have."""
     return {spec.name.lower(), *(taken_names(SceneData(tables)) if isinstance(spec, Scene) else ())}
 
 
 def _as_parameter(path: KeyPath, old: Any, new: Any, taken: set[str]) -> Any:
-    """The parameter with the new default, or the new value alone where no name can be made of the path."""
+    """The parameter with the new default, or the new value itself where the path gives no valid name."""
     if isinstance(old, Mapping):
         return {**old, "default": new}
     name = "_".join(str(part + 1 if isinstance(part, int) else part) for part in path[1:])
@@ -179,7 +179,7 @@ def _as_parameter(path: KeyPath, old: Any, new: Any, taken: set[str]) -> Any:
 
 
 def _replaced(value: Any, path: KeyPath, new: Any) -> Any:
-    """Tables and lists with a new value at a path."""
+    """A copy of tables and lists with a new value at a path."""
     if not path:
         return new
     if isinstance(value, Mapping):
@@ -188,7 +188,7 @@ def _replaced(value: Any, path: KeyPath, new: Any) -> Any:
 
 
 def _value(text: str) -> Any:
-    """A value as TOML has it; what is no TOML is a text without its quotation marks."""
+    """A value from its TOML notation; text that is not TOML is a string without quotation marks."""
     if "\n" not in text:
         try:
             return tomllib.loads(f"value = {text}", parse_float=TomlFloat)["value"]
@@ -198,7 +198,7 @@ def _value(text: str) -> Any:
 
 
 def _shown(value: Any) -> str:
-    """A value on one line: a number as a decimal if it is short, of a parameter its default with the unit."""
+    """A value in one line: a short number as a decimal, a parameter as its default with the unit."""
     match value:
         case {"default": default, "unit": str(unit)} if unit:
             return f"{_shown(default)} {unit}"

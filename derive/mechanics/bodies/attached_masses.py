@@ -51,13 +51,13 @@ class LocatedMass:
     strains: tuple[sp.Expr, ...]
 
     def rotation(self, i: int) -> sp.Expr:
-        """The rotation that goes with phi for i = 0, or with alpha_i; displacements along the axis turn no section."""
+        """The factor of alpha_i (of phi for i = 0) in the rotation of the section; zero for stretching."""
         if i == 0:
             return sp.S.One
         return self.rotations[i - 1] if i <= len(self.rotations) else sp.S.Zero
 
     def second_rotation(self, i: int, j: int) -> sp.Expr:
-        """The rotation that goes with alpha_i alpha_j, twice that for i = j, in 1/m^2."""
+        """The factor of alpha_i alpha_j in the rotation of the section, twice that for i = j, in 1/m^2."""
         return -self.rotations[i - 1] * self.strains[j - 1] - self.rotations[j - 1] * self.strains[i - 1]
 
 
@@ -74,7 +74,7 @@ def located_masses(
 
 
 def _slope(field: BeamField, axis: int, at: Fraction, length: sp.Expr) -> sp.Expr:
-    """The derivative of a field by x, or zero if it is along another axis."""
+    """The derivative of a field by x if it is along the given axis, else zero."""
     return 2 * rational(field.of.derivative().at(at)) / length if field.axis == axis else sp.S.Zero
 
 
@@ -86,13 +86,13 @@ class IntegralsWithMasses:
     masses: tuple[LocatedMass, ...]
 
     def first(self, i: int, component: int) -> Value:
-        """int rho X or int rho Phi_i."""
+        """The first moment int rho X or int rho Phi_i."""
         if self.beam.field(i).axis != component:
             return self.beam.first(i, component)
         return _sum(self.beam.first(i, component), [m.mass * self._there(i, m) for m in self.masses])
 
     def trace(self, i: int, j: int) -> Value:
-        """X . X with the inertia, X . Phi_j or Phi_i . Phi_j."""
+        """The moment of X . X, including the inertia of the masses, of X . Phi_j or of Phi_i . Phi_j."""
         if self.beam.field(i).axis != self.beam.field(j).axis:
             return self.beam.trace(i, j)
         added = [m.mass * self._there(i, m) * self._there(j, m) for m in self.masses]
@@ -100,7 +100,7 @@ class IntegralsWithMasses:
         return _sum(self.beam.trace(i, j), added)
 
     def axial(self, i: int, j: int) -> Value:
-        """X x Phi_j with the inertia, or Phi_i x Phi_j."""
+        """The moment of X x Phi_j, including the inertia of the masses, or of Phi_i x Phi_j."""
         first, second = self.beam.field(i), self.beam.field(j)
         if first.axis == second.axis:
             return self.beam.axial(i, j)
@@ -110,7 +110,7 @@ class IntegralsWithMasses:
         return _sum(self.beam.axial(i, j), added)
 
     def _there(self, i: int, mass: LocatedMass) -> sp.Expr:
-        """X or a field at a mass, along its axis."""
+        """The value of X or of a field at a mass, along its axis."""
         return self.beam.unit(i) * rational(self.beam.field(i).of.at(mass.at))
 
 
@@ -122,29 +122,29 @@ class SecondOrderWithMasses:
     masses: tuple[LocatedMass, ...]
 
     def first(self, i: int, j: int, component: int) -> Value:
-        """int rho Psi_ij . e_component."""
+        """The first moment int rho Psi_ij . e_component."""
         of_beam = self.beam.first(i, j, component)
         if component == 2:
             return of_beam
         return _sum(of_beam, [self.beam.factor * m.mass * self._there(i, j, m) for m in self.masses])
 
     def trace(self, i: int, j: int) -> sp.Expr:
-        """int rho X . Psi_ij, where X = xi length/2."""
+        """The moment int rho X . Psi_ij, where X = xi length/2."""
         own = (m.mass * rational(m.at) * self._there(i, j, m) for m in self.masses)
         return sp.Add(self.beam.trace(i, j), *own)
 
     def axial(self, i: int, j: int) -> Value:
-        """int rho X x Psi_ij, with the inertia."""
+        """The moment int rho X x Psi_ij, including the inertia of the masses."""
         turned = [m.inertia * m.second_rotation(i, j) for m in self.masses]
         return _sum(self.beam.axial(i, j), turned) if any(turned) else self.beam.axial(i, j)
 
     def _there(self, i: int, j: int, mass: LocatedMass) -> sp.Rational:
-        """psi_ij length/2 at a mass."""
+        """The value of psi_ij length/2 at a mass."""
         return rational(self.beam.of(i, j).at(mass.at))
 
 
 def _sum(of_beam: Value, added: list[sp.Expr]) -> Value:
-    """An integral of a beam with what masses add to it, and the reason if nothing is left."""
+    """An integral of a beam with the contributions of masses, and the reason if the sum vanishes."""
     total = sp.expand(sp.Add(of_beam.expr, *added))
     if total:
         return Value(total)

@@ -118,11 +118,11 @@ def _parameters(beam: PlanarBeam) -> Iterator[ParameterSymbol]:
 
 
 AXIAL_DOCS = {"stiffness": "axial stiffness EA", "preload": "axial force at rest"}
-"""What the constants of AxialDeformation are."""
+"""The descriptions of the constants of AxialDeformation."""
 
 
 def _shape_texts(shapes: tuple[BeamField, ...]) -> str:
-    """The shape functions in a line."""
+    """The shape functions as text, in a line."""
     bending = ", ".join(shape.of.text for shape in shapes if shape.axis == 2)
     along = ", ".join(shape.of.text for shape in shapes if shape.axis == 1)
     return f"shapes {bending}" + (f", along the axis {along}" if along else "")
@@ -170,10 +170,10 @@ def point_that_sees(
     value: Callable[[BeamFunction], sp.Rational],
     zero: str,
 ) -> MaterialPoint:
-    """A point that moves as the beam, or one of its pieces, does at a place, or in the mean over some part.
+    """A point that moves like the beam, or one of its pieces, at a position or in the mean over some part.
 
-    docs: of the point and of its position; value: what the point sees of a function of xi; zero: why its position
-    vanishes if it does.
+    docs: the descriptions of the point and of its position; value: evaluates a function of xi at the point; zero: the
+    reason if its position vanishes.
     """
     shapes = displacement_fields(beam)
     length = quantity.value(beam.length) / pieces

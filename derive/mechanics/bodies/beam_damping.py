@@ -27,7 +27,7 @@ from derive.spec.model.body import PlanarBeam
 from derive.spec.model.quantity import Parameter
 
 DIGITS = 60
-"""Digits of the modes, whose results are rounded to doubles: the same on any machine."""
+"""The precision of the modes in digits; results are rounded to doubles, so that they are the same on any machine."""
 
 NEGLIGIBLE = mpmath.mpf(10) ** -40
 UNCOUPLED = "these shapes (the modes that they are part of are damped alone)"
@@ -37,7 +37,7 @@ DAMPING_DOCS = {
     "mass": "factor of the mass in the damping",
     "stiffness": "factor of the stiffness in the damping",
 }
-"""What the constants of BeamDamping are."""
+"""The descriptions of the constants of BeamDamping."""
 
 
 def damping_constants(beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:
@@ -64,7 +64,7 @@ def damping_constants(beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant,
 
 
 def retardation_times(beam: PlanarBeam, pieces: int = 1) -> sp.Matrix:
-    """K^-1 B (s) of the bending of a beam with damping, or of all pieces of a rod.
+    """The matrix K^-1 B (s) of the bending of a beam with damping, or of all pieces of a rod.
 
     It gives the amplitudes whose elastic forces are the damping forces of given velocities. Of damping that is
     proportional to the stiffness it is the retardation time of the material times the unit matrix.
@@ -91,7 +91,7 @@ def _stiffness(beam: PlanarBeam, axis: int, pieces: int) -> sp.Matrix:
 
 
 def _matrix(beam: PlanarBeam, axis: int, pieces: int) -> sp.Matrix:
-    """B of bending (2) or of stretching (1). Proportional damping is exact.
+    """The damping matrix B of bending (2) or of stretching (1). Proportional damping is exact.
 
     In 2 ratio M (M^-1 K)^(1/2) every mode of M and K has the ratio; the root is that of matrices of numbers.
     """
@@ -117,7 +117,7 @@ def damping_parameters(beam: PlanarBeam) -> Iterator[ParameterSymbol]:
 
 @cache
 def _root(mass: sp.ImmutableMatrix, stiffness: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
-    """M (M^-1 K)^(1/2), whose entries are rounded to doubles."""
+    """The matrix M (M^-1 K)^(1/2), whose entries are rounded to doubles."""
     with mpmath.workdps(DIGITS):
         low = mpmath.cholesky(_high_precision(mass))
         inverse = low**-1
@@ -130,5 +130,5 @@ def _root(mass: sp.ImmutableMatrix, stiffness: sp.ImmutableMatrix) -> sp.Immutab
 
 
 def _high_precision(matrix: sp.ImmutableMatrix) -> mpmath.matrix:
-    """A matrix of fractions with the digits of the context."""
+    """A matrix of fractions converted to the precision of the mpmath context."""
     return mpmath.matrix([[mpmath.mpf(int(x.p)) / int(x.q) for x in matrix.row(i)] for i in range(matrix.rows)])

@@ -21,11 +21,11 @@ import sympy as sp
 from derive.spec.model.body import Polynomial
 
 WORKING_DIGITS = 200
-"""Antiderivatives divide by differences of wave numbers, of which some almost vanish: 60 digits are left and more."""
+"""The precision: antiderivatives divide by small differences of wave numbers, which leaves 60 digits and more."""
 NEGLIGIBLE_DIGITS = 40
 
 ARITHMETIC = mpmath.MPContext()
-"""The arithmetic of irrational coefficients, apart from the precision that mpmath has elsewhere."""
+"""The mpmath context of irrational coefficients; its precision is independent of the global one."""
 ARITHMETIC.dps = WORKING_DIGITS
 
 NEGLIGIBLE = ARITHMETIC.mpf(10) ** -NEGLIGIBLE_DIGITS
@@ -34,7 +34,7 @@ LEFT, RIGHT = Fraction(-1), Fraction(1)
 """The ends of the beam."""
 
 Real = Any
-"""A Fraction, or a number of ARITHMETIC."""
+"""A coefficient: a Fraction, or a number of ARITHMETIC."""
 
 
 @dataclass(frozen=True, order=True)
@@ -46,14 +46,14 @@ class WaveNumber:
 
 
 Rate = tuple[tuple[WaveNumber, int, int], ...]
-"""The sum of (a + i b) w over its entries w, a, b; of each wave number there is at most one."""
+"""A rate: the sum of (a + i b) w over its entries w, a, b, with at most one entry for each wave number."""
 Term = tuple[Rate, int]
-"""exp(rate xi) xi^n."""
+"""The identity of a function exp(rate xi) xi^n: its rate and its power."""
 
 
 @dataclass(frozen=True)
 class RealTerm:
-    """xi^power exp(growth xi) (cosine cos(frequency xi) + sine sin(frequency xi)), in doubles."""
+    """The term xi^power exp(growth xi) (cosine cos(frequency xi) + sine sin(frequency xi)), in doubles."""
 
     power: int
     growth: float
@@ -62,7 +62,7 @@ class RealTerm:
     sine: float
 
     def texts(self) -> Iterator[str]:
-        """Its summands in decimals."""
+        """The summands as text, in decimals."""
         power = f" xi^{self.power}" if self.power > 1 else " xi" * self.power
         growth = f" exp({self.growth!r} xi)" if self.growth else ""
         for factor, wave in ((self.cosine, "cos"), (self.sine, "sin")):
@@ -78,17 +78,17 @@ class BeamFunction:
 
     @property
     def is_exact(self) -> bool:
-        """Whether it is a polynomial with rational coefficients."""
+        """Whether the function is a polynomial with rational coefficients."""
         return all(isinstance(c, Fraction) for c in self.terms.values())
 
     @property
     def is_zero(self) -> bool:
-        """Whether it vanishes everywhere."""
+        """Whether the function vanishes everywhere."""
         return not self.terms
 
     @property
     def is_odd(self) -> bool:
-        """Whether f(-xi) = -f(xi)."""
+        """Whether the function is odd, f(-xi) = -f(xi)."""
         mirrored = {(_negative(rate), n): -c if n % 2 else c for (rate, n), c in self.terms.items()}
         return not _sum((self.terms, mirrored))
 
@@ -101,7 +101,7 @@ class BeamFunction:
 
     @property
     def real_terms(self) -> tuple[RealTerm, ...]:
-        """The same function in doubles, for texts and drawings; conjugate exponentials are one cosine and sine."""
+        """The terms of the function in doubles, for texts and drawings; conjugate exponentials are merged."""
         return tuple(self._real_terms())
 
     def _real_terms(self) -> Iterator[RealTerm]:
@@ -134,7 +134,7 @@ class BeamFunction:
         return BeamFunction(_sum({(_added(r, s), n + k): a * b} for ((r, n), a), ((s, k), b) in pairs))
 
     def scaled(self, factor: Real) -> BeamFunction:
-        """The function times a number."""
+        """The product of the function and a number."""
         return BeamFunction({term: c * factor for term, c in self.terms.items()} if factor else {})
 
     def derivative(self, order: int = 1) -> BeamFunction:
@@ -163,14 +163,14 @@ class BeamFunction:
         return BeamFunction(_sum(parts))
 
     def at(self, xi: Fraction) -> Real:
-        """The value at a place."""
+        """The value of the function at a position."""
         if self.is_exact:
             return sum((c * xi**n for (_, n), c in self.terms.items()), Fraction(0))
         parts = list(self._parts_at(xi))
         return _real(parts, sum(map(_size, parts)))
 
     def integral(self, start: Fraction = LEFT) -> Real:
-        """The integral from a place to the right end; zero where it is negligible against that of the terms."""
+        """The integral from a position to the right end; zero where it is negligible against that of the terms."""
         if self.is_exact:
             primitive = self.antiderivative()
             return primitive.at(RIGHT) - primitive.at(start)
@@ -179,7 +179,7 @@ class BeamFunction:
         return _real(parts, size)
 
     def _parts_at(self, xi: Fraction) -> Iterator[Real]:
-        """The values of the terms, complex numbers."""
+        """The values of the terms at a position, complex numbers."""
         return (c * xi**n * _exponential(rate, xi) for (rate, n), c in self.terms.items())
 
 
@@ -192,7 +192,7 @@ NOTHING, ONE, XI = polynomial([]), polynomial([1]), polynomial([0, 1])
 
 
 def exponential(wave: WaveNumber, real: int, imaginary: int, coefficient: Real) -> BeamFunction:
-    """coefficient exp((real + i imaginary) wave xi), a part of a real function."""
+    """The complex function coefficient exp((real + i imaginary) wave xi), a part of a real function."""
     return BeamFunction({(((wave, real, imaginary),), 0): ARITHMETIC.mpc(coefficient)})
 
 
@@ -222,7 +222,7 @@ def _monomial_text(power: int, coefficient: Fraction) -> str:
 
 
 def _sum(parts: Iterable[Mapping[Term, Real]]) -> dict[Term, Real]:
-    """The sum of sums of terms, without those that cancel."""
+    """The sum of sums of terms, without terms that cancel."""
     totals: dict[Term, Real] = {}
     sizes: dict[Term, Real] = {}
     for part in parts:
@@ -233,7 +233,7 @@ def _sum(parts: Iterable[Mapping[Term, Real]]) -> dict[Term, Real]:
 
 
 def _negligible(number: Real, size: Real) -> bool:
-    """Whether a number vanishes among others of some size."""
+    """Whether a number is negligible compared with numbers of some size."""
     return not number if isinstance(number, Fraction) else bool(_size(number) <= NEGLIGIBLE * size)
 
 
@@ -272,7 +272,7 @@ def _value(rate: Rate) -> Real:
 
 @cache
 def _exponential(rate: Rate, xi: Fraction) -> Real:
-    """exp(rate xi), a product of powers of few exponentials."""
+    """The value of exp(rate xi), a product of powers of few exponentials."""
     result = ARITHMETIC.mpc(1)
     for wave, real, imaginary in rate:
         if real:
@@ -295,6 +295,6 @@ def _growth(rate: Rate) -> Real:
 
 @cache
 def _integral(rate: Rate, power: int, start: Fraction) -> Real:
-    """The integral of xi^power exp(rate xi) from a place to the right end."""
+    """The integral of xi^power exp(rate xi) from a position to the right end."""
     primitive = BeamFunction({(rate, power): ARITHMETIC.mpc(1)}).antiderivative()
     return sum(primitive._parts_at(RIGHT)) - sum(primitive._parts_at(start))

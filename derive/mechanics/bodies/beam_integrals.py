@@ -45,7 +45,7 @@ class BeamIntegrals:
     mean_frame: bool
 
     def first(self, i: int, component: int) -> Value:
-        """X lies along e1."""
+        """The first moment of X or of a field; X lies along e1."""
         field = self.field(i)
         if field.axis != component:
             return Value(sp.S.Zero, LATERAL)
@@ -54,14 +54,14 @@ class BeamIntegrals:
         return self._value(field.of, sp.S.One, CONDITION_17 if self.mean_frame else None, BY_CHANCE)
 
     def trace(self, i: int, j: int) -> Value:
-        """X . X, X . Phi_j or Phi_i . Phi_j."""
+        """The moment of X . X, X . Phi_j or Phi_i . Phi_j."""
         first, second = self.field(i), self.field(j)
         if first.axis != second.axis:
             return Value(sp.S.Zero, LATERAL)
         return self._value(first.of * second.of, self.unit(i) * self.unit(j))
 
     def axial(self, i: int, j: int) -> Value:
-        """X x Phi_j, or Phi_i x Phi_j."""
+        """The moment of X x Phi_j, or of Phi_i x Phi_j."""
         first, second = self.field(i), self.field(j)
         if first.axis == second.axis:
             return Value(sp.S.Zero, PARALLEL if first.axis == 2 else ALONG)
@@ -70,7 +70,7 @@ class BeamIntegrals:
         return self._value(first.of * second.of, sign * self.unit(i) * self.unit(j), condition)
 
     def field(self, i: int) -> BeamField:
-        """X or a field."""
+        """The field X (index 0) or a displacement field."""
         return self.fields[i - 1] if i else BeamField(XI, 1)
 
     def unit(self, i: int) -> sp.Expr:
@@ -80,7 +80,7 @@ class BeamIntegrals:
     def _value(
         self, integrand: BeamFunction, factor: sp.Expr, reason: str | None = None, otherwise: str = ORTHOGONAL
     ) -> Value:
-        """m/2 int integrand dxi times factor, with the reason if it is zero."""
+        """The integral m/2 int integrand dxi times factor, with the reason if it is zero."""
         value = integrand.integral()
         if value:
             return Value(self.mass * factor * rational(value) / 2)

@@ -87,7 +87,7 @@ def part_body(
 
 
 def rigid_rows(body: Body) -> tuple[sp.Expr, ...]:
-    """The force along e1 and e2 (N) and the torque about O (N m) that the motion of a body needs, besides its weight.
+    """The force along e1, e2 (N) and the torque about O (N m) that the motion of a body needs, besides its weight.
 
     In the coordinates and the constants of the body.
     """

@@ -53,14 +53,14 @@ def beam_stiffness(beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ..
 
 
 def stiffness_units(beam: PlanarBeam, pieces: int = 1) -> dict[int, sp.Expr]:
-    """What the entries are rational multiples of, by the axis of their fields: EA/l and EI/l^3, in N/m."""
+    """The units of which the entries are rational multiples, by the axis of their fields: EA/l and EI/l^3, in N/m."""
     length = quantity.value(beam.length) / pieces
     units = {2: quantity.value(beam.bending_stiffness) / length**3}
     return units | ({1: quantity.value(beam.axial.stiffness) / length} if beam.axial else {})
 
 
 def preload_constants(beam: PlanarBeam) -> Iterator[ModelConstant]:
-    """N int dchi_k/dx dx (N) of each shape: its generalised force; none without an axial force at rest."""
+    """The generalised forces N int dchi_k/dx dx (N) of the axial force at rest; none without such a force."""
     if beam.axial is None or beam.axial.preload == 0:
         return
     force = quantity.value(beam.axial.preload, positive=False)

@@ -27,7 +27,7 @@ class Projection:
 def projection(deflection: Polynomial, shapes: tuple[BeamFunction, ...], pieces: int) -> Projection:
     """The nearest deflection on each of some pieces of equal length; it is exact where the shapes can describe it.
 
-    deflection: a polynomial in xi of the whole beam; shapes: those of a piece, none for a rigid one.
+    deflection: a polynomial in xi of the whole beam; shapes: the shapes of a piece, none for a rigid one.
     """
     exact = [piece_deflection(deflection, shapes, pieces, k) for k in range(pieces)]
     known = tuple(part for part in exact if part is not None)

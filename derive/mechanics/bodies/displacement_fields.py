@@ -37,13 +37,13 @@ def displacement_fields(beam: PlanarBeam) -> tuple[BeamField, ...]:
 
 
 def stretching_shapes(beam: PlanarBeam) -> tuple[BeamFunction, ...]:
-    """The chi_k(xi) of a beam; none if it does not stretch. Raises ConditionError, see `axial_shapes`."""
+    """The shapes chi_k(xi) of stretching; empty without stretching. Raises ConditionError, see `axial_shapes`."""
     return axial_shapes(beam.axial.ansatz, beam.frame, beam.orthogonal) if beam.axial else ()
 
 
 @cache
 def axial_shapes(ansatz: tuple[Polynomial, ...], frame: Frame, orthogonal: bool) -> tuple[BeamFunction, ...]:
-    """Each polynomial less the constant that the frame takes away, scaled to one at the right end.
+    """The polynomials of an axial ansatz, each less the constant that the frame removes, scaled to one at xi = 1.
 
     A translation along the axis is left out. Raises ConditionError when the others are linearly dependent, or when
     there are none.
@@ -83,7 +83,7 @@ def _constant(displacement: BeamFunction, frame: Frame) -> Real:
 
 
 def shortening(first: BeamField, second: BeamField, frame: Frame) -> BeamFunction:
-    """psi_ij length/2 of two fields: -int phi_i' phi_j' dxi with the condition of the frame; stretching adds none."""
+    """The psi_ij length/2 of two fields, -int phi_i' phi_j' dxi with the condition of the frame; 0 for stretching."""
     if first.axis == 1 or second.axis == 1:
         return NOTHING
     primitive = -(first.of.derivative() * second.of.derivative()).antiderivative()

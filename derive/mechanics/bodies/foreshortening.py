@@ -47,15 +47,15 @@ class Foreshortening:
 
     @property
     def factor(self) -> sp.Expr:
-        """2/length, in 1/m."""
+        """The factor 2/length, in 1/m."""
         return 2 / self.length
 
     def of(self, i: int, j: int) -> BeamFunction:
-        """psi_ij length/2 of the fields i and j, from 1."""
+        """The function psi_ij length/2 of the fields i and j, from 1."""
         return shortening(self.fields[i - 1], self.fields[j - 1], self.frame)
 
     def first(self, i: int, j: int, component: int) -> Value:
-        """int rho Psi_ij . e_component."""
+        """The first moment int rho Psi_ij . e_component."""
         if component == 2:
             return Value(sp.S.Zero, SHORTENING)
         if self.stretches(i, j):
@@ -63,11 +63,11 @@ class Foreshortening:
         return self._value(self.of(i, j), self.factor, CONDITION_17 if self.frame.kind == "mean" else None)
 
     def trace(self, i: int, j: int) -> sp.Expr:
-        """int rho X . Psi_ij."""
+        """The moment int rho X . Psi_ij."""
         return self._value(self.of(i, j) * XI, sp.S.One).expr
 
     def axial(self, i: int, j: int) -> Value:
-        """int rho X x Psi_ij."""
+        """The moment int rho X x Psi_ij."""
         return Value(sp.S.Zero, PARALLEL_TO_AXIS)
 
     def stretches(self, i: int, j: int) -> bool:
@@ -76,7 +76,7 @@ class Foreshortening:
 
     @cached_property
     def combinations(self) -> tuple[Combination, ...]:
-        """The fields theta_p that all psi_ij are combinations of, and the weights.
+        """The fields theta_p of which all psi_ij are combinations, and the weights.
 
         For polynomials these are Legendre polynomials, which are orthogonal; for others the psi_ij themselves.
         """
@@ -101,7 +101,7 @@ class Foreshortening:
 
 @dataclass(frozen=True)
 class Combination:
-    """A field theta_p, and its weights in the psi_ij length/2, by i <= j; those that are not there vanish."""
+    """A field theta_p, and its weights in the functions psi_ij length/2, by i <= j; missing weights vanish."""
 
     field: BeamFunction
     weights: Mapping[tuple[int, int], Real]
@@ -118,7 +118,7 @@ def pairs(n: int) -> Iterator[tuple[int, int]]:
 
 
 def field_weights(of: Foreshortening) -> tuple[ModelConstant, ...]:
-    """z_pij of Psi_ij = sum z_pij theta_p."""
+    """The weights z_pij of Psi_ij = sum z_pij theta_p."""
     result = []
     for p, combination in enumerate(of.combinations, 1):
         for i, j in pairs(len(of.fields)):
@@ -133,7 +133,7 @@ def field_weights(of: Foreshortening) -> tuple[ModelConstant, ...]:
 def point_shortening(
     of: Foreshortening, point: str, value: Callable[[BeamFunction], sp.Rational]
 ) -> tuple[ModelConstant, ...]:
-    """psi_ij at a point, i <= j, in 1/m; `value` is what the point sees of a function of xi."""
+    """The value of psi_ij at a point, i <= j, in 1/m; `value` evaluates a function of xi at the point."""
     result = []
     for i, j in pairs(len(of.fields)):
         symbol = Symbol(Identity(Family.POINT_SECOND, (i, j), (1,), point=point))

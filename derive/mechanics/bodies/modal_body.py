@@ -1,4 +1,4 @@
-"""A deformable body as numbers: what the equations of motion need to know of it, whatever it was made from."""
+"""A deformable body as numbers: the data that its equations of motion need, whatever their source."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class ModalBody:
 
     @property
     def modes(self) -> int:
-        """N."""
+        """The number of modes N."""
         return len(self.c2)
 
     @property

@@ -30,32 +30,32 @@ class FieldIntegrals(Protocol):
     """Moments of the reference position X (index 0) and the shapes Phi_i (index i) of a planar body."""
 
     def first(self, i: int, component: int) -> Value:
-        """int rho Phi_i . e_component, in kg m for X and kg for a shape; components are 1, 2."""
+        """The first moment int rho Phi_i . e_component, in kg m for X and kg for a shape; components are 1, 2."""
 
     def trace(self, i: int, j: int) -> Value:
-        """int rho Phi_i . Phi_j."""
+        """The moment int rho Phi_i . Phi_j."""
 
     def axial(self, i: int, j: int) -> Value:
-        """int rho (Phi_i x Phi_j) . e3."""
+        """The moment int rho (Phi_i x Phi_j) . e3."""
 
 
 class SecondOrderIntegrals(Protocol):
     """Moments of the fields Psi_ij of a planar body, by the numbers of two shapes."""
 
     def first(self, i: int, j: int, component: int) -> Value:
-        """int rho Psi_ij . e_component, in kg/m."""
+        """The first moment int rho Psi_ij . e_component, in kg/m."""
 
     def trace(self, i: int, j: int) -> sp.Expr:
-        """int rho X . Psi_ij, in kg."""
+        """The moment int rho X . Psi_ij, in kg."""
 
     def axial(self, i: int, j: int) -> Value:
-        """int rho (X x Psi_ij) . e3, in kg."""
+        """The moment int rho (X x Psi_ij) . e3, in kg."""
 
 
 def second_order_coefficients(
     of: SecondOrderIntegrals, first_order: tuple[ModelConstant, ...], n: int
 ) -> tuple[ModelConstant, ...]:
-    """c9, c10 and C5 of a body with n shapes, the moments of Psi_ij through second order; beyond the paper.
+    """The integrals c9, c10 and C5 of a body with n shapes, the moments of Psi_ij to second order; beyond the paper.
 
     C5_ij, the factor of alpha_i alpha_j in J, is c8_ij at first order; here the Psi_ij contribute to it.
     """
@@ -81,7 +81,7 @@ def second_order_coefficients(
 
 
 def coefficients(of: FieldIntegrals, n: int) -> tuple[ModelConstant, ...]:
-    """c1, c2, C3, C4, c6, c7 and c8 (C5 is c8 in the plane) of a body with n shapes, zeros with their reasons."""
+    """The integrals c1, c2, C3, C4, c6, c7, c8 (in the plane C5 is c8) of a body with n shapes, zeros with reasons."""
     result: list[ModelConstant] = []
 
     def integral(symbol: Symbol, value: Value, doc: str, unit: str) -> None:

@@ -33,7 +33,7 @@ from derive.spec.model.body import FAMILY_FRAMES, AssumedDeflection, Ends, Frame
 
 
 class ConditionError(TisserandError):
-    """An ansatz and a frame that do not define a set of assumed modes; `problems` lists a text for each fault."""
+    """An ansatz and a frame do not define a set of assumed modes; `problems` lists a text for each fault."""
 
     def __init__(self, problems: Iterable[str]) -> None:
         self.problems = tuple(problems)
@@ -42,7 +42,7 @@ class ConditionError(TisserandError):
 
 @dataclass(frozen=True)
 class MeanCondition:
-    """The mean of xi^power v over the beam vanishes; `equation` is its number in the paper."""
+    """The condition that the mean of xi^power v over the beam vanishes; `equation` is its number in the paper."""
 
     power: int
     equation: str
@@ -59,7 +59,7 @@ class MeanCondition:
 
 @dataclass(frozen=True)
 class PointCondition:
-    """v, or its derivative of some order, vanishes at a point."""
+    """The condition that v, or its derivative of some order, vanishes at a point."""
 
     order: int
     at: Fraction
@@ -92,7 +92,7 @@ def conditions(frame: Frame) -> tuple[Condition, ...]:
 
 
 def end_conditions(ends: Ends | None) -> tuple[Condition, ...]:
-    """What shapes fulfil at both ends: v'' = 0 where they are pinned, v'' = v''' = 0 where they are free.
+    """The conditions of shapes at both ends: v'' = 0 where they are pinned, v'' = v''' = 0 where they are free.
 
     A pinned end has no bending moment, and a free one no shear force either.
     """
@@ -164,7 +164,7 @@ def piece_deflection(
 ) -> PieceDeflection | None:
     """The part of a deflection on piece k, from 0, of `pieces` of equal length; None if the shapes cannot describe it.
 
-    deflection: a polynomial in xi of the whole beam; shapes: those of a piece, which hold no rigid motion.
+    deflection: a polynomial in xi of the whole beam; shapes: the shapes of a piece, which contain no rigid motion.
     """
     local = on_piece(deflection, pieces, k)
     exact = [shape for shape in shapes if shape.is_exact]  # a polynomial holds nothing of the others
@@ -197,7 +197,7 @@ def _combination(functions: list[BeamFunction], weights: Iterable[Fraction]) -> 
 
 
 def orthogonalised(polynomials: list[BeamFunction]) -> list[BeamFunction]:
-    """Gram-Schmidt in the mass metric of a uniform beam, in the order of the ansatz."""
+    """Orthogonalise shapes by Gram-Schmidt in the mass metric of a uniform beam, in the order of the ansatz."""
     result: list[BeamFunction] = []
     for p in polynomials:
         known = (other.scaled((p * other).integral() / (other * other).integral()) for other in result)
@@ -244,7 +244,7 @@ def dependencies(polynomials: list[BeamFunction]) -> list[str]:
 
 
 def _null_vectors(polynomials: list[BeamFunction]) -> list[list[Fraction]]:
-    """Weights, whole numbers, of all independent combinations that vanish identically (exact rank)."""
+    """The integer weights of all independent combinations that vanish identically (exact rank)."""
     height = max(1, *(len(p.coefficients) for p in polynomials))
     columns = [[*map(rational, p.coefficients), *[0] * (height - len(p.coefficients))] for p in polynomials]
     vectors = (list(map(_fraction, vector)) for vector in sp.Matrix(columns).T.nullspace())

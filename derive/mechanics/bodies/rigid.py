@@ -24,16 +24,16 @@ class RigidIntegrals:
     centre: sp.Matrix
 
     def first(self, i: int, component: int) -> Value:
-        """int rho X . e_component."""
+        """The first moment int rho X . e_component."""
         value = sp.expand(self.mass * self.centre[component - 1])
         return Value(value, None if value else AT_CENTRE)
 
     def trace(self, i: int, j: int) -> Value:
-        """int rho X . X: the moment of inertia about O, by Steiner."""
+        """The moment int rho X . X: the moment of inertia about O, by the parallel axis theorem."""
         return Value(sp.expand(self.inertia + self.mass * self.centre.dot(self.centre)))
 
     def axial(self, i: int, j: int) -> Value:
-        """There are no shapes to ask for."""
+        """Raise IndexError, since a rigid body has no shapes."""
         raise IndexError("a rigid body has no shapes")
 
 

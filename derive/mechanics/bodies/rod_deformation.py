@@ -17,13 +17,13 @@ import sympy as sp
 from derive.mechanics.bodies.beam_functions import LEFT, ONE, RIGHT, XI, BeamFunction, rational
 
 RIGID = {1: (ONE,), 2: (ONE, XI)}
-"""The rigid fields along and across the axis; as many derivatives, from 0 on, are continuous at a cut."""
+"""The rigid fields along and across the axis; their number is that of continuous derivatives, from 0, at a cut."""
 
 
 def deformation_mass(shapes: Sequence[BeamFunction], axis: int, pieces: int) -> sp.Matrix:
-    """The mass matrix over the mass of the rod, exact; amplitudes are counted through the pieces from left to right.
+    """The exact mass matrix divided by the mass of the rod; amplitudes are counted through the pieces from the left.
 
-    shapes: those of each piece that displace it along the axis (1) or across it (2).
+    shapes: the shapes of each piece that displace it along the axis (1) or across it (2).
     """
     rigid = RIGID[axis]
     fields = (*rigid, *shapes)
@@ -40,9 +40,9 @@ def deformation_mass(shapes: Sequence[BeamFunction], axis: int, pieces: int) -> 
 
 
 def _displacements(shapes: Sequence[BeamFunction], rigid: Sequence[BeamFunction], pieces: int) -> Iterator[sp.Matrix]:
-    """Of each piece, in a column for each amplitude of the rod, the factors of its rigid fields and its shapes.
+    """For each piece, the factors of its rigid fields and its shapes, with a column for each amplitude of the rod.
 
-    The first piece has no rigid motion: that of the whole rod is taken away from the mass matrix.
+    The first piece has no rigid motion: the rigid motion of the whole rod is removed from the mass matrix.
     """
     n = len(shapes)
     motion = sp.zeros(len(rigid), n * pieces)
@@ -56,12 +56,12 @@ def _displacements(shapes: Sequence[BeamFunction], rigid: Sequence[BeamFunction]
 
 
 def _at_cut(functions: Sequence[BeamFunction], end: Fraction, rigid: Sequence[BeamFunction]) -> sp.Matrix:
-    """What is continuous at a cut, a row each: the values of functions at an end, and across the axis their slopes."""
+    """The continuous quantities at a cut by rows: values of functions at an end, and across the axis slopes as well."""
     return sp.Matrix([[rational(f.derivative(d).at(end)) for f in functions] for d in range(len(rigid))])
 
 
 def _rigid_motion(rigid: int, shapes: int, pieces: int, k: int) -> sp.Matrix:
-    """The rigid fields of the whole rod, a column each, as factors of the fields of piece k.
+    """The rigid fields of the whole rod as factors of the fields of piece k, a column each.
 
     With X of the rod and xi of the piece, both from -1 to 1, X = (2 k + 1 - pieces + xi)/pieces.
     """

@@ -39,7 +39,7 @@ def family_shapes(family: ShapeFamily) -> tuple[BeamFunction, ...]:
 
 
 def _pinned(n: int) -> BeamFunction:
-    """sin(n pi/2) cos(n pi xi/2) + cos(n pi/2) sin(n pi xi/2), of which one factor is zero and the other 1 or -1."""
+    """The shape sin(n pi/2) cos(n pi xi/2) + cos(n pi/2) sin(n pi xi/2): one factor is zero, the other 1 or -1."""
     k = WaveNumber("pi/2", ARITHMETIC.pi / 2)
     wave = _even(k, n, imaginary=True) if n % 2 else _odd(k, n, imaginary=True)
     return wave if n % 4 in (0, 1) else -wave
@@ -55,7 +55,7 @@ def _free_free(n: int) -> BeamFunction:
 
 
 def _clamped_free(n: int) -> BeamFunction:
-    """As exponentials: (1 - s) exp(z)/2 + (1 + s) exp(-z)/2 and the real part of -(1 + i s) exp(i z)."""
+    """The clamped-free shape from (1 - s) exp(z)/2 + (1 + s) exp(-z)/2 and the real part of -(1 + i s) exp(i z)."""
     guess = (2 * n - 1) * ARITHMETIC.pi / 4 if n > 1 else ARITHMETIC.mpf(15) / 16
     root = _root(lambda k: _cos(2 * k) + 1 / ARITHMETIC.cosh(2 * k), guess)
     k, whole, i = WaveNumber(f"clamped-free {n}", root), 2 * root, ARITHMETIC.mpc(0, 1)
@@ -67,12 +67,12 @@ def _clamped_free(n: int) -> BeamFunction:
 
 
 def _even(k: WaveNumber, multiple: int, imaginary: bool) -> BeamFunction:
-    """cos, or cosh, of multiple k xi."""
+    """The even function cos, or cosh, of multiple k xi."""
     return _wave(k, multiple, imaginary, ARITHMETIC.mpf(1) / 2, ARITHMETIC.mpf(1) / 2)
 
 
 def _odd(k: WaveNumber, multiple: int, imaginary: bool) -> BeamFunction:
-    """sin, or sinh, of multiple k xi."""
+    """The odd function sin, or sinh, of multiple k xi."""
     half = 1 / ARITHMETIC.mpc(0, 2) if imaginary else ARITHMETIC.mpf(1) / 2
     return _wave(k, multiple, imaginary, half, -half)
 
@@ -83,7 +83,7 @@ def _wave(k: WaveNumber, multiple: int, imaginary: bool, rising: Real, falling: 
 
 
 def _root(function: Callable[[Real], Real], guess: Real) -> Real:
-    """The root near a guess, to all digits."""
+    """The root of a function near a guess, to all digits."""
     return ARITHMETIC.findroot(function, guess)
 
 

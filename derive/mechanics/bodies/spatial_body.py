@@ -70,12 +70,12 @@ def parameters(given: ModalBody, tables: tuple[CoefficientTable, ...], gravity: 
 
 @dataclass(frozen=True)
 class NumberValues:
-    """Entries that are the numbers of a modal body, folded as the doubles they are."""
+    """Entries that are the numbers of a modal body, which are folded into the code as doubles."""
 
     body: ModalBody
 
     def constants(self, table: CoefficientTable) -> Iterator[ModelConstant]:
-        """See `Values`."""
+        """Return the constants of a table, see `Values`."""
         pairs = zip(entries(table, self.body.modes), table_values(self.body, table).tolist(), strict=True)
         zeros = self.body.zeros
 
@@ -91,7 +91,7 @@ class NumberValues:
         )
 
     def present(self, table: CoefficientTable) -> NDArray[np.bool_]:
-        """See `Values`."""
+        """Return the mask of a table, see `Values`."""
         n, components = self.body.modes, len(table.components)
         present: NDArray[np.bool_] = table_values(self.body, table) != 0
         if table.counted < 2:
@@ -101,22 +101,22 @@ class NumberValues:
         return np.asarray(full | full.swapaxes(0, 1))
 
     def numbers(self, table: CoefficientTable) -> Array | None:
-        """See `Values`."""
+        """Return the numbers of a table, see `Values`."""
         return kept_entries(table, self.body.modes, table_values(self.body, table))
 
 
 @dataclass(frozen=True)
 class ParameterValues:
-    """Entries that are run-time parameters, as far as a table has them."""
+    """Entries that are run-time parameters, except for those that vanish or are constant in their table."""
 
     modes: int
 
     def constants(self, table: CoefficientTable) -> Iterator[ModelConstant]:
-        """See `Values`."""
+        """Return the constants of a table, see `Values`."""
         return _constants(table, ((entry, *_parametric(entry, table)) for entry in entries(table, self.modes)))
 
     def present(self, table: CoefficientTable) -> NDArray[np.bool_]:
-        """See `Values`."""
+        """Return the mask of a table, see `Values`."""
         n, components = self.modes, len(table.components)
         full = np.full((n,) * table.counted + (components,), table.kind is TableKind.FULL)
         if table.kind is TableKind.DIAGONAL:
@@ -124,7 +124,7 @@ class ParameterValues:
         return full
 
     def numbers(self, table: CoefficientTable) -> Array | None:
-        """See `Values`."""
+        """Return the numbers of a table, see `Values`."""
         return None
 
 
@@ -158,7 +158,7 @@ def _as_parameter(entry: Symbol) -> Symbol:
 
 
 def modal_body(given: ModalBody, gravity: Gravity | None = None) -> Body:
-    """A body of numbers as (15) needs to know it."""
+    """The `Body` of the equations of motion (15) for a body of numbers."""
     weight, of_gravity = quantity.gravity(gravity)
     return Body(
         name=given.name,
@@ -177,7 +177,7 @@ def modal_body(given: ModalBody, gravity: Gravity | None = None) -> Body:
 
 
 def parametric_body(spec: SymbolicBody) -> Body:
-    """A body whose mass, shape integrals and stiffness are parameters."""
+    """The `Body` of (15) for a body whose mass, shape integrals and stiffness are parameters."""
     weight, of_gravity = quantity.gravity(spec.gravity)
     tables, values = symbolic_tables(spec), ParameterValues(spec.modes)
     symbols = [MASS]
@@ -200,20 +200,20 @@ def parametric_body(spec: SymbolicBody) -> Body:
 
 
 def _on_diagonal(entry: Symbol) -> bool:
-    """c8_2_2, K_1_1; C3_11."""
+    """Whether an entry is on the diagonal of its table, such as c8_2_2, K_1_1 or C3_11."""
     known = entry.identity
     first, second = known.components if known.family is Family.C3 else known.shapes if len(known.shapes) > 1 else (0, 1)
     return first == second
 
 
 def describe_symbolic(spec: SymbolicBody) -> str:
-    """What the body is, in a line."""
+    """A line that describes a body with parameters."""
     frame = "mean frame" if spec.frame == "mean" else "modes as given"
     return f"free body in space, {frame}, {spec.modes} modes, shape integrals as parameters"
 
 
 def _where(given: ModalBody) -> str:
-    """Where c is, as a sentence."""
+    """A sentence on the position of the origin c."""
     return f"c is where {given.origin} lies in the floating frame." if given.origin else ""
 
 

@@ -1,4 +1,4 @@
-"""Which tables a body in space has: shape integrals, stiffness and damping, their zeros with reasons, their numbers."""
+"""The tables of a body in space: shape integrals, stiffness and damping, with their zeros, reasons and numbers."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ DOCS: dict[Family, tuple[str, str]] = {
     Family.STIFFNESS: ("stiffness", "N/m"),
     Family.DAMPING: ("damping", "N s/m"),
 }
-"""All tables of a body of first order, in the order of the parameters: what they are, their units."""
+"""The descriptions and units of all tables of a body of first order, in the order of the parameters."""
 
 SECOND_ORDER_DOCS = DOCS | {
     Family.C5: ("symmetric part of int rho ((Phi_i . Phi_j + X . Psi_ij) I - Phi_i Phi_j - X Psi_ij)", "kg"),
     Family.C9: ("int rho Psi_ij", "kg/m"),
     Family.C10: ("int rho X x Psi_ij", "kg"),
 }
-"""Those of a body of second order."""
+"""The descriptions and units of all tables of a body of second order."""
 
 
 MEAN = {
@@ -45,14 +45,14 @@ MEAN = {
     Family.STIFFNESS: "orthogonality (modes orthonormal in the mass and the stiffness)",
     Family.DAMPING: "orthogonality (damping of each mode alone)",
 }
-"""Why integrals vanish in the mean frame; of c8, K and B those off the diagonal."""
+"""The reasons why integrals vanish in the mean frame; of c8, K and B the entries off the diagonal."""
 
 NOTHING = "the sum over the nodes, which is exactly zero"
 UNDAMPED = "the specification (no damping)"
 
 
 def symbolic_tables(spec: SymbolicBody) -> tuple[CoefficientTable, ...]:
-    """What tables a body with parameters has, by its frame."""
+    """The tables of a body with parameters, whose zeros depend on its frame."""
     kinds: dict[Family, tuple[TableKind, str]] = {}
     if spec.frame == "mean":
         kinds |= {family: (TableKind.ZERO, MEAN[family]) for family in (Family.C1, Family.C2, Family.C6)}
@@ -64,7 +64,7 @@ def symbolic_tables(spec: SymbolicBody) -> tuple[CoefficientTable, ...]:
 
 
 def modal_tables(given: ModalBody) -> tuple[CoefficientTable, ...]:
-    """What tables a body of numbers has: those that are not zero; c8, K and B may be diagonal."""
+    """The tables of a body of numbers; tables of zeros are marked as such, and c8, K and B may be diagonal."""
     kinds: dict[Family, tuple[TableKind, str]] = {}
     docs = SECOND_ORDER_DOCS if given.second_order else DOCS
     values = {family: table_values(given, full_table(family)) for family in docs}

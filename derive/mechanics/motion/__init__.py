@@ -1,1 +1,1 @@
-"""How bodies move, in the plane and in space: kinematics, moments of fields over the mass, material points."""
+"""The motion of bodies in the plane and in space: kinematics, moments of fields over the mass, material points."""

@@ -1,4 +1,4 @@
-"""How a body moves: coordinates, rotation, moving frame, moments; what planar and spatial motion have in common."""
+"""The motion of a body in the plane or in space: coordinates, rotation, moving frame and moments."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ __all__ = ["MASS", "Motion"]
 
 @dataclass(frozen=True)
 class Motion:
-    """How a body with some number of shapes moves: coordinates, rotation tensor Q, moving frame, and moments.
+    """The motion of a body with some number of shapes: coordinates, rotation tensor Q, moving frame, and moments.
 
     `moment_sums` define d1, D2, d3, J in terms of the shape integrals; `row_sums` occur in a single equation or contain
     accelerations, and are expanded in place; `products` gives names to products of velocities, which `named` defines.
@@ -55,27 +55,27 @@ class Motion:
 
     @property
     def alphadot(self) -> tuple[sp.Symbol, ...]:
-        """The rates of the shapes."""
+        """The generalised velocities of the shapes."""
         return tuple(row.v for row in self.rows[len(self.rows) - len(self.alpha) :])
 
     @property
     def position(self) -> Field:
-        """x of (1)."""
+        """The position x of (1)."""
         return {ONE: sp.Matrix([c.q for c in self.coordinates[: self.rotation.rows]]), **self.frame.position}
 
     @property
     def velocity(self) -> Field:
-        """xdot."""
+        """The velocity xdot."""
         return {ONE: sp.Matrix([row.v for row in self.rows[: self.rotation.rows]]), **self.frame.velocity}
 
     @property
     def acceleration(self) -> Field:
-        """xddot of (5)."""
+        """The acceleration xddot of (5)."""
         return {ONE: sp.Matrix([row.a for row in self.rows[: self.rotation.rows]]), **self.frame.acceleration}
 
     @property
     def translations(self) -> tuple[Field, ...]:
-        """delta x for unit variations of c."""
+        """The virtual displacements delta x for unit variations of c."""
         unit = sp.eye(self.rotation.rows)
         return tuple({ONE: unit[:, k]} for k in range(unit.rows))
 
@@ -85,9 +85,9 @@ class Motion:
         return self.definitions_without(zeros.Reasons())[0]
 
     def definitions_without(self, reasons: zeros.Reasons) -> tuple[tuple[Intermediate, ...], zeros.Reasons]:
-        """The same without their vanishing parts.
+        """The definitions without their vanishing parts, and the reasons of all symbols that vanish.
 
-        reasons: of all symbols that vanish; those of the vanished moments are added to those that are returned.
+        reasons: the reasons of the symbols that vanish; the result contains those of the vanished moments as well.
         """
         known, result = dict(reasons), list(self.named)
         for s, i in _every(self.moment_sums, len(self.alpha)):
@@ -101,7 +101,7 @@ class Motion:
         return tuple(result), known
 
     def product(self, a: Field, b: Field) -> sp.Expr:
-        """int rho a . b over the body, for a generic index i if a or b holds PHI."""
+        """The integral int rho a . b over the body, for a generic index i if a or b holds PHI."""
         return total(a, b, self.moments)
 
     def sums_without(self, vanishing: Iterable[sp.Basic] = ()) -> ExpandedSums:
@@ -130,20 +130,20 @@ class Motion:
 
     @cached_property
     def _vectors(self) -> Vectors:
-        """The symbols of the factors of sums."""
+        """The symbols of the factors of sums, shape by shape."""
         alphaddot = tuple(row.a for row in self.rows[len(self.rows) - len(self.alpha) :])
         return {ALPHA: self.alpha, ALPHADOT: self.alphadot, ALPHADDOT: alphaddot}
 
 
 @dataclass(frozen=True)
 class ExpandedSums:
-    """Sums over the shapes by their symbols, written out, and the parts that these leave out because they vanish."""
+    """The expanded sums over the shapes by their symbols, and the vanishing parts that they leave out."""
 
     exprs: Mapping[sp.Symbol, sp.Expr]
     absent: Mapping[sp.Symbol, tuple[AbsentPart, ...]]
 
     def put_in(self, expr: sp.Expr) -> sp.Expr:
-        """An expression, which is expanded, with the sums in it written out, likewise expanded."""
+        """Replace the sums in an expression by their expansions; the result is expanded."""
         known = self.exprs.get(expr)
         if known is not None:
             return known
@@ -151,7 +151,7 @@ class ExpandedSums:
 
 
 def _every(indexed_sums: Iterable[IndexedSum], n: int) -> Iterator[tuple[IndexedSum, int]]:
-    """Each sum with the number of each shape function, moment by moment; with 0 if it is no sum of a shape."""
+    """Yield each sum with the number of each shape, moment by moment; with 0 if it is not indexed by a shape."""
     for _, group in groupby(indexed_sums, lambda s: s.section):
         members = tuple(group)
         for i in range(1, n + 1) if members[0].indexed else (0,):

@@ -28,7 +28,7 @@ from derive.roles import Source
 
 
 def field_weight(p: int, i: int, j: int) -> sp.Symbol:
-    """z_pij = z_pji."""
+    """The symbol of the field weight z_pij = z_pji."""
     return quantity(Family.FIELD_WEIGHT, shapes=(p, *sorted((i, j))))
 
 
@@ -36,7 +36,7 @@ def field_weight(p: int, i: int, j: int) -> sp.Symbol:
 class DependentAmplitudes:
     """The amplitudes of the fields theta_p, of which there may be none, as functions of those of the shapes.
 
-    motion: that of the shapes; of_fields: that of the larger family.
+    motion: the motion in the amplitudes of the shapes; of_fields: the motion in the larger family of fields.
     """
 
     motion: Motion
@@ -49,7 +49,7 @@ class DependentAmplitudes:
 
     @property
     def definitions(self) -> tuple[Intermediate, ...]:
-        """dbeta_pi, and beta_p with its rate and with its second derivative where the alphaddot_i vanish."""
+        """The definitions of dbeta_pi, of beta_p, of its rate, and of its second derivative without the alphaddot_i."""
         alpha, rates = self.motion.alpha, self.motion.alphadot
         result = []
 
@@ -68,7 +68,7 @@ class DependentAmplitudes:
         return tuple(result)
 
     def put_in(self, expr: sp.Expr) -> sp.Expr:
-        """An expression of the larger family in the amplitudes of the shapes."""
+        """Substitute the amplitudes of the shapes into an expression of the larger family."""
         if not self.numbers:
             return expr
         n, result = len(self.motion.alpha), {}
@@ -81,7 +81,7 @@ class DependentAmplitudes:
         return sp.expand(expr.xreplace(result))
 
     def projected(self, terms: Iterable[Term]) -> tuple[Term, ...]:
-        """The terms of the larger family, with those of its fields in the rows of the shapes."""
+        """The terms of the larger family, where the rows of its fields are projected on the rows of the shapes."""
         rows = {str(a): p for p, a in zip(self.numbers, self.of_fields.alpha[len(self.motion.alpha) :], strict=True)}
         kept: list[Term] = []
         moved: dict[tuple[str, str], list[sp.Expr]] = {}

@@ -24,7 +24,7 @@ ONE, HERE, R, RDOT, RDDOT, PHI = "1", "1 in the body frame", "r", "rdot", "rddot
 
 
 def add(*fields: Field) -> Field:
-    """The sum of fields; what cancels is dropped."""
+    """The sum of fields; entries that cancel are dropped."""
     total: Field = {}
     for field in fields:
         for name, tensor in field.items():
@@ -60,12 +60,12 @@ class PlanarRotation:
 
     @property
     def tensor(self) -> sp.Matrix:
-        """Q."""
+        """The rotation tensor Q."""
         return sp.Matrix([[self.cos, -self.sin], [self.sin, self.cos]])
 
     @property
     def generator(self) -> sp.Matrix:
-        """Q^T dQ/dangle: the skew tensor whose axial vector is e3, (27)."""
+        """The generator Q^T dQ/dangle: the skew tensor whose axial vector is e3, (27)."""
         back = {value: symbol for symbol, value in self.functions.items()}
         derivative = self.tensor.subs(self.functions).diff(self.angle).subs(back)
         unreduced = (self.tensor.T * derivative).expand()
@@ -87,17 +87,17 @@ class MovingFrame:
 
     @property
     def position(self) -> Field:
-        """Q^T (x - c) = r."""
+        """The relative position Q^T (x - c) = r."""
         return {R: sp.eye(self.angular_velocity_tensor.rows)}
 
     @property
     def velocity(self) -> Field:
-        """Q^T (xdot - cdot) = omega x r + rdot."""
+        """The relative velocity Q^T (xdot - cdot) = omega x r + rdot."""
         return self.dot(self.position)
 
     @property
     def acceleration(self) -> Field:
-        """Q^T (xddot - cddot) of (5)."""
+        """The relative acceleration Q^T (xddot - cddot) of (5)."""
         return self.dot(self.velocity)
 
     def dot(self, field: Field) -> Field:
@@ -111,12 +111,12 @@ class MovingFrame:
         )
 
     def rotations(self) -> tuple[Field, ...]:
-        """Q^T (delta x - delta c) of (6) for unit variations of the rotation.
+        """The virtual displacements Q^T (delta x - delta c) of (6) for unit variations of the rotation.
 
         x depends on time through its coordinates alone, so its variation is its velocity with the rates varied.
         """
         return tuple(add({f: tensor.diff(w) for f, tensor in self.velocity.items()}) for w in self.omega)
 
     def deformation(self) -> Field:
-        """Q^T (delta x - delta c) of (6) for a unit variation of alpha_i: in the velocity, rdot becomes Phi_i."""
+        """The virtual displacement Q^T (delta x - delta c) of (6) for unit variation of alpha_i: rdot becomes Phi_i."""
         return {PHI: self.velocity[RDOT]}

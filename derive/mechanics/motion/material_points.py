@@ -33,14 +33,14 @@ class MaterialPoint:
 
 @dataclass(frozen=True)
 class Tangents:
-    """dr/dalpha_i at a point, for each shape: the vectors, and the symbols in them with their values and texts."""
+    """The vectors dr/dalpha_i at a point for each shape, and the symbols in them with their values and descriptions."""
 
     vectors: tuple[sp.Matrix, ...]
     definitions: tuple[tuple[Symbol, sp.Expr, str], ...]
 
 
 def tangent_vectors(motion: Motion, point: MaterialPoint, name: Callable[[int, int], Symbol]) -> Tangents:
-    """dr/dalpha_i = Phi_i + sum alpha_j Psi_ij at a point; the components that move are symbols, by shape and axis."""
+    """Return dr/dalpha_i = Phi_i + sum alpha_j Psi_ij at a point; variable components become symbols, by i and axis."""
     vectors, definitions = [], []
     for i, shape in enumerate(point.shapes, 1):
         tangent = sp.Matrix(shape)
@@ -54,7 +54,7 @@ def tangent_vectors(motion: Motion, point: MaterialPoint, name: Callable[[int, i
 
 
 def radius_and_rate(motion: Motion, point: MaterialPoint, tangents: Sequence[sp.Matrix]) -> tuple[sp.Matrix, sp.Matrix]:
-    """r = X + sum alpha_i (Phi_i + dr/dalpha_i)/2 at a point, and rdot = sum alphadot_i dr/dalpha_i."""
+    """The vectors r = X + sum alpha_i (Phi_i + dr/dalpha_i)/2 and rdot = sum alphadot_i dr/dalpha_i at a point."""
     r, rdot = sp.Matrix(point.position), sp.zeros(motion.rotation.rows, 1)
     for a, rate, shape, tangent in zip(motion.alpha, motion.alphadot, point.shapes, tangents, strict=True):
         r += (sp.Matrix(shape) + tangent) / 2 * a
@@ -63,7 +63,7 @@ def radius_and_rate(motion: Motion, point: MaterialPoint, tangents: Sequence[sp.
 
 
 def acceleration_of_rates(motion: Motion, point: MaterialPoint) -> sp.Matrix:
-    """sum alphadot_i alphadot_j Psi_ij at a point: rddot without accelerations."""
+    """The vector sum alphadot_i alphadot_j Psi_ij at a point: rddot without accelerations."""
     result = sp.zeros(motion.rotation.rows, 1)
     for i, rate in enumerate(motion.alphadot if point.second else (), 1):
         result += _second(point, i, motion.alphadot) * rate
@@ -77,7 +77,7 @@ def _second(point: MaterialPoint, i: int, factors: Sequence[sp.Symbol]) -> sp.Ma
 
 
 def vector_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp.Matrix:
-    """A field at a material point, in the inertial frame; `values` are r, rdot and Phi_i there."""
+    """The value of a field at a material point, in the inertial frame; `values` are r, rdot and Phi_i there."""
     still = sp.zeros(motion.rotation.rows, 1)
     moving = (tensor * values[name] for name, tensor in field.items() if name != ONE)
     return (field.get(ONE, still) + motion.rotation * sum(moving, still)).expand()
@@ -92,12 +92,12 @@ def work_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp
 
 
 def force_vector(motion: Motion) -> sp.Matrix:
-    """A force F_1, F_2, ... in the inertial frame."""
+    """The symbols of a force F_1, F_2, ... in the inertial frame."""
     return vector(Family.FORCE, motion.rotation.rows)
 
 
 def force_definitions(motion: Motion) -> tuple[Intermediate, ...]:
-    """The force in the body frame."""
+    """The definitions of the force resolved in the body frame."""
     return tuple(
         Intermediate(
             quantity(Family.BODY_FORCE, k), expr, "F", "(10)", f"force along the axis {k} of the floating frame"
@@ -152,7 +152,7 @@ def marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mark
 
 
 def indexed_marker(motion: Motion, number: int, point: MaterialPoint, deforms: bool) -> MarkerEquations:
-    """The same for a generic shape, whose column and whose row of the load come last.
+    """The marker equations for a generic shape, whose column and whose row of the load come last.
 
     X and the shapes at the point are tables, see `point_tables`; `motion` is that of the rigid body.
     """

@@ -19,7 +19,7 @@ from derive.mechanics.symbols import Family, I, ShapeIndex, Symbol, local, quant
 STRETCH, SHEAR, NAMELESS = local("stretch"), local("shear"), local("nameless")
 
 Moment = tuple[Family, int, tuple[ShapeIndex, ...]]
-"""What a moment is called: its family, its time derivative and its shapes."""
+"""The identity of a moment: its family, its time derivative and its shapes."""
 
 FIRST: dict[str, Moment] = {
     R: (Family.D1, 0, ()),
@@ -27,10 +27,10 @@ FIRST: dict[str, Moment] = {
     RDDOT: (Family.D1, 2, ()),
     PHI: (Family.C2, 0, (I,)),
 }
-"""int rho f of the appendix: d1 and its rates, c2_i."""
+"""The first moments int rho f of the appendix: d1 and its rates, c2_i."""
 
 FIRST_OF_SECOND_ORDER: dict[str, Moment] = {**FIRST, PHI: (Family.D4, 0, (I,))}
-"""The same where r is quadratic in the amplitudes, so that dr/dalpha_i depends on them: d4_i."""
+"""The first moments where r is quadratic in the amplitudes, so that dr/dalpha_i depends on them: d4_i."""
 
 TRACE: dict[tuple[str, str], Moment] = {
     (R, R): (Family.INERTIA, 0, ()),
@@ -39,7 +39,7 @@ TRACE: dict[tuple[str, str], Moment] = {
     (PHI, RDDOT): (Family.C8_SUM, 2, (I,)),
     (RDOT, RDOT): (Family.RATE_PRODUCT, 0, ()),
 }
-"""int rho f . g: J, D2_i, its sum with the rates, and the sums of c8_ij with accelerations and with rates."""
+"""The moments int rho f . g: J, D2_i, its sum with rates, and the sums of c8_ij with accelerations and with rates."""
 
 AXIAL: dict[tuple[str, str], Moment] = {
     (R, RDOT): (Family.D3, 1, ()),
@@ -47,7 +47,7 @@ AXIAL: dict[tuple[str, str], Moment] = {
     (R, PHI): (Family.D3, 0, (I,)),
     (PHI, RDOT): (Family.C7_SUM, 1, (I,)),
 }
-"""int rho f x g, odd in f and g: d3_i, its sums with rates and accelerations, and that of c7_ij with the rates."""
+"""The moments int rho f x g, odd in f and g: d3_i, its sums with rates and accelerations, sum of c7_ij with rates."""
 
 
 def moment(name: Moment, *components: int) -> Symbol:
@@ -64,21 +64,21 @@ class Moments(Protocol):
 
     @property
     def mass(self) -> sp.Symbol:
-        """int rho."""
+        """The mass int rho."""
 
     @property
     def rotation(self) -> sp.Matrix:
-        """Q."""
+        """The rotation tensor Q."""
 
     @property
     def unknown(self) -> frozenset[sp.Symbol]:
-        """Symbols that must cancel."""
+        """The symbols that must cancel in the equations of motion."""
 
     def first(self, field: str) -> sp.Matrix:
-        """int rho f."""
+        """The first moment int rho f."""
 
     def second(self, f: str, g: str) -> sp.Matrix:
-        """int rho f g^T."""
+        """The second moment int rho f g^T."""
 
 
 @dataclass(frozen=True)
@@ -94,11 +94,11 @@ class PlanarMoments:
     unknown: frozenset[sp.Symbol] = frozenset((STRETCH, SHEAR, NAMELESS))
 
     def first(self, field: str) -> sp.Matrix:
-        """int rho f."""
+        """The first moment int rho f."""
         return sp.Matrix([moment(self.names[field], k) for k in (1, 2)])
 
     def second(self, f: str, g: str) -> sp.Matrix:
-        """int rho f g^T: trace, axial part, and two entries that no equation of motion may keep."""
+        """The second moment int rho f g^T: trace, axial part, and two entries that no equation of motion may keep."""
         if transposed(f, g, {**TRACE, **AXIAL}):
             return self.second(g, f).T
         trace = moment(TRACE[f, g]) if (f, g) in TRACE else NAMELESS
@@ -107,14 +107,14 @@ class PlanarMoments:
 
 
 def transposed(f: str, g: str, names: Mapping[tuple[str, str], object]) -> bool:
-    """Whether a second moment has its names the other way round. Raises ArithmeticError when it has none."""
+    """Whether a second moment has a name only with f and g exchanged. Raises ArithmeticError when it has none."""
     if (f, g) not in names and (g, f) not in names:
         raise ArithmeticError(f"the moment of {f} and {g} has no name in the appendix")
     return (f, g) not in names
 
 
 def total(a: Field, b: Field, moments: Moments) -> sp.Expr:
-    """int rho a . b over the body."""
+    """The integral int rho a . b over the body."""
     pairs = (_pair(f, ta, g, tb, moments) for f, ta in a.items() for g, tb in b.items())
     return sum(map(sp.expand, pairs), sp.S.Zero)
 

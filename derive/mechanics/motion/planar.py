@@ -40,7 +40,7 @@ def planar_motion(n: int, second_order: bool = False) -> Motion:
 
 
 def _coordinates(n: int) -> tuple[Coordinate, ...]:
-    """c1, c2, phi, alpha1..alphaN: (14), (23), (27)."""
+    """The coordinates c1, c2, phi, alpha1..alphaN: (14), (23), (27)."""
     c1, c2 = (quantity(Family.TRANSLATION, k) for k in (1, 2))
     return (
         Coordinate(c1, "position of the origin of the floating frame along the inertial e1", "m"),
@@ -51,7 +51,7 @@ def _coordinates(n: int) -> tuple[Coordinate, ...]:
 
 
 def _row(coordinate: Coordinate) -> EquationOfMotion:
-    """In the plane every coordinate has its row, and its rate is its time derivative."""
+    """The equation of motion of a coordinate: in the plane its velocity is the time derivative of the coordinate."""
     name, known = str(coordinate.q), identity(coordinate.q)
     v, a = (Symbol(replace(known, derivative=d)) for d in (1, 2))
     return EquationOfMotion(
@@ -72,7 +72,7 @@ def planar_sums(second_order: bool = False) -> tuple[tuple[IndexedSum, ...], tup
 
 
 def planar_moment_sums() -> tuple[IndexedSum, ...]:
-    """d1, D2, d3, J and their sums with the velocities of alpha, from r = X + sum alpha_j Phi_j."""
+    """The sums d1, D2, d3, J and their sums with the velocities of alpha, from r = X + sum alpha_j Phi_j."""
     c4_j, c6_i = quantity(Family.C4, shapes=(J,)), quantity(Family.C6, shapes=(I,))
     c8_ij, c7_ji = quantity(Family.C8, shapes=(I, J)), quantity(Family.C7, shapes=(J, I))
     d2_j, d3_j = (quantity(family, shapes=(J,)) for family in (Family.D2, Family.D3))

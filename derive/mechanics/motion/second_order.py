@@ -27,11 +27,11 @@ from derive.roles import Source
 SOURCE = Source.SECOND_ORDER
 Axes = tuple[int, ...]
 PLANE, SPACE = (1, 2), (1, 2, 3)
-"""The components of vectors."""
+"""The axes of vectors in the plane and in space."""
 
 
 def second_order_moment_sums(first_order: Iterable[IndexedSum], axes: Axes = PLANE) -> tuple[IndexedSum, ...]:
-    """Those of first order with what the Psi_ij add to them, and d4_i = int rho dr/dalpha_i."""
+    """The moments of first order with the contributions of the Psi_ij, and d4_i = int rho dr/dalpha_i."""
     result: list[IndexedSum] = []
     for k in axes:
         c2_i, c9_ij = quantity(Family.C2, k, shapes=(I,)), quantity(Family.C9, k, shapes=(I, J))
@@ -74,7 +74,7 @@ def _moment(of: IndexedSum, axes: Axes) -> IndexedSum:
 
 
 def second_order_row_sums(first_order: Iterable[IndexedSum], axes: Axes = PLANE) -> tuple[IndexedSum, ...]:
-    """The remaining sums of (15) with what the Psi_ij add to them."""
+    """The remaining sums of (15) with the contributions of the Psi_ij."""
     result: list[IndexedSum] = []
     for k in axes:
         c9_ij, c9dot_i = quantity(Family.C9, k, shapes=(I, J)), quantity(Family.C9_SUM, k, derivative=1, shapes=(I,))
@@ -90,7 +90,7 @@ def second_order_row_sums(first_order: Iterable[IndexedSum], axes: Axes = PLANE)
 
 
 def _row_sums(of: IndexedSum, apart: bool) -> tuple[IndexedSum, ...]:
-    """A sum with accelerations, and what rates contribute to it, as a part of it or apart from it."""
+    """A sum with accelerations and the contribution of rates, in the same sum or, with `apart`, in a second one."""
     known = of.symbol.identity
     match known.family, known.derivative:
         case Family.D1, 2:

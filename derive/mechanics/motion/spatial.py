@@ -27,7 +27,7 @@ SYMMETRIC: dict[tuple[str, str], Moment] = {
     (R, RDOT): (Family.S, 1, ()),
     (R, PHI): (Family.S, 0, (I,)),
 }
-"""int rho ((f . g) I - sym f g^T): J, the symmetric part of D2_i, and its sum with the rates."""
+"""The moments int rho ((f . g) I - sym f g^T): J, the symmetric part of D2_i, and its sum with the rates."""
 
 AXIAL: dict[tuple[str, str], Moment] = {
     (R, RDOT): (Family.D3, 1, ()),
@@ -35,16 +35,16 @@ AXIAL: dict[tuple[str, str], Moment] = {
     (R, PHI): (Family.D3, 0, (I,)),
     (PHI, RDOT): (Family.C7_SUM, 1, (I,)),
 }
-"""int rho f x g, odd in f and g."""
+"""The moments int rho f x g, odd in f and g."""
 
 TRACE: dict[tuple[str, str], Moment] = {
     (PHI, RDDOT): (Family.C8_SUM, 2, (I,)),
     (RDOT, RDOT): (Family.RATE_PRODUCT, 0, ()),
 }
-"""int rho f . g."""
+"""The moments int rho f . g."""
 
 FIRST_IN_SPACE_OF_SECOND_ORDER: dict[str, Moment] = {**FIRST_OF_SECOND_ORDER, RDDOT: (Family.D4, 2, ())}
-"""int rho f at second order; of rddot the part of accelerations."""
+"""The first moments int rho f at second order; the moment of rddot is its part of accelerations."""
 
 EVEN = sp.Matrix(3, 3, lambda i, j: local("even", *sorted((i + 1, j + 1))))
 ODD = sp.Matrix([local("odd", k) for k in AXES])
@@ -58,7 +58,7 @@ def skew(v: Iterable[sp.Expr]) -> sp.Matrix:
 
 
 def symmetric(family: Family, derivative: int = 0, shapes: tuple[ShapeIndex, ...] = ()) -> sp.Matrix:
-    """A symmetric tensor of symbols with the components 11, 12, ..."""
+    """The symmetric tensor of symbols with the components 11, 12, ..."""
     return sp.Matrix(3, 3, lambda i, j: quantity(family, *sorted((i + 1, j + 1)), derivative=derivative, shapes=shapes))
 
 
@@ -75,12 +75,12 @@ class SpatialMoments:
     unknown: frozenset[sp.Symbol] = frozenset((*EVEN, *ODD))
 
     def first(self, field: str) -> sp.Matrix:
-        """int rho f."""
+        """The first moment int rho f."""
         names = FIRST_IN_SPACE_OF_SECOND_ORDER if self.truncated else FIRST
         return sp.Matrix([moment(names[field], k) for k in AXES]) + self._of_rates(field, Family.C9_RATES)
 
     def second(self, f: str, g: str) -> sp.Matrix:
-        """int rho f g^T from its symmetric and its axial part; what has no name must cancel."""
+        """The second moment int rho f g^T from its symmetric and its axial part; parts without a name must cancel."""
         if transposed(f, g, {**SYMMETRIC, **AXIAL, **TRACE}):
             return self.second(g, f).T
         even, odd = EVEN, ODD
@@ -96,7 +96,7 @@ class SpatialMoments:
         return even - skew(odd) / 2
 
     def _of_rates(self, field: str, family: Family) -> sp.Matrix:
-        """What sum alphadot_i alphadot_j Psi_ij, a part of rddot at second order, adds to a moment."""
+        """The contribution of sum alphadot_i alphadot_j Psi_ij, a part of rddot at second order, to a moment."""
         return components(family, len(AXES)) if self.truncated and field == RDDOT else sp.zeros(len(AXES), 1)
 
 
@@ -160,19 +160,19 @@ def _rows(shapes: range) -> tuple[EquationOfMotion, ...]:
 
 
 def symbols_of_rotation() -> sp.Matrix:
-    """Q in symbols Q_11 .. Q_33."""
+    """The rotation tensor Q in symbols Q_11 .. Q_33."""
     return sp.Matrix(3, 3, lambda i, j: quantity(Family.ROTATION_TENSOR, i + 1, j + 1))
 
 
 def rotation_of(quaternion: tuple[sp.Symbol, ...]) -> sp.Matrix:
-    """Q of a unit quaternion (e0, e): (e0^2 - e . e) I + 2 e e^T + 2 e0 e x."""
+    """The rotation tensor Q of a unit quaternion (e0, e): (e0^2 - e . e) I + 2 e e^T + 2 e0 e x."""
     e0, *imaginary = quaternion
     e = sp.Matrix(imaginary)
     return ((e0**2 - e.dot(e)) * sp.eye(3) + 2 * e * e.T + 2 * e0 * skew(e)).expand()
 
 
 def quaternion_rates(quaternion: tuple[sp.Symbol, ...], omega: tuple[sp.Symbol, ...]) -> tuple[sp.Expr, ...]:
-    """Half the quaternion times (0, omega), omega in the body frame: then Qdot = Q (omega x)."""
+    """The quaternion rates: half the quaternion times (0, omega), omega in the body frame, so Qdot = Q (omega x)."""
     e0, *imaginary = quaternion
     e, w = sp.Matrix(imaginary), sp.Matrix(omega)
     scalar = -e.dot(w) / 2
@@ -193,7 +193,7 @@ def spatial_sums(truncated: bool = False) -> tuple[tuple[IndexedSum, ...], tuple
 
 
 def spatial_moment_sums() -> tuple[IndexedSum, ...]:
-    """d1, S, d3, J and what else (15) needs, from r = X + sum alpha_j Phi_j, for a generic shape i.
+    """The sums d1, S, d3, J and the others of (15), from r = X + sum alpha_j Phi_j, for a generic shape i.
 
     rdot and rddot are sums over the shapes as well, so r x rdot = X x rdot + sum alpha_j Phi_j x rdot.
     """
@@ -203,7 +203,7 @@ def spatial_moment_sums() -> tuple[IndexedSum, ...]:
         result.append(IndexedSum(symbol, offset, sums, doc))
 
     def each(family: Family, *components: int, derivative: int = 0, index: ShapeIndex = I) -> Symbol:
-        """A quantity of each shape."""
+        """The symbol of a quantity with a generic shape."""
         return quantity(family, *components, derivative=derivative, shapes=(index,))
 
     for k in AXES:

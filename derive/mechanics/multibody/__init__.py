@@ -1,1 +1,1 @@
-"""Mechanisms: instances of bodies, their coordinates, joints and forces, put together."""
+"""Mechanisms: instances of bodies, their coordinates, joints and forces, and their assembly."""

@@ -1,4 +1,4 @@
-"""From a scene to a mechanism: bodies in minimal coordinates, joints, drives and forces, all with their markers."""
+"""The assembly of a mechanism from a scene: bodies in minimal coordinates, joints, drives and forces at markers."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class _Assembly:
         self.eliminated_joints: dict[str, EliminatedJoint] = {}
 
     def mechanism(self) -> Mechanism:
-        """All bodies get their coordinates; what joints do not eliminate is a constraint."""
+        """Assign coordinates to all bodies; joints that eliminate none become constraints."""
         self._eliminate()
         components = {b.name: self._components(b) for b in self.scene.bodies}
         ordered = [self.instances[name] for names in components.values() for name in names]
@@ -110,7 +110,7 @@ class _Assembly:
     # ---- bodies ----
 
     def _eliminate(self) -> None:
-        """Bodies that joints connect to what is known already, until no more are found."""
+        """Eliminate coordinates of bodies that joints connect to known motions, as long as there are any."""
         waiting = list(self.scene.bodies)
         while step := next(filter(None, (self._supported(b, j) for b in waiting for j in self.joints)), None):
             body, joint, component, coordinates = step
@@ -124,7 +124,7 @@ class _Assembly:
             self._add(component, coordinates)
 
     def _supported(self, body: SceneBody, joint: Joint) -> tuple[SceneBody, Joint, Component, CoordinateMap] | None:
-        """A body behind a joint to a marker whose motion is known; None if that eliminates nothing."""
+        """The reduction of a body by a joint to a marker whose motion is known; None if it eliminates nothing."""
         own, other = self._ends(body, joint)
         if joint.name in self.eliminated_joints or own.body != body.name or other.body not in self.known:
             return None
@@ -156,7 +156,7 @@ class _Assembly:
             raise SpecError((Problem(f"bodies.{body.name}", text),))
 
     def _components(self, body: SceneBody) -> list[str]:
-        """The names of the components of a body, which get all their coordinates unless a joint has eliminated some."""
+        """The names of the components of a body; all coordinates are assigned unless a joint has eliminated some."""
         if body.name in self.instances:
             return [body.name]
         self._complete(body)
@@ -218,7 +218,7 @@ class _Assembly:
         return tuple(result)
 
     def _with_constants(self, joint: Joint) -> Joint:
-        """A joint whose values are expressions of the derivation, parameters among them."""
+        """A joint of a custom kind with the values of its keys as expressions; parameters become constants."""
         if not isinstance(joint, CustomJoint):
             return joint
         given = (key for key in JOINTS[joint.kind].keys if key.name in joint.values)
@@ -226,7 +226,7 @@ class _Assembly:
         return replace(joint, values=values)
 
     def _located(self, marker: MarkerRef) -> MarkerRef:
-        """A marker of a body as that of a component; other names are those of components or of the ground already."""
+        """The marker of a component for a marker of a body; markers of components or the ground are unchanged."""
         body = self.bodies.get(marker.body)
         if body is None or marker.marker not in {m.name for m in body.markers}:
             return marker
@@ -243,7 +243,7 @@ class _Assembly:
         return {name: fixed_point(sp.Matrix(position)) for name, position in positions.items()}
 
     def _motion(self, drive: Drive) -> Derivatives:
-        """The motion of a drive with its derivatives, under names of their own if expanding it would cost digits."""
+        """The motion of a drive with two derivatives, as named definitions if they contain a TimeOperation."""
         match drive.speed:
             case None:
                 derivatives = time_derivatives(self._function(drive_motion(drive), f"drives.{drive.name}.motion"))
@@ -273,7 +273,7 @@ class _Assembly:
         return finite_function(of, path)
 
     def _constant(self, symbol: Symbol, value: Quantity, doc: str, unit: str) -> sp.Expr:
-        """A number as it is; a parameter as a coefficient, under which kernels know it."""
+        """Return a number as it is, and a parameter as the symbol of a constant of the model."""
         if not isinstance(value, Parameter):
             return sp.Rational(value)
         self.constants.append(ModelConstant(symbol, quantity.value(value, False), "", doc, unit or value.unit))

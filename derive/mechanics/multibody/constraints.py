@@ -1,4 +1,4 @@
-"""The constraints of a joint and of its drive: g = 0, with what its first and second time derivatives are made of."""
+"""The constraints g = 0 of a joint and of its drive, with the parts of their first and second time derivatives."""
 
 from __future__ import annotations
 
@@ -63,5 +63,5 @@ def _constraint(
 
 
 def _markers(joint: Joint) -> str:
-    """The markers of a joint as a user knows them, and the components of rods as their neighbours."""
+    """The two markers of a joint as text."""
     return f"{joint.first} and {joint.second}"

@@ -1,4 +1,4 @@
-"""Minimal coordinates: the coordinates of a free body as functions of its coordinates in a mechanism.
+"""Minimal coordinates: the coordinates of a free body as functions of the coordinates it has in a mechanism.
 
 A joint to the ground, or to a body with a prescribed motion, eliminates coordinates of a rigid body. A flexible body
 keeps all of its coordinates, because the joint constrains a point of it, whose position depends on all of them.
@@ -21,9 +21,10 @@ from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 class CoordinateMap:
     """The coordinates of a body in a mechanism, and those of the free body as functions of them.
 
-    coordinates, rows: those of the body in the mechanism. values: each coordinate, velocity and acceleration of the
-    free body as an expression of them. weights: for each of `rows`, the factors of the equations of the free body, by
-    name, whose sum it is. definitions: the quantities of a prescribed motion. reason: why coordinates are eliminated.
+    coordinates, rows: the coordinates and the equations of motion of the body in the mechanism. values: each
+    coordinate, velocity and acceleration of the free body as an expression of them. weights: for each of `rows`, the
+    factors of the equations of the free body, by name, whose sum it is. definitions: the quantities of a prescribed
+    motion. reason: why coordinates are eliminated.
     """
 
     coordinates: tuple[Coordinate, ...]
@@ -113,7 +114,7 @@ def _origin(name: str, motion: Motion, at: PointMotion) -> tuple[dict[sp.Basic, 
 
 
 def _named(name: str, symbol: sp.Symbol, value: sp.Expr, doc: str) -> tuple[sp.Expr, list[Intermediate]]:
-    """The value itself if it is a number or a symbol; otherwise a new symbol, and its definition."""
+    """Return a number or a symbol as it is, and for another value a new symbol with its definition."""
     if value.is_Rational or value.is_Symbol:
         return value, []
     new = owned(symbol, name)

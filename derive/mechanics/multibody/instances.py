@@ -1,4 +1,4 @@
-"""The equations of one instance of a body: those of its kind in the coordinates and under the names of a mechanism."""
+"""The equations of an instance of a body: those of its kind in the coordinates and symbols of the mechanism."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Symbols = dict[sp.Basic, sp.Basic]
 
 @dataclass(frozen=True)
 class InstanceEquations:
-    """What an instance contributes to the equations of a mechanism.
+    """The contribution of an instance to the equations of a mechanism.
 
     `points` are the motions of its markers, `origin` is c. `free_residual` are the rows of c1, c2 and phi of the free
     body: the force and the torque about c that move it as it moves, besides gravity (N, N m); only if it is `complete`.
@@ -66,7 +66,7 @@ def instance_equations(instance: BodyInstance, kind: BodyKind, repeated: bool) -
 
 @dataclass(frozen=True)
 class _Request:
-    """Equations that are asked for; `key` has all that they depend on, and is hashable."""
+    """A request for the equations of an instance; `key` is hashable and contains everything that they depend on."""
 
     key: Hashable
     repeated: bool
@@ -124,7 +124,7 @@ def point_motions(instance: BodyInstance, kind: BodyKind) -> Mapping[str, PointM
 
 @dataclass(frozen=True)
 class _Moved:
-    """The kinematics of an instance: the symbols of its kind in those of the mechanism, and its markers."""
+    """The kinematics of an instance: replacements for the symbols of its kind, and the motions of its markers."""
 
     change: Symbols
     constants: tuple[ModelConstant, ...]
@@ -170,7 +170,7 @@ def _coefficient(group: str, c: ModelConstant) -> ModelConstant:
 def _definitions(
     name: str, definitions: tuple[Intermediate, ...], change: Symbols, point: str = ""
 ) -> list[Intermediate]:
-    """Definitions under names of the scene; `change` learns them, and numbers for those that are constant here."""
+    """Definitions under names of the scene; `change` receives their symbols, or the values of constant ones."""
     result = []
     for d in definitions:
         if d.zero:
@@ -198,7 +198,7 @@ def _terms(equations: Equations, coordinates: CoordinateMap, change: Symbols) ->
 
 
 def _kept(coordinates: CoordinateMap) -> dict[str, str]:
-    """The rows that are those of the free body, by their names there."""
+    """The rows that correspond to a single row of the free body, by the name of that row."""
     result = {}
     for row, weights in zip(coordinates.rows, coordinates.weights, strict=True):
         if len(weights) == 1:

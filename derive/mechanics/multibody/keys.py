@@ -8,7 +8,7 @@ from fractions import Fraction
 
 
 class KeyType(Enum):
-    """What the value of a key is; the specification layer reads, checks and documents it accordingly."""
+    """The type of the value of a key; the specification layer reads, checks and documents it accordingly."""
 
     FLOAT = "a number, kept as a double"
     DIRECTION = "two components of a direction, exact, not both zero"
@@ -29,7 +29,7 @@ class KeyType(Enum):
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a table: its name, what its value is, its unit (that of a parameter), and what an editor shows of it.
+    """A key of a table: name, type of its value, unit (the default unit of a parameter), and description in editors.
 
     A key that is not `required` may be left out; then the element has the `default`, or no value of that name if it is
     None. `choices` are the words that a CHOICE is one of.

@@ -23,7 +23,7 @@ from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import Joint
 
 KEPT = 32
-"""Kinds, and instances, whose equations are kept in a process: studies derive many mechanisms with the same bodies."""
+"""The number of kinds, and of instances, whose equations are cached: studies derive mechanisms with equal bodies."""
 
 
 @dataclass(frozen=True)
@@ -63,12 +63,12 @@ class BodyInstance:
 
     @property
     def moves(self) -> bool:
-        """Whether it has coordinates; the motion of the others is prescribed."""
+        """Whether the instance has coordinates; otherwise its motion is prescribed."""
         return bool(self.coordinates.rows)
 
     @property
     def has_inertia(self) -> bool:
-        """Whether the equations contain its constants, such as its mass."""
+        """Whether the equations contain the constants of the instance, such as its mass."""
         return self.moves or self.complete
 
 
@@ -112,7 +112,7 @@ class BodyKinds:
         self.kinds: list[BodyKind] = []
 
     def number(self, body: Body) -> int:
-        """The number of the kind of a body."""
+        """The number of the kind of a body; a new kind is derived and added."""
         form = _without_values(body)
         for number, kind in enumerate(self.kinds):
             if kind.body == form:

@@ -189,7 +189,7 @@ def _gathered(
     _distinct(rows, conditions, coefficients, definitions)
 
     def summed(of: Iterable[sp.Expr]) -> sp.Expr:
-        """What does not depend on time alone; a prescribed motion brings and takes energy as it needs."""
+        """The sum of the expressions without explicit time dependence; a prescribed motion supplies energy."""
         return sp.Add(*(e for e in of if not e.free_symbols & moving))
 
     terms = (*chain.from_iterable(b.terms for b in bodies), *chain.from_iterable(f.terms for f in forces))
@@ -240,7 +240,7 @@ def _carried(instances: Instances, moving: frozenset[sp.Symbol]) -> list[Elimina
 
 
 def _coefficients(mechanism: Mechanism, bodies: list[InstanceEquations]) -> tuple[ModelConstant, ...]:
-    """Each symbol once, with one symbol for each parameter, whatever it is assumed to be where it is used."""
+    """The constants of a mechanism, each once, where each parameter is one symbol whatever its assumptions."""
     canonical = {p.symbol.name: p.symbol for p in mechanism.parameters}
     result: dict[sp.Symbol, ModelConstant] = {}
     own = (b.coefficients for b in bodies), (damping.constants for damping in mechanism.dampings)
@@ -275,7 +275,7 @@ def _distinct(
 
 
 def _moving(definitions: tuple[Intermediate, ...], inputs: tuple[InputSymbol, ...]) -> frozenset[sp.Symbol]:
-    """The time, the inputs, and all symbols that are made of them."""
+    """The time, the inputs, and all symbols that depend on them."""
     moving = {t, *(given.symbol for given in inputs)}
     for d in definitions:
         if d.expr.free_symbols & moving:
@@ -284,7 +284,7 @@ def _moving(definitions: tuple[Intermediate, ...], inputs: tuple[InputSymbol, ..
 
 
 def _depends(definitions: tuple[Intermediate, ...], position: sp.ImmutableMatrix, moving: frozenset[sp.Symbol]) -> bool:
-    """Whether a marker needs the time, which markers do not get."""
+    """Whether a marker depends on the time, which functions of markers do not get as an argument."""
     every = (position.free_symbols, *(d.expr.free_symbols for d in definitions))
     return any(symbols & moving for symbols in every)
 

@@ -28,7 +28,7 @@ def frame_doc(instances: Sequence[BodyInstance], scene: Scene) -> str:
 
 
 def mechanism_doc(scene: Scene, coordinates: tuple[Coordinate, ...], conditions: tuple[Constraint, ...]) -> str:
-    """What a mechanism consists of, in a line."""
+    """A line that summarises what a mechanism consists of."""
     return (
         f"scene of {_count(scene.bodies, 'planar bod', 'y', 'ies')}: {_count(coordinates, 'coordinate')}, "
         f"{_count(conditions, 'constraint')}, {_count(coordinates[len(conditions) :], 'degree')} of freedom"

@@ -29,7 +29,7 @@ Derivatives = tuple[sp.Expr, sp.Expr, sp.Expr]
 class PointMotion:
     """Position, velocity and acceleration (columns of 2, inertial frame), and the rotation of the section about e3.
 
-    Accelerations are linear in those of the coordinates, whose factors are the columns of the Jacobian.
+    Accelerations are linear in the accelerations of the coordinates, whose factors are the columns of the Jacobian.
     """
 
     definitions: tuple[Intermediate, ...]
@@ -51,7 +51,7 @@ class PointMotion:
         return not any((*self.velocity, *self.acceleration, self.angular_velocity, self.angular_acceleration))
 
     def replaced(self, by: Mapping[sp.Basic, sp.Basic]) -> PointMotion:
-        """The same in other symbols; definitions are renamed but stay what they are."""
+        """Return the motion in other symbols; `definitions` do not change."""
 
         def change(expr: sp.Expr) -> sp.Expr:
             return expr.xreplace(by)
@@ -72,7 +72,7 @@ def point_motion(
 ) -> PointMotion:
     """The motion of a material point from (1) and (5).
 
-    rotations: those of the section by each shape and, at second order, by products of two amplitudes.
+    rotations: the rotations of the section by each shape and, at second order, by products of two amplitudes.
     """
     rotation, (generator,), axes = motion.rotation, motion.frame.generators, (1, 2)
     shape_rows = motion.rows[len(motion.rows) - len(motion.alpha) :]
@@ -135,7 +135,7 @@ def point_motion(
 def _deformation(
     rotations: tuple[ModelConstant, ...], amplitudes: Sequence[Sequence[sp.Symbol]], derivative: int
 ) -> sp.Expr:
-    """A time derivative of what deformation turns a section by; amplitudes: with their rates and accelerations."""
+    """A derivative of the rotation of a section by deformation; amplitudes: with their rates and accelerations."""
     alpha, rates, accelerations = amplitudes
     total = sp.S.Zero
     for c in rotations:
@@ -162,7 +162,7 @@ class RelativeMotion:
 
     @property
     def displacement(self) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
-        """From the first point to the second, in the inertial frame."""
+        """The displacement from the first point to the second, in the inertial frame."""
         first, second = self.first, self.second
         return (
             sp.Matrix(second.position - first.position),
@@ -182,7 +182,7 @@ class RelativeMotion:
 
 
 def length_of(vector: sp.Matrix) -> sp.Expr:
-    """The length of a column of 2; of a multiple of one expression, as along a guide, the multiple of its magnitude."""
+    """The length of a column of 2; simplified where the column is a multiple of one expression, as along a guide."""
     components = [x for x in vector if x != 0]
     if len(components) == 1 and not components[0].is_number:
         return Absolute(components[0])
@@ -192,5 +192,5 @@ def length_of(vector: sp.Matrix) -> sp.Expr:
 
 
 def added(a: Derivatives, b: Derivatives, sign: int = 1) -> Derivatives:
-    """a + sign b, with derivatives."""
+    """The sum a + sign b, with derivatives."""
     return a[0] + sign * b[0], a[1] + sign * b[1], a[2] + sign * b[2]

@@ -12,7 +12,7 @@ from derive.spec.model.scene import Scene
 
 
 def input_symbols(scene: Scene) -> tuple[InputSymbol, ...]:
-    """The run-time inputs; those that drives prescribe motions by have two time derivatives."""
+    """The symbols of the run-time inputs; inputs that prescribe motions of drives have two time derivatives."""
     motions = {drive.motion.name for drive in scene.drives if drive.motion and drive.motion.kind == "input"}
     result = []
     for given in scene.inputs:

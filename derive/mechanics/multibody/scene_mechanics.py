@@ -23,12 +23,12 @@ from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene import Drive, Joint, Scene
 
 Part = Callable[[MarkerRef], bool]
-"""Whether a marker belongs to a part of a mechanism."""
+"""A predicate: whether a marker belongs to a part of a mechanism."""
 
 _VIRTUAL = tuple(
     EquationOfMotion(f"virtual {k}", local(f"virtual_v{k}"), local(f"virtual_a{k}"), "", "", "") for k in (1, 2, 3)
 )
-"""The virtual displacement of a part: along e1 and e2, and the rotation about e3."""
+"""The rows of the virtual displacement of a part: translations along e1 and e2, and the rotation about e3."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Resultant:
         return Resultant(-self.force, -self.torque)
 
     def about(self, old: sp.Matrix, new: sp.Matrix) -> Resultant:
-        """The same with its torque about `new` in place of `old`, both in the inertial frame."""
+        """The equivalent force and torque about `new` in place of `old`, both in the inertial frame."""
         lever = old - new
         return Resultant(self.force, self.torque + lever[0] * self.force[1] - lever[1] * self.force[0])
 
@@ -76,7 +76,7 @@ class SceneMechanics:
         return of_body[marker.marker]
 
     def reaction(self, joint: str) -> Resultant:
-        """What a joint with its drive exerts on body 2; the torque is about the second marker."""
+        """The force and torque that a joint with its drive exerts on body 2; the torque is about the second marker."""
         joints = [j.joint for j in self.joints] + [j.joint for j in self.eliminated_joints]
         second = next(j.second for j in joints if j.name == joint)
         for instance in self.joints:
@@ -102,7 +102,7 @@ class SceneMechanics:
         return result
 
     def force_on(self, force: ForceInstance, part: Part, about: sp.Matrix) -> Resultant:
-        """What a force, a torque or a spring exerts on a part."""
+        """The force and torque that a force, a torque or a spring exerts on a part; the torque is about `about`."""
         points = tuple(self._displaced(marker, part, about) for marker in force.markers)
         made = force.type.generalised_force(force.element, points, force.values, _VIRTUAL)
         totals = [-sp.Add(*(term.expr for term in made.terms if term.row == row.name)) for row in _VIRTUAL]
@@ -150,13 +150,13 @@ class SceneMechanics:
         return sp.Matrix(self.point(marker).position)
 
     def _support(self, support: EliminatedJoint) -> Resultant:
-        """What a joint that has eliminated coordinates exerts on the body it supports, about its marker there."""
+        """The force of a joint that has eliminated coordinates on its supported body; torque about its marker."""
         body, about = support.own.body, self.position(support.own)
         loads = self.loads(lambda marker: marker.body == body, about, without=support.joint.name)
         return self.inertia(body, about) + -loads
 
     def _joint(self, instance: JointInstance, part: Part, about: sp.Matrix) -> Resultant:
-        """What a joint that is a constraint, with its drive, exerts on a part."""
+        """The force and torque that a joint with multipliers, and its drive, exert on a part."""
         joint = instance.joint
         if part(joint.first) == part(joint.second):
             return NOTHING
@@ -167,7 +167,7 @@ class SceneMechanics:
     def _factors(
         self, joint: Joint, joint_type: JointType, part: Part, about: sp.Matrix, driven: bool
     ) -> list[list[sp.Expr]]:
-        """What each multiplier of a joint is multiplied by in the resultant on a part, that of its drive last."""
+        """The factors of each multiplier of a joint in the resultant on a part; the multiplier of its drive is last."""
         ends = (self._displaced(marker, part, about) for marker in (joint.first, joint.second))
         made = joint_type.equations(joint, RelativeMotion(*ends))
         accelerations = [residual[2] for residual in made.residuals]
@@ -177,7 +177,7 @@ class SceneMechanics:
         return [[sp.expand(a).coeff(row.a) for row in _VIRTUAL] for a in accelerations]
 
     def _displaced(self, marker: MarkerRef, part: Part, about: sp.Matrix) -> PointMotion:
-        """The motion of a marker whose acceleration is the virtual displacement of the part."""
+        """The motion of a marker whose acceleration is replaced by the virtual displacement of the part."""
         at = self.point(marker)
         if not part(marker):
             still = sp.ImmutableMatrix([0, 0])

@@ -1,4 +1,4 @@
-"""Integrals of functions of time in closed form: what a drive turns through whose speed is a function of t.
+"""Integrals of functions of time in closed form: the motion of a drive whose speed is a function of t.
 
 An expression is expanded to a sum of products, and each product is integrated by a rule: powers of t times sines,
 cosines and exponentials of linear arguments; powers, logarithms and tanh of a linear argument; smooth steps and tables,
@@ -27,7 +27,7 @@ from derive.mechanics.time_integrals.switches import selection
 from derive.spec.model.time_function import TimeFunction, parts
 
 MAX_CHOICES = 64
-"""The most choices of two expressions in an integral, which products of many switches exceed."""
+"""The largest number of choices of two expressions in an integral; products of many switches exceed it."""
 
 
 class NoClosedForm(TisserandError):
@@ -112,7 +112,7 @@ class _Integrator:
         return sooner if known else Select(base, end, later, sooner)
 
     def _iterated(self, n: int, others: sp.Expr, whole: bool) -> Callable[[sp.Expr], sp.Expr] | None:
-        """By parts, for t^n times a smooth step or a table of a linear argument, whose antiderivatives are known.
+        """The integral by parts of t^n times a smooth step or a table of a linear argument, with known antiderivatives.
 
         Between other switches a step is a choice of polynomials, which are shorter when they are multiplied.
         """

@@ -1,4 +1,4 @@
-"""What integrals of functions of time share: arguments that are linear in t, and values at a time."""
+"""Helpers of the integrals of functions of time: arguments that are linear in t, and values at a time."""
 
 from __future__ import annotations
 
@@ -20,5 +20,5 @@ def linear_in_t(argument: sp.Expr) -> Linear | None:
 
 
 def at(expr: sp.Expr, time: sp.Expr) -> sp.Expr:
-    """An expression at a time, with the switches of numbers decided."""
+    """The value of an expression at a time; switches whose condition is then a number are resolved."""
     return folded(sp.sympify(expr).subs(t, time))

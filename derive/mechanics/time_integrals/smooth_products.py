@@ -12,7 +12,7 @@ from derive.mechanics.time_functions import Absolute, Exp, Log, Select, Tanh, Ti
 from derive.mechanics.time_integrals.linear_arguments import Linear, at, linear_in_t
 
 SMALLEST = 1e-18
-"""Terms of a series below this are left out."""
+"""The bound below which terms of a series are left out."""
 
 
 def smooth_integral(n: int, others: sp.Expr) -> Callable[[sp.Expr], sp.Expr] | None:
@@ -92,7 +92,7 @@ def _from_zero(n: int, k: sp.Expr, w: sp.Expr, of: type[sp.Expr], angle: sp.Expr
 
 
 def _series(n: int, k: sp.Expr, w: sp.Expr, of: type[sp.Expr], angle: sp.Expr, end: int) -> sp.Expr:
-    """The same where |k + i w| t is less than `end`, by the series of the exponential function, whose terms are small.
+    """The integral of `_from_zero` where |k + i w| t is less than `end`, by the series of the exponential function.
 
     The closed form is a difference of terms that are larger by n!/(|k + i w| t)^(n + 1).
     """
@@ -112,7 +112,7 @@ def _series(n: int, k: sp.Expr, w: sp.Expr, of: type[sp.Expr], angle: sp.Expr, e
 
 
 def _of_linear(n: int, factor: sp.Expr, exponent: sp.Expr) -> Callable[[sp.Expr], sp.Expr] | None:
-    """The integral of t^n times a power of a linear argument x, or times log x, or of tanh x; None of others."""
+    """The integral of t^n times a power of a linear argument x, log x or tanh x; None for other factors."""
     linear = linear_in_t(factor.args[0] if isinstance(factor, TimeOperation) else factor)
     assert linear is not None
     c, d = linear

@@ -9,11 +9,11 @@ from derive.mechanics.time_functions import Absolute, Maximum, Minimum, Select, 
 from derive.mechanics.time_integrals.linear_arguments import linear_in_t
 
 SWITCHES = (Select, SmoothStep, Absolute, Minimum, Maximum)
-"""The functions that are another expression on the other side of a time."""
+"""The functions that change to another expression at a time."""
 
 
 def selection(others: sp.Expr) -> Select | None:
-    """The same as a choice of two expressions, by the first switch of a linear argument; None if there is none."""
+    """An expression as a choice of two, by its first switch with a linear argument; None if there is no switch."""
     for switch in sp.preorder_traversal(others):
         if isinstance(switch, SWITCHES) and switch.has(t) and (choice := _choice(switch)) is not None:
             a, b, x, y = choice.args
@@ -22,7 +22,7 @@ def selection(others: sp.Expr) -> Select | None:
 
 
 def _choice(switch: sp.Expr) -> Select | None:
-    """A switch as a choice by time, or by what does not depend on t; None where its argument is not linear."""
+    """A switch as a choice by time or by a constant expression; None where its argument is not linear."""
     match switch:
         case Select(args=(a, b, x, y)):
             return switch if not (a - b).has(t) else _sides(a - b, x, y)
@@ -44,7 +44,7 @@ def _choice(switch: sp.Expr) -> Select | None:
 
 
 def _sides(difference: sp.Expr, below: sp.Expr, above: sp.Expr) -> Select | None:
-    """A choice by the sign of a difference that is linear in t; where the sign of its slope is open, of two such."""
+    """A choice by the sign of a difference that is linear in t; two choices if the sign of its slope is unknown."""
     linear = linear_in_t(difference)
     if linear is None:
         return None

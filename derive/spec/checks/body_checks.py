@@ -13,7 +13,7 @@ from derive.spec.tables.beam_shapes import ShapeKeys
 
 
 def shape_faults(path: KeyPath, beam: object) -> list[Fault]:
-    """What is wrong with the ansatz and the axial ansatz in their frame, if they are valid as they are written."""
+    """Faults of the ansatz and the axial ansatz in their frame; none if one of them cannot be read."""
     try:
         deflection = ShapeKeys.model_validate(beam).deflection()
     except ValidationError:

@@ -1,4 +1,4 @@
-"""What is wrong between the tables of a scene: unknown names, joints and drives that cannot be."""
+"""Faults between the tables of a scene: unknown names, and joints and drives that are impossible."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from derive.spec.tables.scene_bodies import RigidTable
 
 
 def scene_faults(data: Raw) -> list[Fault]:
-    """All that is wrong with a scene beyond its single keys."""
+    """All faults of a scene that concern more than a single key."""
     bodies = data.get("bodies", {})
     if isinstance(bodies, Mapping) and not bodies:
         return [Fault(("bodies",), "a scene needs bodies; write one, such as [bodies.rod]")]
@@ -43,7 +43,7 @@ def _ground(view: SceneData) -> Iterator[Fault]:
 
 
 def _markers(view: SceneData) -> Iterator[Fault]:
-    """Markers that do not exist."""
+    """Faults of references to markers that do not exist."""
     for path, marker in view.marker_refs():
         if marker.body != GROUND and marker.body not in view.names_of_bodies:
             bodies = f"the bodies are {', '.join(view.names_of_bodies)}, and there is the ground"
@@ -112,7 +112,7 @@ def _drives(view: SceneData) -> Iterator[Fault]:
 
 
 def _type(joint: Raw) -> JointType | None:
-    """The type of a joint, if its kind is right."""
+    """The type of a joint, or None if its kind is unknown."""
     return JOINTS.get(str(joint.get("kind")))
 
 
@@ -121,13 +121,13 @@ def _driven_kinds() -> str:
 
 
 def _weightless(view: SceneData) -> Iterator[Fault]:
-    """Bodies that need a mass, since no drive can prescribe how they move."""
+    """Faults of bodies without mass or inertia whose motion no drive can prescribe."""
     connected, prescribed = set(), set()
     driven = {str(drive.get("joint")) for drive in view.tables["drives"].values()}
     for name, joint in view.tables["joints"].items():
         bodies = {marker.body for marker in view.pair("joints", name) or ()}
         connected |= bodies
-        # What a weld holds may be held to a body whose motion is prescribed: that is for the derivation to find out.
+        # A weld may fix a body to another whose motion is prescribed, which the derivation checks.
         joint_type = _type(joint)
         if name in driven or (joint_type and joint_type.freedom == 0):
             prescribed |= bodies
@@ -146,7 +146,7 @@ def _weightless(view: SceneData) -> Iterator[Fault]:
 
 
 def _actions(view: SceneData) -> Iterator[Fault]:
-    """Forces, torques and springs that move nothing."""
+    """Faults of forces, torques and springs that have no effect."""
     for kind in ("forces", "torques"):
         for name, table in view.tables[kind].items():
             at = table.get("at")
@@ -160,7 +160,7 @@ def _actions(view: SceneData) -> Iterator[Fault]:
 
 
 def _inputs(view: SceneData) -> Iterator[Fault]:
-    """Inputs that are used and do not exist, or the other way round."""
+    """Faults of inputs that are used but do not exist, or that exist but are not used."""
     known, used = view.tables["inputs"], set()
     for path, name in view.input_refs():
         used.add(name)
@@ -174,7 +174,7 @@ def _inputs(view: SceneData) -> Iterator[Fault]:
 
 
 def _outputs(view: SceneData) -> Iterator[Fault]:
-    """Joints, drives and springs of outputs that do not exist."""
+    """Faults of outputs that refer to joints, drives or springs that do not exist, or to sections of rigid bodies."""
     sections = {KeyType.JOINT: "joints", KeyType.DRIVE: "drives", KeyType.SPRING: "springs"}
     for name, table in view.tables["outputs"].items():
         output_type = OUTPUTS.get(str(table.get("kind")))

@@ -1,4 +1,4 @@
-"""What is wrong with initial values: deflections that a beam cannot have, coordinates that a joint has not."""
+"""Faults of initial values: deflections that a beam cannot have, and coordinates that a joint does not have."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from derive.spec.tables.beam_shapes import ShapeKeys
 
 
 def body_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Fault]:
-    """Deflections of a beam that its shape functions cannot describe, in any number of pieces that the scene names."""
+    """Faults of deflections that the shapes of a beam cannot describe in one of the numbers of pieces in the scene."""
     start = body.get("start")
     if not isinstance(start, dict) or start.get("guess") is True:  # a guess is approached by the nearest curve
         return
@@ -48,7 +48,7 @@ def body_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Fault]:
 
 
 def joint_start_faults(view: SceneData) -> Iterator[Fault]:
-    """Initial values of joints and drives for coordinates that their joints do not have."""
+    """Faults of initial values of joints and drives for coordinates that their joints do not have."""
     joints = view.tables["joints"]
     for section, of_joint in (("joints", None), ("drives", "joint")):
         for name, table in view.tables[section].items():

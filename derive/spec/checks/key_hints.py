@@ -1,4 +1,4 @@
-"""What messages need to know of the keys of a scene: which table is where, and what a missing key looks like."""
+"""Information on the keys of a scene for messages: the table at each path, and examples of missing keys."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _NAMED: dict[str | int, Callable[[], type[BaseModel]]] = {
 }
 _PLAIN: dict[str | int, type[BaseModel]] = {"ground": GroundTable, "scene": SceneTable, "simulation": SimulationTable}
 PLAIN_TABLES = {str(name): {*table.model_fields} for name, table in _PLAIN.items()}
-"""The keys of the tables that there is one of."""
+"""The keys of each table that exists once in a scene."""
 
 _EXAMPLES = {
     ("joints", "kind"): 'kind = "revolute"',
@@ -92,7 +92,7 @@ def is_union(path: KeyPath) -> bool:
 
 
 def is_beam_union(keys: Sequence[str | int]) -> bool:
-    """The same for the keys of a beam."""
+    """Whether a value of a beam, at these keys of its table, has two notations."""
     match keys:
         case (key,):
             return key in BEAM_QUANTITIES
@@ -106,7 +106,7 @@ def is_beam_union(keys: Sequence[str | int]) -> bool:
 
 
 def beam_table(keys: Sequence[str | int]) -> type[BaseModel] | None:
-    """The model of a table of a beam, if there is one of that name."""
+    """The model of a table inside the table of a beam; None if there is none of that name."""
     match keys:
         case ("frame",):
             return FrameTable
@@ -120,7 +120,7 @@ def beam_table(keys: Sequence[str | int]) -> type[BaseModel] | None:
 
 
 def example(path: KeyPath) -> str:
-    """How a missing key may be written."""
+    """An example of a missing key."""
     match path:
         case ("simulation", "duration"):
             return "duration = 1.0"
@@ -152,7 +152,7 @@ def example(path: KeyPath) -> str:
 
 
 def table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel] | None:
-    """The model of the table at a path, if it is one of a scene and no parameter."""
+    """The model of the table at a path; None if it is not a table of a scene, or if it is a parameter."""
     match path:
         case (kind,):
             return _PLAIN.get(kind)
@@ -178,7 +178,7 @@ def table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel] | None:
 
 
 def unknown(path: KeyPath, data: Mapping[str, object]) -> str | None:
-    """The message on a key that belongs to the other kind of body, if it does."""
+    """The message on an unknown key of a rigid body or a beam, which may belong to the other; None for other paths."""
     kind = _kind(path[1], data) if len(path) == 3 and path[0] == "bodies" else ""
     if kind not in ("rigid", "beam"):
         return None

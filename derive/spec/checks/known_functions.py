@@ -1,4 +1,4 @@
-"""What functions of time may refer to: parameters and tables of a scene, read before the functions are."""
+"""The parameters and tables to which functions of time may refer, read before the functions."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from derive.spec.parsing.time_expression import FUNCTIONS, TIME, Known
 from derive.spec.parsing.values import WrongValueError
 
 MAX_ROWS = 2000
-"""The most rows of a table, each of which becomes four numbers of the generated code."""
+"""The largest number of rows of a table, each of which becomes four numbers of the generated code."""
 
 
 def known_functions(data: Mapping[str, object], folder: Path) -> tuple[Known, Faults]:
-    """What functions may refer to, with files relative to `folder`, and what is wrong with the files and the names."""
+    """The names to which functions may refer, with files relative to `folder`, and the faults of files and names."""
     faults = Faults()
     parameters, tables = (_tables(data.get(key)) for key in ("parameters", "tables"))
     names: dict[str, TimeFunction] = {}
@@ -48,7 +48,7 @@ def known_functions(data: Mapping[str, object], folder: Path) -> tuple[Known, Fa
 
 
 def function_faults(scene: Scene, data: Mapping[str, object]) -> Iterator[Fault]:
-    """Parameters and tables that no function uses, and tables that end before the simulation does."""
+    """Faults of parameters and tables that no function uses, and of tables that end before the simulation does."""
     functions = [*time_functions(scene), *input_functions(scene)]
     used = {p.symbol for _, function in functions for p in function_parameters(function)}
     used |= {part.spline.name for _, function in functions for part in parts(function) if part.spline}
@@ -68,7 +68,7 @@ def function_faults(scene: Scene, data: Mapping[str, object]) -> Iterator[Fault]
 
 
 def _tables(value: object) -> dict[str, Mapping[str, object]]:
-    """The tables of a section by their names, those alone that are tables."""
+    """The elements of a section by their names, without those that are not tables."""
     if not isinstance(value, Mapping):
         return {}
     return {name: table for name, table in value.items() if isinstance(name, str) and isinstance(table, Mapping)}

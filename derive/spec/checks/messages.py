@@ -1,4 +1,4 @@
-"""What pydantic reports, as faults: the path as it is written, and a sentence of our own."""
+"""Conversion of the errors of pydantic to faults, with the path in the file and a sentence."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MAX_FAULTS = 100
 
 
 def key_faults(error: ValidationError, data: Mapping[str, object]) -> list[Fault]:
-    """What is wrong with single keys; of a flood of faults the first."""
+    """The faults of single keys; of very many faults only the first are given."""
     details = error.errors(include_url=False)
     faults = [_fault(detail, data) for detail in details[:MAX_FAULTS]]
     if len(details) > MAX_FAULTS:
@@ -56,7 +56,7 @@ def _fault(error: ErrorDetails, data: Mapping[str, object]) -> Fault:
 
 
 def _path(location: KeyPath) -> KeyPath:
-    """The keys of the data, without what pydantic puts between them for unions and keys of dicts."""
+    """The path of keys in the data, without the parts that pydantic inserts for unions and keys of dicts."""
     path: KeyPath = ()
     skip = False
     for part in location:

@@ -1,6 +1,6 @@
-"""Names that a scene makes out of those that are written, and which of them meet.
+"""Names that are derived from the names in a scene, and clashes between them.
 
-Coordinates, multipliers and definitions begin with the name of what they belong to: rod_c1, rod_2_alpha1, pin_1. In the
+Coordinates, multipliers and definitions begin with the name of their element: rod_c1, rod_2_alpha1, pin_1. In the
 code some of them are in upper case, so that names must differ in more than case.
 """
 
@@ -25,12 +25,12 @@ from derive.spec.tables.beam_shapes import MAX_SHAPES
 RESERVED = {"t": "it is the time", "pi": "it is the number pi"}
 GRAVITY = dict.fromkeys(("g_1", "g_2"), "it is a component of gravity")
 OWN_MARKERS = ("base", "cut_left", "cut_right")
-"""Points of bodies that the derivation gives names to."""
+"""The names of points of bodies that the derivation adds."""
 RATES = ("", "dot", "ddot")
 
 
 def _labels(kind: str) -> tuple[str, ...]:
-    """What the names begin with the name of an element that are not its own: multipliers, constants, intermediates."""
+    """The suffixes of names derived from an element: those of multipliers, constants and intermediates."""
     if kind == "drives":
         return ("", "_speed")
     if kind == "joints":
@@ -44,11 +44,11 @@ def _labels(kind: str) -> tuple[str, ...]:
 
 
 Made = tuple[KeyPath, str, str]
-"""Where the name is written that another comes from; that other; what it is."""
+"""The path of the name from which another is derived, the derived name, and its description."""
 
 
 def name_faults(view: SceneData) -> Iterator[Fault]:
-    """Names that are taken, each reported once, where the later of the two is written."""
+    """Faults of names that are taken, each reported once, where the later of the two is written."""
     repeated = list(_written_twice(view))
     yield from repeated
     yield from _markers(view)
@@ -68,7 +68,7 @@ def name_faults(view: SceneData) -> Iterator[Fault]:
 
 
 def column_faults(view: SceneData) -> Iterator[Fault]:
-    """Outputs whose columns have the names of other columns of a trajectory."""
+    """Faults of outputs whose columns have the names of other columns of a trajectory."""
     columns = {"t": "it is the time"}
     for path, name, what in made_names(view):
         if path[0] in ("bodies", "drives"):
@@ -123,7 +123,7 @@ def made_names(view: SceneData) -> Iterator[Made]:
 
 
 def _shape_count(ansatz: object) -> int:
-    """The largest number of shapes that an ansatz may leave."""
+    """The largest number of shapes that an ansatz may give."""
     if isinstance(ansatz, Mapping):
         return min(readable(values.whole, ansatz.get("count")) or 0, MAX_SHAPES)
     return min(len(ansatz), MAX_SHAPES) if isinstance(ansatz, (list, tuple)) else 0
@@ -141,7 +141,7 @@ def coordinate_names(body: str, shapes: int) -> list[str]:
 
 
 def piece_counts(view: SceneData, name: str, body: Raw) -> list[int]:
-    """Into how many pieces a body is cut, here and in plots."""
+    """The numbers of pieces into which a body is cut, in its table and in plots."""
     counts = [body.get("pieces", 1)]
     for plot in view.tables["plots"].values():
         pieces = plot.get("pieces")
@@ -158,7 +158,7 @@ def _named(view: SceneData, kind: str) -> Iterator[tuple[str, Raw]]:
 
 
 def _written_twice(view: SceneData) -> Iterator[Fault]:
-    """Names of one kind that differ in case alone."""
+    """Faults of names in one section that differ in case alone."""
     for kind in NAMED:
         first: dict[str, str] = {}
         for name in view.tables[kind]:
@@ -170,7 +170,7 @@ def _written_twice(view: SceneData) -> Iterator[Fault]:
 
 
 def _markers(view: SceneData) -> Iterator[Fault]:
-    """Markers that have one name, once the name of their body is in front of it."""
+    """Faults of markers whose names coincide when they are prefixed with the names of their bodies."""
     first: dict[str, tuple[str, str]] = {}
     for body in (GROUND, *view.bodies):
         for marker in view.markers(body) or ():

@@ -1,4 +1,4 @@
-"""Checks of the other keys of a body of nodes against its arrays."""
+"""Checks of the keys of a body of nodes that depend on its arrays."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from derive.spec.tables.shared import MAX_MARKERS
 
 
 def nodes_of(body: Mapping[str, object], table: NodalTable | None, folder: Path) -> tuple[NodeData | None, Faults]:
-    """The numbers of a body, and what is wrong with them or with the keys that speak of them.
+    """The data of a body of nodes, and the faults of the data and of the keys that refer to them.
 
     `table` is the body if its keys are right. If they are not, the files are looked at none the less.
     """
@@ -38,7 +38,7 @@ def nodes_of(body: Mapping[str, object], table: NodalTable | None, folder: Path)
 
 
 def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: CheckedNodes) -> Iterator[Fault]:
-    """A number of modes that cannot be had."""
+    """Faults of a number of modes that the data cannot provide."""
     asked = readable(values.mode_count, body.get("modes"))
     if "modes" in arrays:
         given = checked.modes
@@ -82,7 +82,7 @@ def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: CheckedN
 
 
 def _order_faults(body: Mapping[str, object], arrays: Set[str]) -> Iterator[Fault]:
-    """Displacements of second order without data of them."""
+    """Faults of a second order without geometric stiffness matrices."""
     if readable(values.order, body.get("order")) == 2 and not arrays & {"K0t", "K0r", "K0omega", "K0F"}:
         yield Fault(
             ("body", "order"),
@@ -92,7 +92,7 @@ def _order_faults(body: Mapping[str, object], arrays: Set[str]) -> Iterator[Faul
 
 
 def _node_faults(body: Mapping[str, object], nodes: int) -> Iterator[Fault]:
-    """Nodes that do not exist."""
+    """Faults of references to nodes that do not exist."""
     for path, value in _node_numbers(body):
         node = readable(values.whole, value)
         if node is not None and node >= nodes:

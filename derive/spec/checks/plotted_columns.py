@@ -1,4 +1,4 @@
-"""Columns that plots draw and conditions compare, and that no trajectory of the specification has.
+"""Faults of columns that plots or conditions use and that no trajectory of the specification has.
 
 Which coordinates and multipliers there are is known when the equations are derived, as joints eliminate some. What a
 scene cannot have in any case is refused when it is read.
@@ -21,7 +21,7 @@ from derive.spec.parsing.parser import ExpressionError
 
 
 def column_faults(spec: Specification) -> Iterator[Fault]:
-    """Columns of plots and of the condition `until` that no trajectory of a specification can have."""
+    """Faults of columns of plots and of the condition `until` that no trajectory of a specification can have."""
     possible = possible_columns(spec)
     if possible is None:
         return
@@ -35,7 +35,7 @@ def column_faults(spec: Specification) -> Iterator[Fault]:
 
 
 def missing_columns(plots: Iterable[Plot], known: Collection[str], otherwise: str) -> Iterator[Fault]:
-    """Plots of columns that are none of those that are known. otherwise: what follows where none of these is alike."""
+    """Faults of plots with columns that are not `known`. otherwise: the hint if no known column has a similar name."""
     for plot in plots:
         if isinstance(plot.quantity, ColumnCurves):
             for key, names in (("x", (plot.quantity.x,)), ("y", plot.quantity.y)):
@@ -75,7 +75,7 @@ def possible_columns(spec: Specification) -> tuple[str, ...] | None:
 
 
 def _of_beam(name: str, beam: PlanarBeam, counts: Collection[int]) -> list[str]:
-    """The coordinates of a beam in so many pieces, none of which joints eliminate for a displacement along a guide."""
+    """The coordinates of a beam in each of some numbers of pieces; none of them is a displacement along a guide."""
     shapes = beam.ansatz.count if isinstance(beam.ansatz, ShapeFamily) else len(beam.ansatz)
     shapes += len(beam.axial.ansatz) if beam.axial else 0
     whole = [name] if 1 in counts else []
@@ -85,6 +85,6 @@ def _of_beam(name: str, beam: PlanarBeam, counts: Collection[int]) -> list[str]:
 
 
 def _of_states(coordinates: Collection[str]) -> Iterator[str]:
-    """The coordinates, and their rates."""
+    """The names of coordinates, and of their rates."""
     for rate in RATES[:2]:
         yield from (f"{name}{rate}" for name in coordinates)

@@ -1,4 +1,4 @@
-"""A scene as it was written, for checks that look at several of its tables; any of them may be at fault."""
+"""The data of a scene before validation, for checks that compare several tables, any of which may be faulty."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MARKERS = (KeyType.MARKER, KeyType.BEAM_MARKER, KeyType.MARKER_PAIR)
 
 
 class WrittenRef(NamedTuple):
-    """A reference to a marker, and where it is written."""
+    """A reference to a marker, and its path."""
 
     path: KeyPath
     marker: MarkerRef
@@ -30,7 +30,7 @@ class WrittenRef(NamedTuple):
 
 @dataclass(frozen=True)
 class SceneData:
-    """The named tables of a scene, those alone that are tables."""
+    """The sections of a scene whose elements have names, limited to the elements that are tables."""
 
     data: Raw
     tables: Mapping[str, Mapping[str, Raw]] = field(init=False)
@@ -45,13 +45,13 @@ class SceneData:
 
     @property
     def names_of_bodies(self) -> list[str]:
-        """All bodies, with those that are no tables."""
+        """The names of all bodies, including those whose values are not tables."""
         bodies = self.data.get("bodies")
         return [name for name in bodies if isinstance(name, str)] if isinstance(bodies, Mapping) else []
 
     @property
     def complete(self) -> bool:
-        """Whether what is not here is really missing."""
+        """Whether a name that is missing here is missing in the data, because all sections can be read."""
         sections = [self.data.get(kind, {}) for kind in NAMED]
         return all(isinstance(item, Mapping) and len(item) <= MAX_NAMED for item in sections)
 
@@ -60,7 +60,7 @@ class SceneData:
         return kind_of_scene_body(self.bodies.get(body))
 
     def is_beam(self, body: str) -> bool:
-        """Whether a name is that of a beam."""
+        """Whether a body is a beam."""
         return body in self.bodies and self.kind(body) == "beam"
 
     def markers(self, body: str) -> list[str] | None:

@@ -1,4 +1,4 @@
-"""The parameters of a scene: one symbol is one parameter, wherever it is written."""
+"""The parameters of a scene, of which all with the same symbol have to be the same parameter."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ GRAVITY_UNIT = "m/s^2"
 
 
 class SceneConstant(NamedTuple):
-    """A constant of a scene: where it is, what it is, and the unit of a parameter without one."""
+    """A constant of a scene: its path, its value, its description, and the default unit of a parameter."""
 
     path: KeyPath
     value: object
@@ -37,7 +37,7 @@ class SceneConstant(NamedTuple):
 
 
 def parameter_faults(view: SceneData) -> Iterator[Fault]:
-    """Symbols that are taken, and symbols that name two parameters."""
+    """Faults of symbols that are taken, and of symbols that name two different parameters."""
     taken = taken_names(view)
     model = view.data.get("name")
     if isinstance(model, str):
@@ -62,7 +62,7 @@ def parameter_faults(view: SceneData) -> Iterator[Fault]:
 
 
 def _difference(constant: SceneConstant, other: SceneConstant) -> str | None:
-    """What two parameters of one symbol do not agree in; None if they agree, or if one of them is unreadable."""
+    """The difference between two parameters with one symbol; None if they agree, or if one is unreadable."""
     for noun, own, others in (
         ("unit", _unit(constant), _unit(other)),
         ("default", _default(constant), _default(other)),
@@ -130,7 +130,7 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
 
 
 def beam_constants(path: KeyPath, beam: Mapping[str, object], of: str = "") -> Iterator[SceneConstant]:
-    """All constants of a beam that may be parameters; `of` is what messages add to their names."""
+    """All constants of a beam that may be parameters; `of` is added to their descriptions in messages."""
     for key, like in BEAM_QUANTITIES.items():
         yield SceneConstant((*path, key), beam.get(key), f"{key}{of}", like.unit)
     axial, damping, masses = beam.get("axial"), beam.get("damping"), beam.get("masses")
@@ -161,7 +161,7 @@ def _units(keys: tuple[Key, ...]) -> dict[str, str]:
 
 
 def _force(section: str, name: str, table: Mapping[str, object], kind: str) -> Iterator[SceneConstant]:
-    """The constants of a force; those that are not of its kind, or of none that is known, have no unit."""
+    """The constants of a force; constants that its kind does not have, or of an unknown kind, have no unit."""
     types = kinds(section)
     units = _units(types[kind].keys) if kind in types else {}
     for key in dict.fromkeys(key for force_type in types.values() for key in quantities(force_type.keys)):

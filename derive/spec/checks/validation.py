@@ -1,4 +1,4 @@
-"""All faults of the data of a specification at once, each as its path and a sentence of our own."""
+"""Validation of the data of a specification: all faults at once, each with its path and a sentence."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def validate(
     curves: Curves = MappingProxyType({}),
     columns: bool = True,
 ) -> Specification:
-    """What `data` specify. Raises SpecError with all that is wrong with them.
+    """The specification that `data` describe. Raises SpecError with all faults.
 
     source: the file they come from, beside which other files are; lines: the lines of its keys, asked for only if they
     are needed; curves: the numbers of reference curves that are known already, by the names of their plots; columns:
@@ -54,7 +54,7 @@ def validate(
 
 
 def _checked(data: Mapping[str, object], folder: Path, known: Curves, columns: bool) -> Specification | list[Fault]:
-    """What `data` specify, with files of numbers relative to `folder`; or all that is wrong with them."""
+    """The specification that `data` describe, with other files relative to `folder`; or all faults."""
     specification = None
     names, faults_of_names = known_functions(data, folder)
     faults: list[Fault] = []
@@ -86,7 +86,7 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves, columns: b
 
 
 def _simulated_without_numbers(data: Mapping[str, object]) -> Iterator[Fault]:
-    """A simulation of a body whose numbers are all parameters."""
+    """Faults of a simulation, or of plots, of a body whose constants are all parameters."""
     body = data.get("body")
     if isinstance(body, Mapping) and kind_of_body(body) == "symbolic":
         text = "a symbolic body has no numbers to simulate with; leave this table out, or give the body by its nodes"
@@ -94,7 +94,7 @@ def _simulated_without_numbers(data: Mapping[str, object]) -> Iterator[Fault]:
 
 
 def _plots_of_a_body(data: Mapping[str, object]) -> Iterator[Fault]:
-    """Plots of a body alone that need a scene."""
+    """Faults of plots of a single body with keys that need a scene."""
     plots = data.get("plots")
     if "bodies" in data or not isinstance(plots, Mapping):
         return
@@ -106,7 +106,7 @@ def _plots_of_a_body(data: Mapping[str, object]) -> Iterator[Fault]:
 
 
 def _kinds(data: Mapping[str, object]) -> list[str]:
-    """What is specified, by its key: a beam, a body, or a scene, of which bodies come first."""
+    """The keys of what is specified, a beam, a body or a scene; of the keys of a scene only the first is given."""
     scene = [key for key in ("bodies", *SCENE) if key in data]
     return [*(key for key in ("beam", "body") if key in data), *scene[:1]]
 
@@ -131,7 +131,7 @@ def _specified(specification: SpecificationTable, nodes: NodeData | None, curves
 
 
 def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:
-    """Names that differ in case alone; constants are written in upper case, so that m and M are the same."""
+    """Faults of names that differ in case alone: constants become upper case in code, so that m and M coincide."""
     for kind in ("beam", "body"):
         table = data.get(kind)
         if not isinstance(table, Mapping):
@@ -147,7 +147,7 @@ def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:
 
 
 def _names_of_integrals(data: Mapping[str, object]) -> Iterator[Fault]:
-    """Symbols of gravity that are names of the other parameters of a body in space."""
+    """Faults of symbols of gravity that coincide with names of other parameters of a body in space."""
     body = data.get("body")
     if isinstance(body, Mapping):
         for path, name, _ in _symbols(None, "body", body):
@@ -185,7 +185,7 @@ def _marker_names(kind: str, markers: object) -> Iterator[tuple[KeyPath, str, st
 def _nodes(
     data: Mapping[str, object], specification: SpecificationTable | None, folder: Path
 ) -> tuple[NodeData | None, list[Fault]]:
-    """The numbers of a body of nodes, if there is one; they are checked even if another key is at fault."""
+    """The data of a body of nodes, if there is one; they are checked even if another key is at fault."""
     body = data.get("body")
     if not isinstance(body, Mapping) or kind_of_body(body) != "nodal":
         return None, []

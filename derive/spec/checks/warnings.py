@@ -1,4 +1,4 @@
-"""What a specification may leave unnoticed: units that are not those of SI, and defaults of masses and the like."""
+"""Warnings on a valid specification: units other than those of SI, and defaults of physical constants."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def specification_warnings(data: Raw) -> list[Fault]:
 
 
 def _defaults(path: KeyPath, beam: Raw) -> Iterator[Fault]:
-    """The physical constants of a beam that are not given."""
+    """Warnings on the physical constants of a beam that are not given."""
     for key, like in BEAM_QUANTITIES.items():
         if key not in beam:
             is_given = f"no {key.replace('_', ' ')} is given, so that it is the parameter {like.symbol}"
@@ -45,7 +45,7 @@ def _gravity(kind: str, table: Raw) -> Iterator[SceneConstant]:
 
 
 def _units(constants: Iterator[SceneConstant]) -> Iterator[Fault]:
-    """The parameters whose units are not those of SI, and those without a default."""
+    """Warnings on parameters whose units are not those of SI, and on parameters without a default."""
     for constant in constants:
         value = constant.value
         if not isinstance(value, Mapping) or constant.unit is None:
@@ -57,7 +57,7 @@ def _units(constants: Iterator[SceneConstant]) -> Iterator[Fault]:
 
 
 def _misfit(unit: str, expected: str) -> str | None:
-    """Why a unit does not fit; None if it does."""
+    """The reason why a unit does not fit; None if it does."""
     try:
         needed = unit_size(expected)
     except UnknownUnit:  # of a body, joint or force that is registered from outside

@@ -11,7 +11,7 @@ from derive.spec.parsing.values import WrongValueError
 
 
 def file_content(name: str | os.PathLike[str], folder: Path, most: int, advice: str = "") -> bytes:
-    """The bytes of a file, at most so many; its path begins at the folder of the specification."""
+    """The bytes of a file, at most `most`; its path is relative to the folder of the specification."""
     text = os.fsdecode(name)
     try:
         content = regular_file_start(folder / text, most + 1)

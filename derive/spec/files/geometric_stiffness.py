@@ -46,7 +46,7 @@ def geometric_stiffness(
 
 
 def without_modes(arrays: Mapping[str, Array | None], faults: Faults) -> None:
-    """Faults of arrays whose modes are not there."""
+    """Add faults of arrays that need modes where there are none."""
     for name in (*LOADS, "K0F"):
         if name in arrays:
             with faults.at(*NODES, name):
@@ -58,7 +58,7 @@ def _dense(array: Array) -> NDArray[Any]:
 
 
 def _node_numbers(array: Array, nodes: int) -> NDArray[np.int64]:
-    """The numbers of nodes, each once."""
+    """The numbers of nodes, without repetitions."""
     numbers = _dense(array).reshape(-1).astype(np.int64)
     if np.any(numbers < 0) or np.any(numbers >= nodes):
         wrong = int(numbers[(numbers < 0) | (numbers >= nodes)][0])
@@ -69,7 +69,7 @@ def _node_numbers(array: Array, nodes: int) -> NDArray[np.int64]:
 
 
 def _matrices(array: Array, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Matrices that are symmetric in the modes; a matrix of two indices has them below each other."""
+    """The matrices in an array, made symmetric in the modes; in an array with two indices they are stacked by rows."""
     stacked = (int(np.prod(shape[:-1])), shape[-1])
     if array.shape not in (shape, stacked):
         raise WrongValueError(f"the shape is {array.shape}, and {shape} or {stacked} is needed, of {shape[-1]} modes")

@@ -1,4 +1,4 @@
-"""Matrices of a body of nodes: of the right size, symmetric, and of a mass the part that is the same for x, y and z."""
+"""Checks of matrices of a body of nodes: size, symmetry, and equality of the mass along x, y and z."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from derive.spec.files.node_files import Array
 from derive.spec.parsing.values import WrongValueError
 
 NEARLY = 1e-10
-"""What differs by less than this share of the largest entry is rounding."""
+"""The largest difference that counts as rounding, relative to the largest entry."""
 
 
 class Entries(NamedTuple):
-    """The entries of a matrix whose size is yet to be found."""
+    """The entries of a matrix whose size is to be determined."""
 
     row: NDArray[np.int64]
     col: NDArray[np.int64]
@@ -24,7 +24,7 @@ class Entries(NamedTuple):
 
 
 def misfit(shape: tuple[int, ...], n: int, *fits: str) -> WrongValueError:
-    """Both shapes, and those that would fit."""
+    """The error of an array with a shape that does not fit; `fits` are the admissible ones."""
     wanted = " or ".join([", ".join(fits[:-1]), fits[-1]] if fits[1:] else fits)
     return WrongValueError(f"the shape is {shape}, and that of `positions` ({n}, 3): {wanted} is needed")
 
@@ -48,7 +48,7 @@ def square(array: Array, sizes: tuple[int, ...], n: int, *fits: str) -> csr_arra
 
 
 def _completed(matrix: csr_array) -> csr_array:
-    """A symmetric matrix of which perhaps one triangle is given."""
+    """A full symmetric matrix from one that may have a single triangle."""
     if not _is_triangle(matrix):
         return matrix
     return csr_array(matrix + matrix.T - diags_array(matrix.diagonal()))
@@ -61,7 +61,7 @@ def _is_triangle(matrix: csr_array) -> bool:
 
 
 def symmetric(matrix: csr_array) -> csr_array:
-    """A matrix without the rounding that keeps it from being symmetric."""
+    """The symmetric part of a matrix. Raises WrongValueError if its asymmetry is larger than rounding."""
     gap = coo_array(abs(matrix - matrix.T))
     largest = float(abs(matrix).max())
     if gap.nnz and gap.data.max() > NEARLY * largest:
@@ -80,7 +80,7 @@ def symmetric(matrix: csr_array) -> csr_array:
 
 
 def of_nodes(matrix: csr_array) -> csr_array:
-    """m of a matrix m (x) I3."""
+    """The matrix m of a mass matrix m (x) I3."""
     entries = coo_array(matrix)
     n = matrix.shape[0] // 3
     limit = NEARLY * float(np.abs(entries.data).max(initial=0))

@@ -29,7 +29,7 @@ _KINDS = {"c": "complex numbers", "b": "true and false", "O": "Python objects", 
 
 @dataclass(frozen=True)
 class CheckedNodes:
-    """The data in SI units, None if anything is wrong with them; and how many nodes and modes there are, if known."""
+    """The data in SI units, None if they are faulty, and the numbers of nodes and modes, if they are known."""
 
     data: NodeData | None
     nodes: int | None
@@ -38,7 +38,7 @@ class CheckedNodes:
 
 
 def node_data(read: FoundArrays, units: Units) -> CheckedNodes:
-    """The arrays that were read, checked."""
+    """Check the arrays that were read, and convert them to SI units."""
     faults = Faults()
     arrays = {key: _checked(faults, key, array, _numbers, key) for key, array in read.arrays.items()}
     for key in SPARSE:
@@ -80,7 +80,7 @@ def node_data(read: FoundArrays, units: Units) -> CheckedNodes:
 def _checked(
     faults: Faults, key: str, array: Array | None, check: Callable[..., Result], *arguments: object
 ) -> Result | None:
-    """What a check makes of an array; None if there is none, or if something is wrong with it."""
+    """The result of a check of an array; None if there is no array, or if it is faulty."""
     if array is not None:
         with faults.at(*NODES, key):
             return check(array, *arguments)
@@ -88,7 +88,7 @@ def _checked(
 
 
 def _numbers(array: Array, key: str) -> Array:
-    """Finite real numbers, or the indices of rows, columns and nodes."""
+    """Return an array of finite real numbers, or of the indices of rows, columns and nodes, after checks."""
     kind = array.dtype.kind
     if kind not in "iuf":
         raise WrongValueError(f"this holds {_KINDS.get(kind, 'no numbers')}; real numbers are needed")
@@ -111,7 +111,7 @@ def _numbers(array: Array, key: str) -> Array:
 
 
 def _gather(key: str, arrays: dict[str, Array | None], faults: Faults) -> None:
-    """The matrix that is given as rows, columns and values of its entries, if it is."""
+    """Assemble a matrix that is given as rows, columns and values of its entries, if it is."""
     names = [f"{key}_{part}" for part in PARTS]
     given = [name for name in names if name in arrays]
     if not given:
@@ -174,7 +174,7 @@ def _mass(array: Array, n: int) -> csr_array:
 
 
 def _vector(array: Array, n: int) -> NDArray[np.float64]:
-    """One mass per node, or three that are the same."""
+    """The mass matrix from one mass per node, or from three equal ones."""
     size = int(np.prod(array.shape, dtype=object))
     if size not in (n, 3 * n):
         raise misfit(array.shape, n, f"({n},)", f"({3 * n},)", f"({n}, {n})", f"({3 * n}, {3 * n})")
@@ -197,7 +197,7 @@ def _stiffness(array: Array, n: int) -> csr_array:
 
 
 def _modes(array: Array, n: int) -> NDArray[np.float64]:
-    """Modes (N, nodes, 3), from that or from columns."""
+    """The modes (N, nodes, 3), from an array of that shape or from columns."""
     if array.ndim == 3 and array.shape[1:] == (n, 3) and array.shape[0]:
         return _dense(array)
     if array.ndim == 2 and array.shape[0] == 3 * n and array.shape[1]:
@@ -222,5 +222,5 @@ def _modal_stiffness(array: Array, count: int) -> NDArray[np.float64]:
 
 
 def _scaled(array: Any, unit: Fraction) -> Any:
-    """Numbers in SI units; a division is rounded once where a product with 0.001 would be twice."""
+    """Numbers converted to SI units; a division is rounded once, where a product with 0.001 would be rounded twice."""
     return array if unit == 1 else array * float(unit.numerator) / float(unit.denominator)

@@ -45,12 +45,12 @@ class FoundArrays:
 
     @property
     def complete(self) -> bool:
-        """Whether what is not among the arrays is really missing."""
+        """Whether an array that is not among `arrays` is missing in the data, and not merely unreadable."""
         return bool(self.arrays) or not self.faults
 
 
 def read_nodes(nodes: object, folder: Path) -> FoundArrays:
-    """The arrays of a .npz file, of a table of MatrixMarket files, or, in Python, as they are given."""
+    """The arrays of a .npz file, of a table of MatrixMarket files, or of arrays that are given in Python."""
     if isinstance(nodes, NodeData):
         given = {f.name: getattr(nodes, f.name) for f in fields(nodes) if f.name in FILES}
         return FoundArrays({key: array for key, array in given.items() if array is not None}, nodes.sha256, Faults())
@@ -67,7 +67,7 @@ _SMALLER = ", the most that is read; store matrices as the entries that are not 
 
 
 def _archive(name: str | os.PathLike[str], folder: Path) -> FoundArrays:
-    """What a .npz file holds."""
+    """The arrays in a .npz file."""
     faults = Faults()
     arrays: dict[str, Array | None] = {}
     content = b""
@@ -110,7 +110,7 @@ DAMAGED = (
     *(ValueError, TypeError, LookupError, AttributeError, OverflowError, MemoryError),
     *(SyntaxError, RecursionError, tokenize.TokenError),
 )
-"""What NumPy raises where the header of an array, a text in the syntax of Python, is damaged."""
+"""The errors that NumPy raises where the header of an array, a text in Python syntax, is damaged."""
 
 
 def _member(file: Mapping[str, Array], key: str) -> Array:
@@ -126,7 +126,7 @@ def _member(file: Mapping[str, Array], key: str) -> Array:
 
 
 def _table(nodes: Mapping[object, object], folder: Path) -> FoundArrays:
-    """What MatrixMarket files hold, and arrays that are given in Python."""
+    """The arrays in MatrixMarket files, and arrays that are given in Python."""
     faults = Faults()
     arrays: dict[str, Array | None] = {}
     digest = hashlib.sha256()
@@ -157,7 +157,7 @@ def _is_array(value: object) -> bool:
 
 
 def _add(digest: Any, array: Array) -> None:
-    """An array of Python in the digest."""
+    """Add an array that is given in Python to the digest."""
     if scipy.sparse.issparse(array):
         entries = scipy.sparse.coo_array(array)
         parts = (*(index.astype("<i8") for index in entries.coords), entries.data)

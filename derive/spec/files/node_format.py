@@ -1,4 +1,4 @@
-"""The arrays of a body of nodes and the units that they may be in; beyond the files, all is in SI units."""
+"""The arrays of a body of nodes and the units of their files; all other modules use SI units."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ TIMES = {"s": Fraction(1), "ms": Fraction(1, 1000)}
 
 
 class Units(NamedTuple):
-    """What one unit of a file is in SI units, exactly."""
+    """The units of a file in SI units, exactly."""
 
     length: Fraction = Fraction(1)
     mass: Fraction = Fraction(1)
@@ -40,7 +40,7 @@ class Units(NamedTuple):
 
     @property
     def stiffness(self) -> Fraction:
-        """Mass per time squared: of millimetres, tonnes and seconds it is N/mm."""
+        """The unit of stiffness, mass per time squared: N/mm for millimetres, tonnes and seconds."""
         return self.mass / self.time**2
 
     @property

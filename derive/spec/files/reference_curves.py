@@ -15,16 +15,16 @@ from derive.spec.parsing.values import WrongValueError
 
 MAX_BYTES = 5_000_000
 LARGEST = 1e60
-"""The largest size of a number, as of those in a specification: products of larger ones are no doubles."""
+"""The largest absolute value of a number, as in a specification: products of larger ones overflow doubles."""
 _NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
 _NEARLY_A_NUMBER = re.compile(r"[-+.,_eE0-9]{1,24}|[-+]?(nan|inf|infinity)", re.IGNORECASE)
-"""Cells that a message shows. A reference may be any file, and one that holds no curve must not appear in messages."""
+"""A pattern of cells that messages may show: a reference may be any file, whose text must not appear in messages."""
 
 Rows = tuple[tuple[float, float], ...]
 
 
 def references(data: Mapping[str, object], folder: Path, known: Mapping[str, Rows]) -> tuple[dict[str, Rows], Faults]:
-    """The numbers of the plots that have a reference, and what is wrong with their files.
+    """The curves of the plots that have a reference, and the faults of their files.
 
     Files are relative to `folder`; those of plots whose numbers are `known` are not read.
     """
@@ -42,7 +42,7 @@ def references(data: Mapping[str, object], folder: Path, known: Mapping[str, Row
 
 
 def curve(table: Mapping[str, object], folder: Path, path: KeyPath, faults: Faults) -> Rows | None:
-    """The columns `x` and `y` of the `file` that a table at `path` names; None with faults, or if a key is missing."""
+    """The columns `x` and `y` of the `file` of a table at `path`; None with faults, or if a key is missing."""
     file, columns = table.get("file"), [table.get(key) for key in ("x", "y")]
     if not isinstance(file, str) or not file:
         return None
@@ -62,7 +62,7 @@ def curve(table: Mapping[str, object], folder: Path, path: KeyPath, faults: Faul
 
 
 def _table(content: bytes, file: str) -> list[tuple[int, list[str]]]:
-    """The rows of a file with their lines, the header first, without comments and empty lines."""
+    """The rows of a file with their line numbers, the header first, without comments and empty lines."""
     try:
         lines = content.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError:
@@ -79,7 +79,7 @@ def _table(content: bytes, file: str) -> list[tuple[int, list[str]]]:
 
 
 def _column(name: str, table: list[tuple[int, list[str]]], file: str) -> int:
-    """The position of a column. The names of the others are shown only if the file holds curves."""
+    """The position of a column. Names of other columns are shown only if the file contains curves."""
     header = table[0][1]
     if header.count(name) > 1:
         raise WrongValueError(f"{file} has more than one column {quoted(name)}; rename one of them")

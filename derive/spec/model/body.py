@@ -17,15 +17,15 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 Polynomial = tuple[Fraction, ...]
-"""Coefficients of 1, xi, xi^2, ...; no trailing zeros."""
+"""A polynomial as its coefficients of 1, xi, xi^2, ... without trailing zeros."""
 
 FrameKind = Literal["mean", "point", "chord", "tangent", "given"]
 Ends = Literal["pinned", "free"]
-"""What shapes fulfil at both ends of a beam, besides the conditions of the frame: v'' = 0, or v'' = v''' = 0."""
+"""The conditions on shapes at both ends of a beam, besides those of the frame: v'' = 0, or v'' = v''' = 0."""
 
 
 class DisplacementOrder(Enum):
-    """How displacements due to deformation depend on the amplitudes.
+    """The order in which displacements due to deformation depend on the amplitudes.
 
     FIRST_ORDER: linearly, as in the paper. At second order a beam shortens as it bends: TRUNCATED keeps the kinetic and
     potential energy through second order in the amplitudes, FULL keeps all that the displacement field yields.
@@ -43,12 +43,12 @@ DEFAULT_LENGTH = Parameter("l", "m", 1.0)
 DEFAULT_BENDING_STIFFNESS = Parameter("EI", "N m^2", 1.0)
 BEAM_QUANTITIES = {"mass": DEFAULT_MASS, "length": DEFAULT_LENGTH, "bending_stiffness": DEFAULT_BENDING_STIFFNESS}
 """The defaults of the physical constants of a beam, by their keys."""
-"""The free beam of the paper, (21)-(27): what a beam is for the keys that a specification leaves out."""
+"""The free beam of the paper, (21)-(27): defaults for the keys that a specification leaves out."""
 
 
 @dataclass(frozen=True)
 class Frame:
-    """How rigid motion is kept out of the displacements due to deformation: conditions (16) or (17), (19).
+    """The conditions that remove rigid motion from the displacements due to deformation: (16) or (17), (19).
 
     `mean`: no mean displacement and no mean rotation; `point`: no displacement and no slope at `at`;
     `chord`: no displacement at either end; `tangent`: no displacement and no slope at the end `at`;
@@ -81,8 +81,11 @@ FAMILY_FRAMES: dict[FamilyKind, Frame] = {
 
 @dataclass(frozen=True)
 class AssumedDeflection:
-    """What the shape functions of a beam follow from: polynomials, and the conditions of the frame and of the ends; or
-    a family, whose shapes have to fulfil the conditions of the frame."""
+    """The assumed deflection of a beam, which determines its shape functions.
+
+    It is an ansatz of polynomials with the conditions of the frame and of the ends, or a family of shapes, which have
+    to fulfil the conditions of the frame.
+    """
 
     ansatz: tuple[Polynomial, ...] | ShapeFamily
     frame: Frame
@@ -92,7 +95,7 @@ class AssumedDeflection:
 
 @dataclass(frozen=True)
 class AxialDeformation:
-    """How a beam stretches: the ansatz of its displacement along the axis, EA (N), and the force in it at rest (N).
+    """The stretching of a beam: ansatz of the axial displacement, EA (N), and axial force at rest (N).
 
     `preload` is the axial force, positive in tension, that the beam of the given length carries when it is straight.
     """
@@ -141,7 +144,7 @@ class BeamDamping:
 class PlanarBeam:
     """A uniform slender free beam that moves in a plane: the example of the paper, (21)-(27).
 
-    `gravity` is the acceleration of free fall in the inertial base, m/s^2. `start`, `simulation` and `plots` are for
+    `gravity` is the acceleration of free fall in the inertial frame, m/s^2. `start`, `simulation` and `plots` are for
     the simulation of the beam alone. The conditions of `frame` are on the beam without its `masses`. Without `axial`
     the beam does not stretch.
     """
@@ -166,17 +169,17 @@ class PlanarBeam:
 
     @property
     def deflection(self) -> AssumedDeflection:
-        """What its shape functions follow from."""
+        """The assumed deflection, from which the shape functions follow."""
         return AssumedDeflection(self.ansatz, self.frame, self.orthogonal, self.ends)
 
     @property
     def body_name(self) -> str:
-        """Its name as the only body of the scene as which it is simulated alone: another than that of the scene."""
+        """The name of the only body when the beam is simulated alone as a scene; it differs from that of the scene."""
         return "beam" if self.name.lower() != "beam" else "rod"
 
 
 Gravity = tuple[Quantity, Quantity, Quantity]
-"""The acceleration of free fall in the inertial base, m/s^2; each component a parameter or a number."""
+"""The acceleration of free fall in the inertial frame, m/s^2; each component a parameter or a number."""
 
 Lowering = Literal["auto", "flat", "table"]
 BodyFrameKind = Literal["mean", "point", "given"]
@@ -216,7 +219,7 @@ class NodeData:
 
 @dataclass(frozen=True)
 class BodyFrame:
-    """How rigid motion is kept out of the modes of a body in space.
+    """The conditions that remove rigid motion from the modes of a body in space.
 
     `mean`: conditions (17) and (19); `point`: no displacement of node `node`, and no mean rotation of it and its
     nearest neighbours `around`; `given`: modes as they stand, refused if they hold a rigid motion.

@@ -33,7 +33,7 @@ class Force:
 
     @property
     def markers(self) -> tuple[MarkerRef]:
-        """The marker it acts at."""
+        """The marker at which the force acts."""
         return (self.at,)
 
 
@@ -49,19 +49,19 @@ class Torque:
 
     @property
     def markers(self) -> tuple[MarkerRef, ...]:
-        """The marker it acts at, and that of its reaction, if there is one."""
+        """The marker at which the torque acts, and the marker of its reaction, if there is one."""
         return (self.at,) if self.against is None else (self.at, self.against)
 
 
 class _BetweenMarkers:
-    """What acts between two markers."""
+    """The base class of elements that act between two markers."""
 
     first: MarkerRef
     second: MarkerRef
 
     @property
     def markers(self) -> tuple[MarkerRef, MarkerRef]:
-        """Its two ends."""
+        """The two markers between which the element acts."""
         return (self.first, self.second)
 
 
@@ -114,7 +114,7 @@ class Bushing(_BetweenMarkers):
 class CustomForce:
     """A force, torque or spring of a kind that is registered from outside the package.
 
-    `markers` are those that it acts at; `values` are those of the keys of the kind.
+    `markers` are the markers at which it acts; `values` are the values of the keys of the kind.
     """
 
     name: str

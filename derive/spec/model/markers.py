@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from derive.spec.model.quantity import Quantity
 
 GROUND = "ground"
-"""The name under which joints and forces speak of the inertial base."""
+"""The name by which joints and forces refer to the inertial frame."""
 
 
 @dataclass(frozen=True)
 class PointMarker:
-    """A named material point of a rigid body or of the ground, with its coordinates in the base of that body."""
+    """A named material point of a rigid body or of the ground, with its coordinates in the frame of that body."""
 
     name: str
     x: Quantity

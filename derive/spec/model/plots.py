@@ -36,7 +36,7 @@ class ReferenceCurve:
 
 @dataclass(frozen=True)
 class Plot:
-    """A picture that `simulate` draws: a deflection over the time, or over the motion of the drive `over`; or columns.
+    """A plot that `simulate` draws: a deflection over the time or over the motion of the drive `over`, or columns.
 
     `pieces` repeats it with the beam body `cut` cut into so many pieces each.
     """

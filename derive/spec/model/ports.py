@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 class SceneOutput:
     """A quantity that is computed from the state, such as the position of a marker or the reaction of a joint.
 
-    `kind` is a name of the registry of outputs; `values` are those of the keys of the kind.
+    `kind` is a name of the registry of outputs; `values` are the values of the keys of the kind.
     """
 
     name: str

@@ -27,7 +27,7 @@ NAMED = {
     "inputs": "input",
     "outputs": "output",
 }
-"""The tables of a scene whose elements have names, and what one element is called."""
+"""The sections of a scene whose elements have names, with the noun for one element."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class SceneInput:
 
 SceneStart = Literal["equilibrium"]
 EQUILIBRIUM: SceneStart = "equilibrium"
-"""The initial state of a scene is its static equilibrium."""
+"""The value of `start` for which the initial state of a scene is its static equilibrium."""
 
 
 @dataclass(frozen=True)
@@ -62,17 +62,17 @@ class JointInitialValues:
 
     @property
     def coordinate(self) -> float | None:
-        """The angle or the displacement."""
+        """The given angle or displacement."""
         return self.displacement if self.angle is None else self.angle
 
 
 @dataclass(frozen=True)
 class RigidBody:
-    """A rigid body in the plane. Its base has its origin where the markers' coordinates count from.
+    """A rigid body in the plane. The coordinates of its markers count from the origin of its frame.
 
-    `inertia` is about the centre of mass, which lies at `centre` in the base of the body. A body whose motion is
+    `inertia` is about the centre of mass, which lies at `centre` in the frame of the body. A body whose motion is
     prescribed needs neither mass nor inertia (None). With `keep_coordinates` it has three coordinates however it is
-    held, so that its joints and drives are constraints and their multipliers are the constraint reactions.
+    constrained, so that its joints and drives are constraints and their multipliers are the constraint reactions.
     """
 
     name: str
@@ -116,7 +116,7 @@ class BeamBody:
 
     @property
     def markers(self) -> tuple[Marker, ...]:
-        """Those of the whole rod."""
+        """The markers of the whole rod."""
         return self.beam.markers
 
 
@@ -173,7 +173,7 @@ class Drive:
 
     @property
     def constant_speed(self) -> Quantity | None:
-        """The speed where it is a number or a parameter; None where a function of t is given."""
+        """The speed if it is a number or a parameter; None for a function of t."""
         return None if isinstance(self.speed, TimeFunction) else self.speed
 
 
@@ -201,10 +201,10 @@ class Scene:
 
 
 Specification = PlanarBeam | NodalBody | SymbolicBody | Scene
-"""What `read` returns and `derive` takes: a body alone, or a scene of bodies."""
+"""The types that `read` returns and `derive` takes: a body alone, or a scene of bodies."""
 
 
 def check_specification(spec: object) -> None:
-    """Raise TypeError if this is no specification, such as the path of one."""
+    """Raise TypeError if the argument is not a specification, for example the path of a file."""
     if not isinstance(spec, Specification):
         raise TypeError(f"a specification is needed, not {type(spec).__name__}; read a file with derive.read(...)")

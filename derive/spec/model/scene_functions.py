@@ -1,4 +1,4 @@
-"""The functions of time of a scene: all of them, their parameters, and the times at which they break."""
+"""The functions of time of a scene, their parameters, and the times at which they jump."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FunctionPath = tuple[str, str, str]
 
 
 def time_functions(scene: Scene) -> Iterator[tuple[FunctionPath, TimeFunction]]:
-    """The functions of time in the equations of a scene, and where they are written."""
+    """The functions of time in the equations of a scene, with their section, element and key."""
     for body in scene.bodies:
         for load in body.loads if isinstance(body, BeamBody) else ():
             yield ("bodies", body.name, f"loads.{load.name}.time"), load.time
@@ -31,7 +31,7 @@ def time_functions(scene: Scene) -> Iterator[tuple[FunctionPath, TimeFunction]]:
 
 
 def with_changed_functions(scene: Scene, change: Callable[[TimeFunction], TimeFunction]) -> Scene:
-    """A scene with other functions of time in its equations: each is what `change` makes of it."""
+    """A scene whose functions of time in its equations are replaced by the results of `change`."""
 
     def changed(value: Any) -> Any:
         if isinstance(value, TimeFunction):
@@ -49,7 +49,7 @@ def with_changed_functions(scene: Scene, change: Callable[[TimeFunction], TimeFu
 
 
 def input_functions(scene: Scene) -> Iterator[tuple[FunctionPath, TimeFunction]]:
-    """The functions that run-time inputs are in simulations; the generated code does not have them."""
+    """The functions that define run-time inputs in simulations; the generated code does not contain them."""
     for given in scene.inputs:
         if given.function is not None:
             yield ("inputs", given.name, "value"), given.function

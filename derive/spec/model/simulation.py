@@ -1,4 +1,4 @@
-"""What is simulated: duration, rows and accuracy; initial values of planar bodies, and of bodies in space."""
+"""The settings of a simulation, and the initial values of planar bodies and of bodies in space."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from fractions import Fraction
 
 @dataclass(frozen=True)
 class Simulation:
-    """How long, how often the state is written, and how exactly; `until` is a condition that ends it before."""
+    """The duration, output and accuracy of a simulation; `until` is a condition that ends it earlier."""
 
     duration: float
     output: float
@@ -36,7 +36,7 @@ class InitialValues:
 
 
 NOT_GIVEN = InitialValues()
-"""No initial values."""
+"""The default of initial values: none are given."""
 
 
 @dataclass(frozen=True)
@@ -57,4 +57,4 @@ class SpatialStart:
 
 
 AT_REST = SpatialStart()
-"""At the origin, not rotated, at rest, not deformed."""
+"""The default initial state: at the origin, not rotated, at rest, not deformed."""

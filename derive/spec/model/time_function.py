@@ -1,4 +1,4 @@
-"""Functions of the time t as data: expressions, piecewise functions, steps, and tables of values; and their numbers."""
+"""Functions of the time t as data: expressions, piecewise functions, steps and tables; and their evaluation."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Spline:
         return len(self.coefficients[0]) - 1
 
     def __call__(self, x: float, order: int = 0) -> float:
-        """The value at x, or the derivative of an order."""
+        """Return the value at x, or the derivative of the given order."""
         if order and not self.knots[0] <= x < self.knots[-1]:
             return 0.0
         x = min(max(x, self.knots[0]), self.knots[-1])
@@ -48,7 +48,7 @@ class Spline:
 
 
 def _polynomial(c: tuple[float, ...], d: float, order: int) -> float:
-    """The value or a derivative, with the operations of the generated code in their order."""
+    """The value or a derivative of a polynomial, with the operations of the generated code in their order."""
     value = 0.0
     for j in range(len(c) - 1, order - 1, -1):
         value = math.perm(j, order) * c[j] + d * value
@@ -100,7 +100,7 @@ OPERATIONS: Mapping[str, Callable[..., float]] = {
     "step": smooth_step,
     "less": lambda a, b: float(a < b),
 }
-"""What each kind computes from the numbers of its operands; piecewise functions compute only what they need."""
+"""The evaluation of each kind from the values of its operands; piecewise functions evaluate only what they need."""
 
 
 def value_at(function: TimeFunction, t: float, parameters: Mapping[str, float] | None = None) -> float:
@@ -152,15 +152,15 @@ def function_at(function: TimeFunction, t: float) -> TimeFunction:
 
 
 SAMPLES = 4096
-"""The parts of a simulation at whose ends operands that are not linear in t are compared."""
+"""The number of parts of a simulation at whose ends operands that are not linear in t are compared."""
 
 
 def break_times(function: TimeFunction, end: float, parameters: Mapping[str, float] | None = None) -> Iterator[float]:
     """The times at which a function or one of its first three derivatives jumps, as far as they are known.
 
     These are the conditions of piecewise functions, both ends of steps and tables, and where the operand of abs or the
-    difference of those of min and max changes its sign. Where operands are linear in t all times are found; where they
-    are not, those from 0 to `end` (s) between which some of SAMPLES + 1 equally spaced times lie.
+    difference of those of min and max changes its sign. Where operands are linear in t all times are computed; where
+    they are not, those from 0 to `end` (s) between which some of SAMPLES + 1 equally spaced times lie.
     """
     zero = TimeFunction("number")
     for part in parts(function):
@@ -184,7 +184,7 @@ def break_times(function: TimeFunction, end: float, parameters: Mapping[str, flo
 
 
 def _operands(function: TimeFunction) -> list[TimeFunction]:
-    """The operands of min or max, with those of its operands of the same kind."""
+    """The operands of min or max, where operands of the same kind are replaced by their own operands."""
     return [operand for arg in function.args for operand in (_operands(arg) if arg.kind == function.kind else [arg])]
 
 

@@ -1,1 +1,1 @@
-"""Single values of a specification: names, numbers, polynomials, functions of time, and the faults found in them."""
+"""Single values of a specification: names, numbers, polynomials, functions of time, and their faults."""

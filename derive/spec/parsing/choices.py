@@ -31,35 +31,35 @@ def choice(value: object, options: tuple[_Text, ...], noun: str) -> _Text:
 
 
 def frame_kind(value: object) -> FrameKind:
-    """One of the kinds of frames of a beam."""
+    """The kind of the frame of a beam."""
     return choice(value, FRAME_KINDS, "the frame")
 
 
 def ends(value: object) -> Ends:
-    """What shapes fulfil at the ends of a beam."""
+    """The conditions on shapes at the ends of a beam."""
     return choice(value, ENDS, "`ends`")
 
 
 def family_kind(value: object) -> FamilyKind:
-    """One of the families of shape functions."""
+    """The family of shape functions."""
     return choice(value, FAMILY_KINDS, "the family")
 
 
 def second_order_terms(value: object) -> str:
-    """Which terms a beam of order 2 keeps."""
+    """The terms that a beam of order 2 keeps."""
     return choice(value, SECOND_ORDER_TERMS, "terms")
 
 
 def body_frame_kind(value: object) -> BodyFrameKind:
-    """One of the kinds of frames of a body of nodes."""
+    """The kind of the frame of a body of nodes."""
     return choice(value, BODY_FRAME_KINDS, "the frame")
 
 
 def symbolic_frame(value: object) -> SymbolicFrame:
-    """One of the frames of a body that is all parameters."""
+    """The kind of the frame of a body whose constants are all parameters."""
     return choice(value, SYMBOLIC_FRAMES, "the frame of a symbolic body")
 
 
 def lowering(value: object) -> Lowering:
-    """How the integrals become code."""
+    """The lowering that is specified, such as flat or table."""
     return choice(value, LOWERINGS, "the lowering")

@@ -1,4 +1,4 @@
-"""Conditions on the columns of a trajectory, such as "rod_phi > pi/2", read by a parser that knows nothing else."""
+"""Conditions on the columns of a trajectory, such as "rod_phi > pi/2", read by a parser that accepts nothing else."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
 class Condition:
     """A comparison of two expressions of columns: `text` as it is written, `names` those of its columns.
 
-    value: of a row; the condition holds where it is positive, or, with `crossing`, where it changes its sign.
+    value: the value for a row; the condition holds where it is positive, or, with `crossing`, where its sign changes.
     """
 
     text: str

@@ -17,18 +17,18 @@ KeyPath = tuple[str | int, ...]
 
 
 class Fault(NamedTuple):
-    """What is wrong at a path of the data; the empty path is the whole of it."""
+    """A fault in the data, with its path; the empty path refers to the data as a whole."""
 
     path: KeyPath
     message: str
 
 
 class Faults(list[Fault]):
-    """The faults so far."""
+    """The list of faults collected so far."""
 
     @contextmanager
     def at(self, *path: str | int) -> Iterator[None]:
-        """What is wrong within becomes a fault at the path, and the search goes on behind it."""
+        """Collect a fault that is raised in the context at a path, and continue behind the context."""
         try:
             yield
         except WrongValueError as error:
@@ -64,19 +64,19 @@ def line_of(path: KeyPath, lines: Mapping[KeyPath, int]) -> int | None:
 
 
 def unknown_key(key: str, known: Iterable[str]) -> str:
-    """The message on an unknown key; `known` are the keys that are allowed there."""
+    """The message on an unknown key; `known` are the keys that are allowed in its table."""
     keys = list(known)
     return "unknown key" + similar_key(key, keys, f"the keys here are {', '.join(keys)}")
 
 
 def similar_key(key: str, known: Collection[str], otherwise: str) -> str:
-    """The end of a sentence on an unknown key, as `did_you_mean`: also keys that others call by this word."""
+    """The hint on an unknown key, like `did_you_mean`, which also knows other words for keys."""
     meant = meant_key(key, known)
     return did_you_mean(key, known, otherwise) if meant is None else f"; did you mean {quoted(meant)}?"
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """The end of a sentence on an unknown name: one or two known names that resemble it, or `otherwise`, if given."""
+    """The hint on an unknown name: one or two known names that resemble it, or `otherwise`, if given."""
     lower = {name_known.lower(): name_known for name_known in known}
     asked = name[:40].lower()
     near = difflib.get_close_matches(asked, lower, n=2)

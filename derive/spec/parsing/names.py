@@ -1,4 +1,4 @@
-"""Which names a specification may use: those that are valid in C, C++, Python and file names."""
+"""The names that a specification may use: they are valid in C, C++, Python and file names."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _RESERVED = {
 
 
 def name_problem(text: str) -> str | None:
-    """Why `text` cannot be a name in the generated code, and what could be; None if it can."""
+    """The reason why `text` cannot be a name in the generated code, with an alternative; None if it can."""
     why = _why_not(text)
     return why and f"{quoted(text)} cannot be a name: {why}; {_suggestion(text)}"
 

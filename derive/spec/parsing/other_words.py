@@ -1,4 +1,4 @@
-"""What engineers and other programs call the keys of a specification: hints for keys that are unknown."""
+"""Other words, of engineers and other programs, for the keys of a specification: hints on unknown keys."""
 
 from __future__ import annotations
 
@@ -51,9 +51,9 @@ OTHER_WORDS = {
     "default": "value initial",
     "file": "path data csv",
 }
-"""For each key other words for it, in lower case; of two keys of a table with one such word the first counts."""
+"""Other words for each key, in lower case; of two keys of a table with the same word the first counts."""
 
 
 def meant_key(word: str, known: Collection[str]) -> str | None:
-    """The key that is called `word` elsewhere; None if there is none among those that are known."""
+    """The known key for which `word` is another word; None if there is none."""
     return next((key for key, words in OTHER_WORDS.items() if key in known and word.lower() in words.split()), None)

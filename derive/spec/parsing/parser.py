@@ -1,4 +1,4 @@
-"""A recursive descent that expressions of a specification share; subclasses define their values.
+"""A recursive descent parser for the expressions of a specification; subclasses define their values.
 
     sum     = [sign] product { ("+" | "-") product }
     product = power { "*" factor | "/" factor }
@@ -31,7 +31,7 @@ Value = TypeVar("Value")
 
 
 class ExpressionError(TisserandError, ValueError):
-    """Text that is no expression of its kind; the message states where, and what to write instead."""
+    """A text is not an expression of its kind; the message states where, and what to write instead."""
 
 
 class Token(NamedTuple):
@@ -50,7 +50,7 @@ _TOKEN = re.compile(
 
 
 class Parser(Generic[Value]):
-    """Recursive descent over the tokens of a text; a subclass defines numbers, names and operators."""
+    """A recursive descent parser of the tokens of a text; a subclass defines numbers, names and operators."""
 
     made_of: ClassVar[str]
     names: ClassVar[tuple[str, ...]] = ()
@@ -67,47 +67,47 @@ class Parser(Generic[Value]):
         self.depth = 0
 
     def constant(self, value: Fraction, at: Token) -> Value:
-        """A number."""
+        """Return the value of a number."""
         raise NotImplementedError
 
     def named(self, name: str, at: Token) -> Value:
-        """One of `names`."""
+        """Return the value of one of `names`."""
         raise NotImplementedError
 
     def called(self, function: str, arguments: tuple[Value, ...], at: Token) -> Value:
-        """One of `functions` of its arguments."""
+        """Return the value of one of `functions` with its arguments."""
         raise NotImplementedError
 
     def compared(self, a: Value, b: Value, at: Token) -> Value:
-        """a < b, as an argument of a function."""
+        """Return the comparison a < b, as an argument of a function."""
         raise NotImplementedError
 
     def added(self, a: Value, b: Value, at: Token) -> Value:
-        """a + b."""
+        """Return a + b."""
         raise NotImplementedError
 
     def negative(self, a: Value, at: Token) -> Value:
-        """-a."""
+        """Return -a."""
         raise NotImplementedError
 
     def subtracted(self, a: Value, b: Value, at: Token) -> Value:
-        """a - b."""
+        """Return a - b."""
         return self.added(a, self.negative(b, at), at)
 
     def times(self, a: Value, b: Value, at: Token) -> Value:
-        """a * b."""
+        """Return a * b."""
         raise NotImplementedError
 
     def divided(self, a: Value, b: Value, at: Token, divisor_at: Token) -> Value:
-        """a / b."""
+        """Return a / b."""
         raise NotImplementedError
 
     def raised(self, a: Value, power: int, at: Token) -> Value:
-        """a ^ power."""
+        """Return a ^ power."""
         raise NotImplementedError
 
     def parse(self) -> Value:
-        """The whole text."""
+        """Parse the whole text."""
         result = self._sum()
         if self._next.kind != "end":
             self._unexpected()
@@ -229,7 +229,7 @@ class Parser(Generic[Value]):
         return self.named(token.text, token)
 
     def unknown(self, token: Token, called: bool) -> NoReturn:
-        """A name, or a function if it is `called`, that is not in the list."""
+        """Fail at a name, or at a function if it is `called`, that is unknown."""
         if called and not self.functions:
             self.fail(token, f"{quoted(token.text)} is called here, and there are no functions: {self.made_of}")
         known = self.functions if called else self.names
@@ -240,7 +240,7 @@ class Parser(Generic[Value]):
         self.fail(token, f"the {'function' if called else 'name'} {quoted(token.text)} is unknown{hint}")
 
     def too_large(self, at: Token) -> NoReturn:
-        """A number beyond the digits that are kept."""
+        """Fail at a number with more digits than are kept."""
         self.fail(
             at,
             f"a number is too large, too small or too long: exact numbers have at most {MAX_DIGITS} digits above "
@@ -248,11 +248,11 @@ class Parser(Generic[Value]):
         )
 
     def no_meaning(self, token: Token) -> NoReturn:
-        """A character that expressions of this kind do not have, or not there."""
+        """Fail at a character that has no meaning in expressions of this kind, or not there."""
         self.fail(token, f"{quoted(token.text)} has no meaning here: {self.made_of}")
 
     def fail(self, at: Token, why: str) -> NoReturn:
-        """A fault at a token."""
+        """Raise ExpressionError for a fault at a token."""
         raise ExpressionError(f"column {at.column} of {quoted(self.text, MAX_LENGTH)}: {why}")
 
     @property

@@ -1,4 +1,4 @@
-"""Polynomials in xi, and exact numbers, read from text by a parser that knows nothing else.
+"""Polynomials in xi, and exact numbers, read from text by a parser that accepts nothing else.
 
 Coefficients are exact: 0.1 is 1/10. Only a number may stand after a /.
 """

@@ -1,4 +1,4 @@
-"""The single values of a scene: each function takes what was written and returns what is meant.
+"""The single values of a scene: each function converts a written value to its meaning.
 
 Like those of `values`, they raise WrongValueError with a sentence that states what to write.
 """
@@ -20,7 +20,7 @@ MAX_PIECES = 64
 
 
 def marker_ref(value: object) -> MarkerRef:
-    """A marker of a body or of the ground, written with a dot between."""
+    """A reference to a marker of a body or of the ground, written with a dot between the names."""
     if not isinstance(value, str):
         raise values.WrongValueError(
             f'a body and one of its markers is needed, such as "rod.left" or "ground.bearing", not '
@@ -36,7 +36,7 @@ def marker_ref(value: object) -> MarkerRef:
 
 
 def name_of(value: object) -> str:
-    """The name of something else in the specification; whether there is such a thing is looked at elsewhere."""
+    """The name of another element of the specification; cross-reference checks look whether it exists."""
     if not isinstance(value, str):
         raise values.WrongValueError(
             f'a name in quotation marks is needed, such as "motor", not {values.kind_of(value)}'
@@ -71,14 +71,14 @@ def function(value: object, known: Known | None = None) -> TimeFunction:
 
 
 def _with_parameters(function: TimeFunction, known: Known) -> TimeFunction:
-    """A function whose parameters are those of the scene, where it has them."""
+    """A function of time whose parameters are replaced by those of the scene with the same symbols."""
     if function.parameter is not None:
         return known.names.get(function.parameter.symbol, function)
     return replace(function, args=tuple(_with_parameters(arg, known) for arg in function.args))
 
 
 def piece_count(value: object) -> int:
-    """Into how many beams a rod is cut."""
+    """The number of beams into which a rod is cut."""
     count = values.whole(value)
     if not 1 <= count <= MAX_PIECES:
         raise values.WrongValueError(f"a beam is cut into 1 to {MAX_PIECES} pieces, not {values.shown(count)}")
@@ -86,14 +86,14 @@ def piece_count(value: object) -> int:
 
 
 def axis(value: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
-    """A direction, of any length but zero."""
+    """A direction of any length except zero."""
     if not any(value):
         raise values.WrongValueError("[0, 0] is no direction; write one such as [1, 0]")
     return value
 
 
 def tolerance(value: object) -> float:
-    """How exactly is integrated."""
+    """The tolerance of the integration."""
     exact = values.positive(value)
     if exact >= 1:
         raise values.WrongValueError(f"a tolerance is a small positive number, such as 1e-9, not {exact}")
@@ -101,7 +101,7 @@ def tolerance(value: object) -> float:
 
 
 def until(value: object) -> str:
-    """A condition that ends a simulation; whether its columns exist is looked at when they are known."""
+    """A condition that ends a simulation; whether its columns exist is checked when they are known."""
     if not isinstance(value, str):
         raise values.WrongValueError(
             f'a comparison in quotation marks is needed, such as "rod_phi > pi/2", not {values.kind_of(value)}'

@@ -1,4 +1,4 @@
-"""Functions of the time t, read from text by a parser that knows nothing else.
+"""Functions of the time t, read from text by a parser that accepts nothing else.
 
 They are made of numbers, t, pi, parameters of the scene, + - * / ^ with whole powers, parentheses, and functions: sin,
 cos, sqrt, exp, log, tanh, abs; min, max, atan2; step; piecewise; and the tables of the scene. Numbers are exact, and
@@ -33,12 +33,12 @@ FORMS = {
     "step": "write step(t, 1, 2) for a smooth step from 0 at t = 1 to 1 at t = 2",
     "piecewise": "write piecewise(t < 1, 0, t < 2, t - 1, 1): conditions with their values, then the last value",
 }
-"""How the functions of several operands are written."""
+"""The notation of the functions of several operands."""
 
 
 @dataclass(frozen=True)
 class Known:
-    """What a function of time may refer to: names that stand for functions, such as parameters, and tables."""
+    """The names to which a function of time may refer: names of functions such as parameters, and tables."""
 
     names: Mapping[str, TimeFunction] = field(default_factory=dict)
     splines: Mapping[str, Spline] = field(default_factory=dict)
@@ -55,7 +55,7 @@ def number_function(value: Fraction) -> TimeFunction:
 
 
 def constant_value(function: TimeFunction) -> float | None:
-    """What a function of numbers alone is, in doubles; None if it is none. Raises ArithmeticError, ValueError."""
+    """The value of a function of numbers alone, in doubles; None for others. Raises ArithmeticError, ValueError."""
     if any(part.kind in ("t", "parameter", "input") for part in parts(function)):
         return None
     return value_at(function, 0.0)
@@ -106,7 +106,7 @@ class _Functions(Parser[TimeFunction]):
         return TimeFunction("less", (a, b))
 
     def _piecewise(self, arguments: tuple[TimeFunction, ...], at: Token) -> TimeFunction:
-        """The conditions are t < x, where x increases if it is a number."""
+        """Check and build a piecewise function: conditions are t < x, where the numbers x increase."""
         if len(arguments) < 3 or len(arguments) % 2 == 0:
             self.fail(at, f"a piecewise function has conditions with values, and a last value; {FORMS['piecewise']}")
         conditions = arguments[:-1:2]
@@ -128,7 +128,7 @@ class _Functions(Parser[TimeFunction]):
         return TimeFunction("spline", arguments, spline=self.known.splines[name])
 
     def _ends(self, arguments: tuple[TimeFunction, ...], at: Token) -> None:
-        """Both ends of a step."""
+        """Check both ends of a step."""
         _, first, last = arguments
         if depends_on_time(first) or depends_on_time(last):
             self.fail(at, f"both ends of a step are numbers or parameters; {FORMS['step']}")
@@ -157,7 +157,7 @@ class _Functions(Parser[TimeFunction]):
         return self._made("pow", (a, number_function(Fraction(power))), at)
 
     def _made(self, kind: str, args: tuple[TimeFunction, ...], at: Token) -> TimeFunction:
-        """An operation; a number if all it works on are numbers and the result has few digits."""
+        """The result of an operation: a number if all operands are numbers and the result has few digits."""
         if kind in _EXACT and all(arg.kind == "number" for arg in args):
             exact = _EXACT[kind](*(arg.value for arg in args))
             if fits(exact):
@@ -195,7 +195,7 @@ _AT_ZERO = {"sin": 0, "cos": 1, "exp": 1, "tanh": 0}
 
 
 def _exact_call(function: str, args: tuple[TimeFunction, ...]) -> Fraction | None:
-    """Functions of zero, the logarithm of 1, and roots of squares."""
+    """The exact value of a function of 0, of the logarithm of 1, or of the root of a square; None for others."""
     if len(args) != 1 or args[0].kind != "number":
         return None
     value = args[0].value

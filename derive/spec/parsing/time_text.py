@@ -8,7 +8,7 @@ from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing.time_expression import PI
 
 SUM, PRODUCT, POWER, ATOM = range(4)
-"""How tightly an operation binds its operands."""
+"""The precedence of operations."""
 OPERATORS = {
     "add": (" + ", SUM),
     "sub": (" - ", SUM),
@@ -16,7 +16,7 @@ OPERATORS = {
     "div": ("/", PRODUCT),
     "less": (" < ", SUM),
 }
-"""How the operations of two operands are written, and how tightly they bind."""
+"""The notation of the operations of two operands, with their precedence."""
 
 
 def function_text(function: TimeFunction) -> str:
@@ -25,7 +25,7 @@ def function_text(function: TimeFunction) -> str:
 
 
 def _text(of: TimeFunction) -> tuple[str, int]:
-    """The text of a function, and how tightly its outermost operation binds."""
+    """The text of a function, with the precedence of its outermost operation."""
     match of.kind:
         case "number":
             return _number(of.value)
@@ -49,7 +49,7 @@ def _text(of: TimeFunction) -> tuple[str, int]:
 
 
 def _inside(function: TimeFunction, binds: int) -> str:
-    """An operand, in parentheses if it binds less tightly."""
+    """The text of an operand, in parentheses if its precedence is lower."""
     text, own = _text(function)
     return f"({text})" if own < binds else text
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from derive.errors import TisserandError
 
 Dimension = tuple[int, int, int]
-"""The powers of length, mass and time."""
+"""A dimension: the powers of length, mass and time."""
 
 PREFIXABLE: dict[str, tuple[float, Dimension]] = {
     "m": (1.0, (1, 0, 0)),
@@ -46,7 +46,7 @@ _NO_OPERATOR = ("*", ".", "/", ")", "^", "**", "-", None)
 
 
 class UnknownUnit(TisserandError):
-    """A text that is no unit of this list."""
+    """A text is not a unit that this module knows."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def unit_size(text: str) -> UnitSize:
 
 
 class _Reader:
-    """Recursive descent over the tokens of a unit."""
+    """A recursive descent parser of the tokens of a unit."""
 
     def __init__(self, text: str) -> None:
         self.text = text

@@ -1,4 +1,4 @@
-"""The single values of a specification: each function takes what was written and returns what is meant.
+"""The single values of a specification: each function converts a written value to its meaning.
 
 What cannot be meant raises WrongValueError, with a sentence that states what to write.
 """
@@ -22,7 +22,7 @@ MAX_MODES = 300
 
 
 class WrongValueError(TisserandError, ValueError):
-    """A value that is not what its key needs; the message states what to write instead."""
+    """A value is not valid for its key; the message states what to write instead."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class TomlFloat:
 
 
 def kind_of(value: object) -> str:
-    """What a value is, in words."""
+    """The description of a value by its type."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float, Fraction, TomlFloat)):
@@ -58,7 +58,7 @@ def name(value: object) -> str:
 
 
 def number(value: object) -> Fraction:
-    """An exact number; a float means the shortest decimal that reads as this float."""
+    """An exact number; a float stands for the shortest decimal that reads as this float."""
     if isinstance(value, bool) or not isinstance(value, (int, float, Fraction, TomlFloat, str)):
         raise WrongValueError(f'a number is needed, such as 2, 0.5 or "1/3", not {kind_of(value)}')
     if isinstance(value, str):
@@ -95,7 +95,7 @@ def any_float(value: object) -> float:
 
 
 def not_negative(value: object) -> Fraction:
-    """A number that is zero or more."""
+    """An exact number that is not negative."""
     exact = number(value)
     if exact < 0:
         raise WrongValueError(f"zero or a positive number is needed, not {exact}")
@@ -121,12 +121,12 @@ def whole(value: object) -> int:
 
 
 def shown(count: int) -> str:
-    """A whole number as messages show it."""
+    """A whole number as text in messages."""
     return str(count) if abs(count) < 10**18 else "a very large one"
 
 
 def mode_count(value: object) -> int:
-    """How many modes a body has."""
+    """The number of modes of a body."""
     count = whole(value)
     if count > MAX_MODES:
         raise WrongValueError(f"at most {MAX_MODES} modes are allowed, not {shown(count)}")
@@ -142,14 +142,14 @@ def beam_position(value: object) -> Fraction:
 
 
 def truth(value: object) -> bool:
-    """True or false, and nothing that is merely like it."""
+    """A truth value: true or false, and no other value."""
     if not isinstance(value, bool):
         raise WrongValueError(f"true or false is needed, without quotation marks, not {kind_of(value)}")
     return value
 
 
 def unit(value: object) -> str:
-    """A unit, as comments and reports show it."""
+    """A unit as text for comments and reports."""
     if not isinstance(value, str):
         raise WrongValueError(f'a unit in quotation marks is needed, such as "N m^2", not {kind_of(value)}')
     # A unit ends up in a comment of the generated C, which it must neither end nor open anew.
@@ -187,7 +187,7 @@ def load_polynomial(value: object) -> Polynomial:
 
 
 def digits(p: Polynomial) -> int:
-    """The digits of the common denominator of a polynomial and of its largest numerator over it."""
+    """The number of digits of the common denominator of a polynomial and of its largest numerator over it."""
     denominator = math.lcm(*(c.denominator for c in p))
     return len(str(denominator)) + len(str(max(abs(int(c * denominator)) for c in p)))
 

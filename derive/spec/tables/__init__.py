@@ -1,1 +1,1 @@
-"""The tables of a specification as pydantic models: which keys there are, and what each of them means."""
+"""The tables of a specification as pydantic models: the keys and their meaning."""

@@ -100,7 +100,7 @@ class BeamKeys(ShapeKeys):
 
     @model_validator(mode="after")
     def check_ends(self) -> BeamKeys:
-        """A family fulfils conditions at the ends by itself."""
+        """Refuse `ends` beside a family of shapes, which fulfils conditions at the ends by itself."""
         if self.ends is not None and isinstance(self.ansatz, ShapeFamilyTable):
             raise values.WrongValueError(
                 f"`ends` is for polynomials; {self.ansatz.kind} shapes fulfil conditions of their own; leave it out"
@@ -109,7 +109,7 @@ class BeamKeys(ShapeKeys):
 
     @model_validator(mode="after")
     def check_axial(self) -> BeamKeys:
-        """A preload acts through the strain of second order; the full model knows no second rotation of masses."""
+        """Refuse a preload at first order, and rotary inertia of masses in the full model of a beam that stretches."""
         if self.axial is None:
             return self
         if self.order == 1 and self.axial.preload != 0:
@@ -126,7 +126,7 @@ class BeamKeys(ShapeKeys):
 
     @model_validator(mode="after")
     def check_terms(self) -> BeamKeys:
-        """Only a beam of order 2 has a choice of terms."""
+        """Refuse a choice of terms for a beam of first order."""
         if self.order == 1 and self.terms is not None:
             raise values.WrongValueError(
                 f'terms = "{self.terms}" is for beams of order 2; write order = 2 beside it, or leave it out'
@@ -141,7 +141,7 @@ class BeamKeys(ShapeKeys):
         return DisplacementOrder.FULL if terms == "full" else DisplacementOrder.TRUNCATED
 
     def planar_beam(self, name: str, gravity: tuple[Quantity, Quantity] | None = None) -> PlanarBeam:
-        """The beam as the derivation takes it."""
+        """The model of the beam that the derivation takes."""
         deflection = self.deflection()
         return PlanarBeam(
             name=name,

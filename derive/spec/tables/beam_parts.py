@@ -1,4 +1,4 @@
-"""The tables of what belongs to a beam besides its shape: how it stretches, its damping, and attached masses."""
+"""The tables of the parts of a beam besides its shape: stretching, damping, and attached masses."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MASS_UNITS = {"mass": DEFAULT_MASS.unit, "inertia": "kg m^2"}
 """The constants of an attached mass, with the units of parameters."""
 
 AXIAL_UNITS = {"stiffness": "N", "preload": "N"}
-"""The constants of how a beam stretches, with the units of parameters."""
+"""The constants of the stretching of a beam, with the units of parameters."""
 
 BeamPosition = Annotated[Fraction, PlainValidator(values.beam_position), WithJsonSchema(BEAM_POSITION)]
 
@@ -42,7 +42,7 @@ class AxialTable(TomlTable):
     ] = Fraction(0)
 
     def axial(self) -> AxialDeformation:
-        """The deformation as the derivation takes it."""
+        """The model of the deformation that the derivation takes."""
         stiffness, preload = (quantity(getattr(self, key), unit) for key, unit in AXIAL_UNITS.items())
         return AxialDeformation(self.ansatz, stiffness, preload)
 
@@ -57,6 +57,6 @@ class AttachedMassTable(TomlTable):
     )
 
     def attached_mass(self, name: str) -> AttachedMass:
-        """The mass as the derivation takes it."""
+        """The model of the mass that the derivation takes."""
         mass, inertia = (quantity(getattr(self, key), unit) for key, unit in MASS_UNITS.items())
         return AttachedMass(name, self.at, mass, inertia)

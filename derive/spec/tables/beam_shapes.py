@@ -1,4 +1,4 @@
-"""The keys of a beam that say which shape functions it has: its ansatz, its floating frame, and its ends."""
+"""The keys of a beam that determine its shape functions: its ansatz, its floating frame, and its ends."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from derive.spec.tables.shared import (
 )
 
 BEAM_POSITION = number_schema(minimum=-1, maximum=1)
-"""What an editor accepts for a position xi."""
+"""The JSON schema of a position xi."""
 MAX_SHAPES = 20
 MAX_DIGITS = 800
 
@@ -56,7 +56,7 @@ def _few_shapes(value: object) -> object:
 
 
 def _few_digits(ansatz: tuple[Polynomial, ...]) -> tuple[Polynomial, ...]:
-    # Shapes are found exactly, and their fractions are about as long as those of the whole ansatz together.
+    # Shapes are computed exactly, and their fractions are about as long as those of the whole ansatz together.
     digits = sum(values.digits(shape) for shape in ansatz)
     if digits > MAX_DIGITS:
         raise values.WrongValueError(
@@ -79,7 +79,7 @@ _PLAIN_FRAMES = [kind for kind in choices.FRAME_KINDS if kind != "tangent"]
 
 
 def frame_from(kind: FrameKind, at: Fraction | None) -> Frame:
-    """A frame, if its kind and its place go together; a point is the middle of the beam by default."""
+    """A frame, if its kind and its position go together; a point is the middle of the beam by default."""
     if kind == "point":
         return Frame(kind, Fraction(0) if at is None else at)
     if kind == "tangent":
@@ -94,7 +94,7 @@ def frame_from(kind: FrameKind, at: Fraction | None) -> Frame:
 
 
 def _plain_frame(value: object) -> Frame:
-    """A frame written as text alone."""
+    """A frame that is given by its kind alone."""
     return frame_from(choices.frame_kind(value), None)
 
 
@@ -114,7 +114,7 @@ class FrameTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> FrameTable:
-        """Kind and place have to go together."""
+        """Refuse a kind and a position that do not go together."""
         self.frame()
         return self
 
@@ -131,7 +131,7 @@ FrameInput = Annotated[
 
 
 def _frame(value: Frame | FrameTable | None, ansatz: Ansatz) -> Frame:
-    """The frame that is given, or that for which a family is, or the mean frame."""
+    """The frame that is given; by default that of the family of shapes, or the mean frame for an ansatz."""
     if value is None:
         return FAMILY_FRAMES[ansatz.kind] if isinstance(ansatz, ShapeFamily) else Frame(DEFAULT_FRAME)
     return value.frame() if isinstance(value, FrameTable) else value
@@ -214,7 +214,7 @@ class ShapeKeys(BaseModel):
     ] = None
 
     def deflection(self) -> AssumedDeflection:
-        """What the shape functions follow from."""
+        """The assumed deflection, from which the shape functions follow."""
         ansatz = self.ansatz.family() if isinstance(self.ansatz, ShapeFamilyTable) else self.ansatz
         frame = _frame(self.frame, ansatz)
         orthogonal = frame.kind == "mean" if self.orthogonal is None else self.orthogonal

@@ -113,7 +113,7 @@ class BodyFrameTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> BodyFrameTable:
-        """Kind and nodes have to go together."""
+        """Refuse a kind and nodes that do not go together."""
         self.frame()
         return self
 
@@ -215,16 +215,16 @@ class NodalTable(TomlTable):
     )
 
     def scales(self) -> Units:
-        """The units, however they are written."""
+        """The units, from either notation."""
         units = self.units
         return Units(units.length, units.mass, units.time) if isinstance(units, UnitsTable) else units
 
     def body_frame(self) -> BodyFrame:
-        """The frame, however it is written."""
+        """The frame, from either notation."""
         return self.frame.frame() if isinstance(self.frame, BodyFrameTable) else self.frame
 
     def body(self, name: str, data: NodeData, simulation: Simulation | None, plots: tuple[Plot, ...]) -> NodalBody:
-        """The body as the reduction takes it."""
+        """The model of the body that the reduction takes."""
         frame = self.body_frame()
         by_default = frame.kind == "mean" or data.modes is None
         second_order = data.has_geometric_stiffness and self.order != 1
@@ -270,7 +270,7 @@ class SymbolicTable(TomlTable):
     lowering: LoweringInput = "auto"
 
     def body(self, name: str) -> SymbolicBody:
-        """The body as the derivation takes it."""
+        """The model of the body that the derivation takes."""
         return SymbolicBody(name, self.modes, self.frame, self.damping, _gravity(self.gravity), self.lowering)
 
 
@@ -279,7 +279,7 @@ def _gravity(value: tuple[SignedInput, SignedInput, SignedInput] | None) -> Grav
 
 
 def kind_of_body(value: Any) -> str:
-    """Which kind of body a table describes: a discriminator."""
+    """The kind of body that a table describes: a discriminator."""
     return "symbolic" if isinstance(value, Mapping) and "integrals" in value else "nodal"
 
 

@@ -36,7 +36,7 @@ class DampingTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> DampingTable:
-        """The keys exclude each other."""
+        """Refuse keys that exclude each other."""
         check_damping(self.ratio, self.mass, self.stiffness)
         return self
 
@@ -66,7 +66,7 @@ class BeamDampingTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> BeamDampingTable:
-        """The keys exclude each other."""
+        """Refuse keys that exclude each other."""
         check_damping(self.ratio, self.mass, self.stiffness)
         return self
 

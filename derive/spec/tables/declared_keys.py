@@ -22,19 +22,19 @@ from derive.spec.tables.shared import (
 
 
 class Declares(Protocol):
-    """What a registered type says of its table."""
+    """The declaration of the table of a registered type."""
 
     @property
     def doc(self) -> str:
-        """What tells it from others of its section."""
+        """The text that distinguishes the type from others of its section."""
 
     @property
     def keys(self) -> tuple[Key, ...]:
-        """The keys of its own."""
+        """The keys that the type declares."""
 
 
 def key_field(key: Key, required: bool = False) -> tuple[Any, Any]:
-    """A key as a field of a pydantic model."""
+    """The annotation and the default of a key as a field of a pydantic model."""
     match key.type:
         case KeyType.FLOAT:
             annotation: Any = Float
@@ -79,12 +79,12 @@ def _choice(key: Key) -> Any:
 
 
 def key_value(key: Key, value: Any) -> Any:
-    """The value of a key as the derivation takes it."""
+    """The value of a key in the form that the derivation takes."""
     return quantity(value, key.unit) if key.type in QUANTITIES and value is not None else value
 
 
 def key_values(keys: tuple[Key, ...], table: TomlTable) -> dict[str, Any]:
-    """The values of those keys of a table that have one, as the derivation takes them."""
+    """The values of those keys of a table that have one, in the form that the derivation takes."""
     of_keys = {key.name: key_value(key, getattr(table, key.name)) for key in keys}
     return {key: value for key, value in of_keys.items() if value is not None}
 
@@ -130,7 +130,7 @@ def check_keys(table: TomlTable, kind: str, types: Mapping[str, Declares], noun:
 
 
 def _kinds_text(types: Mapping[str, Declares]) -> str:
-    """All kinds with what they are, those of one type together."""
+    """The description of all kinds, where kinds of the same type are listed together."""
     names: dict[Declares, list[str]] = {}
     for name, declaring in types.items():
         names.setdefault(declaring, []).append(name)

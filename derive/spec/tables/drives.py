@@ -92,7 +92,7 @@ class DriveTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> DriveTable:
-        """Either `motion` or `speed` is given."""
+        """Require either `motion` or `speed`, and refuse `offset` with `motion`."""
         if (self.motion is None) == (self.speed is None):
             raise values.WrongValueError('write either motion = "0.1*sin(2*pi*t)", a function of t, or speed = 150')
         if self.motion is not None and self.offset is not None:
@@ -100,7 +100,7 @@ class DriveTable(TomlTable):
         return self
 
     def drive(self, name: str, joints: Mapping[str, JointTable]) -> Drive:
-        """The drive as the derivation takes it, of one of the joints."""
+        """The model of the drive of one of the joints that the derivation takes."""
         unit = speed_unit(joints[self.joint].kind) or ""
         speed = self.speed if self.speed is None or isinstance(self.speed, TimeFunction) else quantity(self.speed, unit)
         return Drive(name, self.joint, self.motion, speed, self.offset or Fraction(0), self.start.start())

@@ -27,12 +27,12 @@ class AnyForceTable(TomlTable):
 
     @property
     def markers(self) -> tuple[MarkerRef, ...]:
-        """The markers that the element acts at."""
+        """The markers at which the element acts."""
         raise NotImplementedError
 
     @model_validator(mode="after")
     def check(self) -> AnyForceTable:
-        """Kind and other keys have to go together, and lengths are not negative."""
+        """Refuse keys that do not go with the kind, and negative lengths."""
         check_keys(self, self.kind, kinds(self.section), NAMED[self.section])
         force_type = FORCES[self.kind]
         for key, value in key_values(force_type.keys, self).items():
@@ -43,7 +43,7 @@ class AnyForceTable(TomlTable):
         return self
 
     def force(self, name: str) -> SceneForce:
-        """The element as the derivation takes it."""
+        """The model of the element that the derivation takes."""
         force_type = FORCES[self.kind]
         return force_type.element(name, self.kind, self.markers, key_values(force_type.keys, self))
 
@@ -56,7 +56,7 @@ class ForceTable(AnyForceTable):
 
     @property
     def markers(self) -> tuple[MarkerRef, ...]:
-        """The marker it acts at."""
+        """The marker at which the force acts."""
         return (self.at,)
 
 
@@ -71,7 +71,7 @@ class TorqueTable(AnyForceTable):
 
     @property
     def markers(self) -> tuple[MarkerRef, ...]:
-        """The marker it acts at, and that of its reaction."""
+        """The marker at which the torque acts, and that of its reaction, if there is one."""
         return (self.at,) if self.against is None else (self.at, self.against)
 
 
@@ -83,7 +83,7 @@ class SpringTable(AnyForceTable):
 
     @property
     def markers(self) -> tuple[MarkerRef, ...]:
-        """Its two ends."""
+        """The two markers between which the spring acts."""
         return self.between
 
 

@@ -24,7 +24,7 @@ class BeamTable(BeamKeys):
     )
 
     def free_beam(self, name: str, simulation: Simulation | None, plots: tuple[Plot, ...]) -> PlanarBeam:
-        """The beam as the derivation takes it, with gravity, and as it is simulated."""
+        """The model of the beam that the derivation takes, with gravity, simulation and plots."""
         gravity = self.gravity and (acceleration(self.gravity[0]), acceleration(self.gravity[1]))
         beam = self.planar_beam(name, gravity)
         return replace(beam, start=self.start.start(), simulation=simulation, plots=plots)

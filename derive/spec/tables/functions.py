@@ -1,4 +1,4 @@
-"""The tables of what functions of time refer to: parameters of the scene, and tables of values."""
+"""The tables to which functions of time refer: parameters of the scene, and tables of values."""
 
 from __future__ import annotations
 

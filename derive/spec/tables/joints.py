@@ -25,12 +25,12 @@ class JointTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> JointTable:
-        """Kind and other keys have to go together."""
+        """Refuse keys that do not go with the kind."""
         check_keys(self, self.kind, JOINTS, "joint")
         return self
 
     def joint(self, name: str) -> Joint:
-        """The joint as the derivation takes it."""
+        """The model of the joint that the derivation takes."""
         given = key_values(JOINTS[self.kind].keys, self)
         fields = {key: given.pop(key) for key in ("angle", "axis") if key in given}
         if given:

@@ -1,4 +1,4 @@
-"""What the tables of a scene share: references to markers, coordinates, functions of time, and named tables."""
+"""Types that the tables of a scene share: references to markers, coordinates, functions of time, named tables."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MAX_NAMED = 100
 
 
 def few_named(noun: str, example: str) -> BeforeValidator:
-    """A table of at most so many tables."""
+    """A validator of a table with a limited number of tables."""
 
     def check(value: object) -> object:
         if not isinstance(value, Mapping):
@@ -71,7 +71,7 @@ _NAMED = {"type": "string", "minLength": 1}
 
 
 def _function(value: object, info: ValidationInfo) -> TimeFunction:
-    """A function of time; the context of the validation is what it may refer to."""
+    """A function of time; the context of the validation contains the names to which it may refer."""
     return scene_values.function(value, info.context)
 
 

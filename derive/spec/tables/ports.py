@@ -27,13 +27,13 @@ class InputTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> InputTable:
-        """An input is not made of another one."""
+        """Refuse an input whose function contains another input."""
         if self.value is not None and self.value.kind == "input":
             raise values.WrongValueError("the value of an input is a number or a function of t, not another input")
         return self
 
     def input(self, name: str) -> SceneInput:
-        """The input as the derivation takes it."""
+        """The model of the input that the derivation takes."""
         return SceneInput(name, self.unit or "", self.value)
 
 
@@ -44,12 +44,12 @@ class OutputTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> OutputTable:
-        """Kind and other keys have to go together."""
+        """Refuse keys that do not go with the kind."""
         check_keys(self, self.kind, OUTPUTS, "output")
         return self
 
     def output(self, name: str) -> SceneOutput:
-        """The output as the derivation takes it."""
+        """The model of the output that the derivation takes."""
         return SceneOutput(name, self.kind, key_values(OUTPUTS[self.kind].keys, self))
 
 

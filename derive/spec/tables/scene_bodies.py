@@ -40,7 +40,7 @@ from derive.spec.tables.markers import MAX_NAMED, Coordinates, Markers, PieceCou
 from derive.spec.tables.shared import Name, PlanarGravity, QuantityInput, TomlTable, Truth, components, quantity
 
 BEAM_KEYS = BODIES["beam"].identifying_keys
-"""A body with one of these keys is a beam."""
+"""The keys by which a body is a beam."""
 LENGTH_UNIT = DEFAULT_LENGTH.unit
 NOT_NEEDED = "not needed if the motion is prescribed: energies, powers and reactions then count what is not given as 0."
 
@@ -66,7 +66,7 @@ class GroundTable(TomlTable):
     markers: Markers = {}  # noqa: RUF012  pydantic copies it
 
     def points(self) -> tuple[PointMarker, ...]:
-        """Its markers."""
+        """The markers of the ground."""
         return _points(self.markers)
 
 
@@ -100,7 +100,7 @@ class RigidTable(TomlTable):
     ] = False
 
     def body(self, name: str) -> RigidBody:
-        """The body as the derivation takes it."""
+        """The model of the body that the derivation takes."""
         return RigidBody(
             name=name,
             mass=None if self.mass is None else quantity(self.mass, DEFAULT_MASS.unit),
@@ -132,13 +132,13 @@ class LoadTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> LoadTable:
-        """A load acts somewhere."""
+        """Refuse a load without components other than zero."""
         if not any(self.force):
             raise values.WrongValueError("both components of the load are zero; leave it out")
         return self
 
     def load(self, name: str) -> DistributedLoad:
-        """The load as the derivation takes it."""
+        """The model of the load that the derivation takes."""
         return DistributedLoad(name, self.force, self.time, self.frame)
 
 
@@ -162,7 +162,7 @@ class BeamBodyTable(BeamKeys):
 
     @model_validator(mode="after")
     def check(self) -> BeamBodyTable:
-        """Natural modes are those of a whole beam; loads are not called like markers."""
+        """Refuse families of shapes for a beam in pieces, and loads with names of markers."""
         for name in self.loads:
             if taken := point_names(name, self.pieces) & {*self.markers}:
                 text = f"a point of the load {name} is called like the marker {min(taken)}; rename one of them"
@@ -172,7 +172,7 @@ class BeamBodyTable(BeamKeys):
         return self
 
     def body(self, name: str) -> BeamBody:
-        """The body as the derivation takes it."""
+        """The model of the body that the derivation takes."""
         loads = tuple(table.load(load) for load, table in self.loads.items())
         return BeamBody(name, self.planar_beam(name), self.pieces, self.start.start(), loads)
 
@@ -185,7 +185,7 @@ class CustomBodyTable(TomlTable):
     start: StartInput = StartTable()
 
     def body(self, name: str) -> CustomBody:
-        """The body as the derivation takes it."""
+        """The model of the body that the derivation takes."""
         given = key_values(BODIES[self.kind_of_body].keys, self)
         return CustomBody(name, self.kind_of_body, given, _points(self.markers), self.start.start())
 
@@ -208,7 +208,7 @@ def _custom_table(kind: str, body_type: BodyType[Any]) -> type[CustomBodyTable]:
 
 
 def kind_of_scene_body(value: Any) -> str:
-    """Which kind of body a table describes: a discriminator."""
+    """The kind of body that a table describes: a discriminator."""
     if isinstance(value, Mapping):
         for kind, body_type in BODIES.items():
             if any(key in value for key in body_type.identifying_keys):
@@ -231,5 +231,5 @@ def bodies_field(tables: Mapping[str, type[BodyTable]]) -> Any:
 
 
 def scene_bodies(bodies: Mapping[str, BodyTable]) -> tuple[SceneBody, ...]:
-    """The bodies as the derivation takes them."""
+    """The models of the bodies that the derivation takes."""
     return tuple(table.body(name) for name, table in bodies.items())

@@ -1,4 +1,4 @@
-"""What the tables of all specifications share: names, numbers and parameters as pydantic types.
+"""Types that the tables of all specifications share: names, numbers and parameters as pydantic types.
 
 Values are read by the functions of `values`; a model lists the keys of a table with their meaning.
 """
@@ -30,13 +30,13 @@ MAX_MARKERS = 64
 
 
 def few(count: int, least: int, most: int, noun: str) -> None:
-    """A check that comes before the elements are looked at, so that a flood of them costs nothing."""
+    """Refuse a number of elements that is not allowed, before the elements are validated one by one."""
     if not least <= count <= most:
         raise values.WrongValueError(f"there are {count} {noun}, and {least} to {most} are allowed")
 
 
 def few_markers(what: str) -> BeforeValidator:
-    """A table of at most so many markers, which are named `what`."""
+    """A validator of a table with a limited number of markers; `what` names their values in messages."""
 
     def check(value: object) -> object:
         if not isinstance(value, Mapping):
@@ -48,7 +48,7 @@ def few_markers(what: str) -> BeforeValidator:
 
 
 def number_schema(**limits: float) -> dict[str, Any]:
-    """What an editor accepts for a number."""
+    """The JSON schema of a number."""
     exact = {"type": "string", "maxLength": MAX_LENGTH, "description": 'An exact number, such as "1/3".'}
     return {"anyOf": [{"type": "number", **limits}, exact]}
 
@@ -135,17 +135,17 @@ SignedInput = Annotated[
 
 
 def quantity(value: Fraction | ParameterTable | NotNegativeTable | SignedTable, unit: str) -> Quantity:
-    """A physical constant as the derivation takes it; `unit` is that of a parameter without one."""
+    """A physical constant in the form that the derivation takes; `unit` is the default unit of a parameter."""
     return value if isinstance(value, Fraction) else Parameter(value.symbol, value.unit or unit, value.default)
 
 
 def acceleration(value: Fraction | SignedTable) -> Quantity:
-    """A component of gravity as the derivation takes it."""
+    """A component of gravity in the form that the derivation takes."""
     return quantity(value, "m/s^2")
 
 
 def components(example: Sequence[str], noun: str = "components") -> BeforeValidator:
-    """A list of as many elements as the example has."""
+    """A validator of a list with as many elements as the example."""
 
     def check(value: object) -> object:
         if not isinstance(value, (list, tuple)) or len(value) != len(example):

@@ -1,4 +1,4 @@
-"""The tables of what to simulate and of the pictures that a simulation draws."""
+"""The tables of the settings of a simulation and of its plots."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class SimulationTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> SimulationTable:
-        """The output has to have a reasonable number of rows."""
+        """Refuse an unreasonable number of output rows."""
         if self.duration < self.output:
             raise values.WrongValueError("`output`, the time between rows, is longer than `duration`; make it shorter")
         if self.duration > MAX_STEPS * self.output:
@@ -60,7 +60,7 @@ class SimulationTable(TomlTable):
         return self
 
     def simulation(self) -> Simulation:
-        """The simulation as it is run."""
+        """The model of the settings of the simulation."""
         return Simulation(self.duration, self.output, self.tolerance, self.until)
 
 
@@ -94,13 +94,13 @@ class PlotKeys(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> PlotKeys:
-        """A cut needs to know what is cut, and into how many pieces."""
+        """Require `cut` and `pieces` together."""
         if (self.cut is None) != (self.pieces is None):
             raise values.WrongValueError('`cut` and `pieces` go together: write cut = "rod" and pieces = [1, 2, 3]')
         return self
 
     def quantity(self) -> Deflection | ColumnCurves:
-        """What is plotted."""
+        """The plotted quantity."""
         raise NotImplementedError
 
     def over_drive(self) -> str | None:
@@ -108,7 +108,7 @@ class PlotKeys(TomlTable):
         return None
 
     def plot(self, name: str, rows: Any) -> Plot:
-        """The plot as it is drawn; `rows` are the numbers of its reference."""
+        """The model of the plot; `rows` are the numbers of its reference."""
         known = self.reference
         return Plot(
             name=name,
@@ -133,11 +133,11 @@ class PlotTable(PlotKeys):
     ] = None
 
     def quantity(self) -> Deflection:
-        """The deflection."""
+        """The plotted deflection."""
         return Deflection(self.deflection, self.chord, self.divided_by)
 
     def over_drive(self) -> str | None:
-        """The drive, if there is one."""
+        """The drive whose motion is the horizontal axis, if there is one."""
         return self.over
 
 
@@ -171,18 +171,18 @@ class ColumnPlotTable(PlotKeys):
 
     @model_validator(mode="after")
     def check_reference(self) -> ColumnPlotTable:
-        """A reference belongs to one curve."""
+        """Refuse a reference for several curves."""
         if self.reference is not None and len(self.y) > 1:
             raise values.WrongValueError("a reference is compared with one column, and `y` has several; leave one")
         return self
 
     def quantity(self) -> ColumnCurves:
-        """The columns."""
+        """The plotted columns."""
         return ColumnCurves(self.y, self.x)
 
 
 def kind_of_plot(value: Any) -> str:
-    """Which kind of plot a table describes: a discriminator."""
+    """The kind of plot that a table describes: a discriminator."""
     if isinstance(value, Mapping) and ("y" in value or "x" in value):
         return "columns"
     return "deflection"

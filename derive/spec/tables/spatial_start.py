@@ -14,7 +14,7 @@ from derive.spec.tables.markers import Float
 from derive.spec.tables.shared import TomlTable, components, few
 
 UNIT_LENGTH = 1e-3
-"""A quaternion whose length differs from 1 by no more has rounding errors; it is normalised."""
+"""The largest departure of the length of a quaternion from 1 that counts as rounding; the quaternion is normalised."""
 
 
 def _unit_quaternion(value: tuple[float, ...]) -> tuple[float, ...]:

@@ -47,7 +47,7 @@ _FORCES = {
     "torques": ("[torques.load]", "Torques by name."),
     "springs": ("[springs.mount]", "Springs and dampers by name."),
 }
-"""How a table of each section of forces begins, and its description."""
+"""The example of a table of each section of forces, and its description."""
 
 _NAMED: dict[str, Any] = {"maxProperties": MAX_NAMED, "additionalProperties": False}
 
@@ -101,15 +101,15 @@ class SpecificationTable(TomlTable):
     ] = {}  # noqa: RUF012
 
     def settings(self) -> Simulation | None:
-        """How the scene or the body is simulated, if that is specified."""
+        """The settings of the simulation, if there are any."""
         return None if self.simulation is None else self.simulation.simulation()
 
     def drawn(self, references: Mapping[str, Rows]) -> tuple[Plot, ...]:
-        """The plots; `references` are the numbers of those with a reference."""
+        """The models of the plots; `references` are the numbers of those with a reference."""
         return tuple(table.plot(name, references.get(name, ())) for name, table in self.plots.items())
 
     def scene_of(self, references: Mapping[str, Rows]) -> Scene:
-        """The scene as the derivation takes it; `references` are the numbers of plots with a reference."""
+        """The model of the scene that the derivation takes; `references` are the numbers of plots with a reference."""
         gravity = None if self.scene is None else self.scene.gravity
         return Scene(
             name=self.name,
@@ -130,7 +130,7 @@ class SpecificationTable(TomlTable):
 
 
 def _forces(tables: Mapping[str, AnyForceTable]) -> tuple[Any, ...]:
-    """The elements of a section of forces."""
+    """The models of the elements of a section of forces."""
     return tuple(table.force(name) for name, table in tables.items())
 
 
@@ -162,7 +162,7 @@ def _specification_table(
 
 
 def _named(table: type[TomlTable], noun: str, example: str, description: str) -> Any:
-    """Tables of one type by their names."""
+    """The type of tables of one kind by their names."""
     field = Field(description=description, json_schema_extra=_NAMED)
     return Annotated[dict[Name, table], few_named(noun, example), field]  # type: ignore[valid-type]  # made of a registry
 
@@ -174,7 +174,7 @@ def json_schema() -> str:
 
 
 def _plain(node: Any) -> Any:
-    """A schema without what pydantic adds: titles that repeat the key, and null for what may be left out."""
+    """A schema without the titles that pydantic adds and without null for optional keys."""
     if isinstance(node, list):
         return [_plain(item) for item in node]
     if isinstance(node, dict):

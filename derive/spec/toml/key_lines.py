@@ -1,4 +1,4 @@
-"""Where a key is in a TOML text: tomllib gives values but no lines, and an error needs its line.
+"""The lines of keys in a TOML text, which errors show and tomllib does not give.
 
 The scanner follows the grammar of TOML as far as keys and nesting go. It runs on text that tomllib has
 accepted; on anything else it stops, and lines it has not found are those of the nearest enclosing key.
@@ -44,7 +44,7 @@ class RepeatedKey:
 
 
 def repeated_key(text: str) -> RepeatedKey | None:
-    """The first key of a TOML text that it has already; None if there is none."""
+    """The first key that a TOML text repeats; None if there is none."""
     scanner = _Scanner(text)
     with contextlib.suppress(_UnexpectedError):
         scanner.document()
@@ -74,7 +74,7 @@ class _Scanner:
                 array = self.take("[")
                 table = self.key()
                 if array:
-                    # Only the first table of an array is told apart: no specification has one.
+                    # Only the first table of an array is distinguished: no specification has one.
                     self.lines.setdefault(table, self.line)
                 else:
                     self._define(table)
@@ -93,13 +93,13 @@ class _Scanner:
         self.value(path, depth)
 
     def _define(self, path: KeyPath) -> None:
-        """Note that a key or a table is defined here."""
+        """Record that a key or a table is defined at the current position."""
         if path in self._defined and self.repeated is None:
             self.repeated = RepeatedKey(path, self._defined[path], self.line)
         self._defined.setdefault(path, self.line)
 
     def key(self, table: KeyPath = ()) -> KeyPath:
-        """A dotted key; what encloses its last part has its line unless it has one already."""
+        """Read a dotted key; a key that encloses its last part gets its line unless it already has one."""
         parts: KeyPath = ()
         while True:
             if parts:

@@ -1,4 +1,4 @@
-"""Reads specifications from TOML; every fault is reported at once, with its line."""
+"""Reading of specifications from TOML; all faults are reported at once, with their lines."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MAX_DOTS = 200
 def read(path: str | os.PathLike[str]) -> Specification:
     """The body or the scene that a TOML file specifies.
 
-    Raises SpecError with all that is wrong with the file, TypeError for anything but a path.
+    Raises SpecError with all faults of the file, TypeError if `path` is not a path.
     """
     if not isinstance(path, (str, os.PathLike)):
         read_already = "; it is a specification already" if isinstance(path, Specification) else ""
@@ -35,7 +35,7 @@ def read(path: str | os.PathLike[str]) -> Specification:
 
 
 def parse(text: str, source: str | None = None) -> Specification:
-    """What a TOML text specifies; `source` is the file that errors show, and beside which others are."""
+    """The specification in a TOML text; `source` is the file that errors show and to which other paths are relative."""
     data = _data(text, source)
     # pydantic is imported only when there is something to check, so that the command line answers at once.
     from derive.spec.checks.validation import validate
@@ -44,9 +44,9 @@ def parse(text: str, source: str | None = None) -> Specification:
 
 
 def warnings(path: str | os.PathLike[str], changed: Collection[str] = ()) -> tuple[str, ...]:
-    """The warnings on the specification of a TOML file without faults, each with its file, its line and its key.
+    """The warnings on the specification of a valid TOML file, each with its file, its line and its key.
 
-    changed: keys that have got other values since, on which there are no warnings.
+    changed: keys whose values have been replaced, on which there are no warnings.
     """
     from derive.spec.checks.warnings import specification_warnings
 
@@ -75,7 +75,7 @@ def _text(source: str) -> str:
 
 
 def with_lines(error: SpecError, path: Path) -> SpecError:
-    """An error that knows its keys, with the file it is in and the lines there."""
+    """The error with its file, and with the lines of its keys."""
     known = lines(path.read_text(encoding="utf-8-sig"))
     problems = (replace(p, line=line_of(tuple(p.path.split(".")), known)) for p in error.problems)
     return SpecError(tuple(sorted(problems, key=lambda p: p.line or 0)), str(path))
@@ -97,9 +97,9 @@ def _data(text: str, source: str | None) -> dict[str, Any]:
 
 
 def _syntax_problem(message: str, text: str) -> Problem:
-    """tomllib says where in words: "Invalid value (at line 3, column 7)", or "(at end of document)".
+    """The fault of a text that tomllib refuses. Its messages end with "(at line 3, column 7)" or the like.
 
-    It does not name a key that is there twice.
+    They do not name a key that is repeated, which is therefore searched for.
     """
     match = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", message, re.DOTALL)
     if match is None:

@@ -23,17 +23,17 @@ from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import BeamBody, Joint
 
 CUT = ("cut_left", "cut_right")
-"""The ends at which pieces are welded together."""
+"""The markers at the ends at which pieces are welded together."""
 
 WHOLE_BEAM = (
     "`ends` and families of shape functions are for beams in one piece: with them the pieces could not bend at the "
     "cuts; leave `pieces` out, or take polynomials without `ends`"
 )
-"""Why a beam cannot be cut."""
+"""The message that a beam cannot be cut."""
 
 
 class Beam(BodyType[BeamBody]):
-    """A rod of planar beams; it keeps all its coordinates."""
+    """The type of a rod of planar beams, which keeps all its coordinates."""
 
     doc = "beam"
     identifying_keys = ("length", "bending_stiffness", "ansatz", "frame")
@@ -62,7 +62,7 @@ class Beam(BodyType[BeamBody]):
         return tuple(result)
 
     def constants(self, body: BeamBody) -> Iterator[Constant]:
-        """Mass, length and bending stiffness, damping, and the masses that are attached."""
+        """The mass, length and bending stiffness, the damping, the axial constants, and the attached masses."""
         yield Constant(body.beam.mass, f"mass of {body.name}", positive=True)
         yield Constant(body.beam.length, f"length of {body.name}", positive=True)
         yield Constant(body.beam.bending_stiffness, f"bending stiffness EI of {body.name}", positive=True)
@@ -76,7 +76,7 @@ class Beam(BodyType[BeamBody]):
             yield Constant(m.inertia, f"moment of inertia of the mass {m.name} on {body.name}")
 
     def joints(self, body: BeamBody) -> tuple[Joint, ...]:
-        """The welds between its pieces."""
+        """The welds between the pieces of the rod."""
         pairs = ((piece_name(body, k), piece_name(body, k + 1)) for k in range(body.pieces - 1))
         return tuple(
             Joint(f"{body.name}_cut_{k}", "weld", MarkerRef(left, CUT[1]), MarkerRef(right, CUT[0]))
@@ -84,7 +84,7 @@ class Beam(BodyType[BeamBody]):
         )
 
     def damping(self, body: BeamBody) -> ComponentDamping | None:
-        """The damping of a rod in pieces; that of one piece belongs to its own equations. Equal entries are one."""
+        """The damping of a rod in pieces, where equal entries share a constant; None for a rod in one piece."""
         if body.beam.damping is None or body.pieces == 1:
             return None
         entries, constants = dict[tuple[int, int], sp.Symbol](), dict[sp.Expr, ModelConstant]()
@@ -101,12 +101,12 @@ class Beam(BodyType[BeamBody]):
         return tuple(force for k in range(body.pieces) for force in load_forces(body, k, piece_name(body, k)))
 
     def located(self, body: BeamBody, marker: str) -> MarkerRef:
-        """The piece that a marker lies on."""
+        """The piece that a marker lies on, with the marker there."""
         at = next(m.at for m in body.beam.markers if m.name == marker)
         return MarkerRef(piece_name(body, piece_of(at, body.pieces)), marker)
 
     def note(self, body: BeamBody) -> str:
-        """The shape functions as drawings of the rod need them."""
+        """A description of the shape functions of a rod, which drawings of the rod need."""
         shapes = assumed_shapes(body.beam.deflection)
         texts = ", ".join(f"phi_{i} = {shape.text}" for i, shape in enumerate(shapes, 1))
         each = f"{body.name}, each of {body.pieces} pieces" if body.pieces > 1 else body.name
@@ -136,5 +136,5 @@ def piece_of(at: Fraction, pieces: int) -> int:
 
 
 def place_in_piece(at: Fraction, pieces: int) -> Fraction:
-    """Its xi in that piece."""
+    """The position xi in the piece that contains position xi of the rod."""
     return (at + 1) * pieces - 2 * piece_of(at, pieces) - 1

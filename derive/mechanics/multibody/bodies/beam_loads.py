@@ -57,7 +57,7 @@ def point_name(load: str, component: int, part: int, piece: int) -> str:
 
 
 def point_names(load: str, pieces: int) -> set[str]:
-    """All names that the points of a load may have."""
+    """All names that the points of the resultants of a load may have."""
     return {point_name(load, c, part, piece) for c in (0, 1) for part in (0, 1) for piece in range(pieces)}
 
 

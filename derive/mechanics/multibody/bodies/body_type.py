@@ -1,4 +1,4 @@
-"""What a type of body declares: its keys, its components, and what joints may eliminate; and what a component is."""
+"""The base class of the types of bodies, with keys, components and joint elimination, and the component of a body."""
 
 from __future__ import annotations
 
@@ -72,9 +72,9 @@ class Constant:
 class BodyType(ABC, Generic[B]):
     """A type of body in a mechanism. Subclasses are registered in `registry.BODIES`.
 
-    doc: what the body is, in a clause; identifying_keys: a table with one of them describes a body of this type (none
-    for the rigid body, which a table describes otherwise); keys: what its table has besides `markers` and `start`;
-    empty for bodies whose tables the specification layer knows by itself.
+    doc: a description, in a clause; identifying_keys: a table with one of these keys describes a body of this type
+    (none for the rigid body, which all other tables describe); keys: the keys of its table besides `markers` and
+    `start`; empty for bodies whose tables the specification layer defines itself.
     """
 
     doc: ClassVar[str]
@@ -83,30 +83,30 @@ class BodyType(ABC, Generic[B]):
 
     @abstractmethod
     def components(self, body: B, gravity: tuple[ModelConstant, ...]) -> tuple[Component, ...]:
-        """The bodies of the equations of motion that it consists of, free of joints."""
+        """Return the components of a body as bodies of the equations of motion, before joints constrain them."""
 
     @abstractmethod
     def constants(self, body: B) -> Iterator[Constant]:
-        """What may be a run-time parameter, in the order in which parameters are listed."""
+        """Return the constants that may be run-time parameters, in the order in which parameters are listed."""
 
     def about(self, body: B, marker: str, gravity: tuple[ModelConstant, ...]) -> Component | None:
         """The body with its origin O in a marker, for joints that eliminate coordinates; None if it keeps all."""
         return None
 
     def missing(self, body: B) -> tuple[str, ...]:
-        """The keys that it needs to move freely and does not have."""
+        """The keys that the body needs to move freely and does not have."""
         return ()
 
     def joints(self, body: B) -> tuple[Joint, ...]:
-        """The joints between its components."""
+        """The joints between the components of the body."""
         return ()
 
     def damping(self, body: B) -> ComponentDamping | None:
-        """The damping of its deformation that acts between its components; None if there is none."""
+        """The damping of the deformation that acts between the components of the body; None if there is none."""
         return None
 
     def forces(self, body: B) -> tuple[Force, ...]:
-        """The forces that its loads exert on points of its components."""
+        """The forces that loads of the body exert on points of its components."""
         return ()
 
     def located(self, body: B, marker: str) -> MarkerRef:
@@ -114,5 +114,5 @@ class BodyType(ABC, Generic[B]):
         return MarkerRef(body.name, marker)
 
     def note(self, body: B) -> str:
-        """What a user of the generated code should know of the body, as a sentence; empty if there is nothing."""
+        """A sentence on the body for users of the generated code; empty if there is nothing to be noted."""
         return ""

@@ -14,11 +14,11 @@ from derive.spec.model.markers import PointMarker
 from derive.spec.model.scene import RigidBody
 
 BODY_FRAME = "base"
-"""The name of the origin of the body frame, from which markers count, as a point of the body."""
+"""The name of the origin of the body frame, from which marker coordinates count, as a point of the body."""
 
 
 class Rigid(BodyType[RigidBody]):
-    """A rigid body; a joint may eliminate coordinates of it."""
+    """The type of a rigid body, of which a joint may eliminate coordinates."""
 
     doc = "rigid body"
 
@@ -31,11 +31,11 @@ class Rigid(BodyType[RigidBody]):
         return None if body.keep_coordinates else _component(body, marker, gravity)
 
     def missing(self, body: RigidBody) -> tuple[str, ...]:
-        """Its mass and inertia, which a body whose motion is prescribed does not need."""
+        """The mass and inertia if they are not given; a body whose motion is prescribed does not need them."""
         return tuple(key for key in ("mass", "inertia") if getattr(body, key) is None)
 
     def constants(self, body: RigidBody) -> Iterator[Constant]:
-        """Mass, inertia, centre of mass and markers."""
+        """The mass, inertia, centre of mass and marker coordinates."""
         yield Constant(body.mass, f"mass of {body.name}", positive=True)
         yield Constant(body.inertia, f"moment of inertia of {body.name} about its centre of mass", positive=True)
         for axis, x in enumerate(body.centre, 1):

@@ -94,6 +94,6 @@ class BushingForce(ForceType[Bushing]):
         return GeneralisedForce(terms, tuple(definitions), potential, dissipation)
 
     def element(self, name: str, kind: str, markers: tuple[MarkerRef, ...], values: Mapping[str, Any]) -> Bushing:
-        """The bushing."""
+        """Return the bushing as an element of a scene."""
         first, second = markers
         return Bushing(name, first, second, **values)

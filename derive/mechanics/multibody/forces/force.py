@@ -24,7 +24,7 @@ from derive.spec.model.markers import MarkerRef
 
 
 class ForceAtMarker(ForceType[Force]):
-    """A force; it has no reaction. In the frame of the body it is a follower force, which has no potential."""
+    """A force at a marker without reaction. In the frame of the body it is a follower force, which has no potential."""
 
     section = "forces"
     doc = "with given components"
@@ -51,7 +51,7 @@ class ForceAtMarker(ForceType[Force]):
     def generalised_force(
         self, element: Force, points: tuple[PointMotion, ...], values: Values, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
-        """The virtual work of both components."""
+        """The virtual work of both components of the force."""
         definitions: list[Intermediate] = []
         (at,), name, components = points, f"force {element.name}", []
         for k, component in enumerate(values["components"], 1):
@@ -64,6 +64,6 @@ class ForceAtMarker(ForceType[Force]):
         return GeneralisedForce(force_terms(name, at, force, rows), tuple(definitions))
 
     def element(self, name: str, kind: str, markers: tuple[MarkerRef, ...], values: Mapping[str, Any]) -> Force:
-        """The force."""
+        """Return the force as an element of a scene."""
         (at,) = markers
         return Force(name, at, values["components"], values["frame"])

@@ -1,4 +1,4 @@
-"""What a type of force declares, and the virtual work of forces and torques at material points."""
+"""The base class of the types of forces, and the virtual work of forces and torques at material points."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class ForceType(ABC, Generic[F]):
     def generalised_force(
         self, element: F, points: tuple[PointMotion, ...], values: Values, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
-        """Its virtual work on the rows of a mechanism; `points` are the motions of its markers."""
+        """Return the virtual work of an element on the rows of a mechanism; `points` are the motions of its markers."""
 
     def element(self, name: str, kind: str, markers: tuple[MarkerRef, ...], values: Mapping[str, Any]) -> SceneForce:
         """An element of a scene from the values of its keys as they are specified."""
@@ -103,7 +103,7 @@ def section_rotation(owner: str, doc: str, at: PointMotion, definitions: list[In
 
 
 def define(symbol: Symbol, value: sp.Expr, doc: str, definitions: list[Intermediate]) -> sp.Expr:
-    """A number as it is; else a symbol, whose definition is added to the list."""
+    """Return a number as it is; for other values a symbol, whose definition is added to the list."""
     if value.is_Rational:
         return value
     definitions.append(Intermediate(symbol, value, symbol.name, "(10)", doc))
@@ -111,7 +111,7 @@ def define(symbol: Symbol, value: sp.Expr, doc: str, definitions: list[Intermedi
 
 
 def intermediate(symbol: Symbol, expr: sp.Expr, section: str, doc: str, definitions: list[Intermediate]) -> sp.Expr:
-    """A number in doubles as it is; else a symbol, whose definition in `section` is added to the list."""
+    """Return a number rounded to a double; for other expressions a symbol, whose definition in `section` is added."""
     if expr.is_number:
         return rounded(expr)
     definitions.append(Intermediate(symbol, expr, section, "(10)", doc))

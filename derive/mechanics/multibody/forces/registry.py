@@ -1,4 +1,4 @@
-"""The registry of forces: one line for each; those of a section are what `kind` may be there."""
+"""The registry of forces, one line for each kind; the kinds of a section are the values that `kind` may have there."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ FORCES: Registry[ForceType[Any]] = Registry(
 )
 
 DEFAULT_KINDS = {"forces": "force", "torques": "torque", "springs": "linear"}
-"""The sections of forces, with the kind of an element that names none."""
+"""The sections of forces, with the kind of an element that specifies none."""
 
 
 def kinds(section: str) -> dict[str, ForceType[Any]]:
-    """What `kind` may be in a section, with the types."""
+    """The kinds of a section, which are the values that `kind` may have there, with their types."""
     return {kind: force_type for kind, force_type in FORCES.items() if force_type.section == section}
 
 

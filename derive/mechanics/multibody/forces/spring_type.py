@@ -1,4 +1,4 @@
-"""What the springs with dampers of this package have in common: their keys and their polynomial characteristic."""
+"""The base of the springs with dampers of this package: their keys and their polynomial characteristic."""
 
 from __future__ import annotations
 
@@ -59,6 +59,6 @@ class SpringType(ForceType[Spring]):
     section = "springs"
 
     def element(self, name: str, kind: str, markers: tuple[MarkerRef, ...], values: Mapping[str, Any]) -> Spring:
-        """The spring."""
+        """Return the spring as an element of a scene."""
         first, second = markers
         return Spring(name, kind, first, second, **values)

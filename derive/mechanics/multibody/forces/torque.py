@@ -15,7 +15,7 @@ from derive.spec.model.markers import MarkerRef
 
 
 class TorqueAtMarker(ForceType[Torque]):
-    """A torque; its reaction acts at a second marker, if there is one."""
+    """A torque about e3 at a marker; its reaction acts at a second marker, if there is one."""
 
     section = "torques"
     doc = "with a given value"
@@ -35,6 +35,6 @@ class TorqueAtMarker(ForceType[Torque]):
         return GeneralisedForce(terms, tuple(definitions))
 
     def element(self, name: str, kind: str, markers: tuple[MarkerRef, ...], values: Mapping[str, Any]) -> Torque:
-        """The torque."""
+        """Return the torque as an element of a scene."""
         at, *against = markers
         return Torque(name, at, values["value"], *against)

@@ -14,7 +14,7 @@ from derive.spec.model.scene import Joint
 
 
 def minimal_coordinates(joint_type: JointType, joint: Joint, support: Support) -> CoordinateMap | None:
-    """The coordinates that a joint leaves a rigid body; None if it eliminates none.
+    """The coordinates of a rigid body that a joint supports; None if the joint eliminates none.
 
     With a drive they follow the drive, since neither the joint nor the drive is a constraint then.
     """
@@ -46,7 +46,7 @@ _GUIDED = f"joint {{joint}} guides it: its displacement alone, {_ONE}"
 
 
 def _prescribed(joint_type: JointType, joint: Joint, support: Support) -> tuple[PointMotion, Derivatives]:
-    """The motion of the marker of a body that keeps no coordinates, and the rotation of the body."""
+    """The motion of the marker of a body without coordinates, and the rotation of the body."""
     at, drive, driven = support.marker, support.drive, joint_type.driven
     constant = sp.Rational(joint.angle), sp.S.Zero, sp.S.Zero
     relative = drive.motion if drive and driven is ROTATION else constant

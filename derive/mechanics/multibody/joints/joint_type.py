@@ -1,4 +1,4 @@
-"""What a type of joint declares: the rows that it removes, the one that a drive may prescribe, and its drawing."""
+"""The base class of the types of joints: the rows that a joint removes or a drive prescribes, and its drawing."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Drawing:
 
 @dataclass(frozen=True)
 class JointEquations:
-    """What a joint demands: g with its first and second time derivative for each row that it removes.
+    """The constraints of a joint: g with its first and second time derivative for each row that it removes.
 
     `driven` is the row that a drive may prescribe, with its derivatives. `definitions` are intermediate quantities of
     both.
@@ -69,9 +69,10 @@ class Support:
 class JointType:
     """A type of joint between two markers. Subclasses are registered in `registry.JOINTS`.
 
-    doc: what the joint does, in a clause; axes: those along which displacements are resolved; removes: the rows that
-    vanish, each with a multiplier; driven: the row that a drive may prescribe; drawing: its symbol. Constraints with
-    their derivatives, multipliers, keys and minimal coordinates (`joint_elimination.py`) follow from the rows.
+    doc: the function of the joint, in a clause; axes: the axes along which displacements are resolved; removes: the
+    rows that vanish, each with a multiplier; driven: the row that a drive may prescribe; drawing: its symbol.
+    Constraints with their derivatives, multipliers, keys and minimal coordinates (`joint_elimination.py`) follow from
+    the rows.
     """
 
     doc: ClassVar[str]
@@ -82,21 +83,21 @@ class JointType:
 
     @property
     def keys(self) -> tuple[Key, ...]:
-        """What its table has besides `kind` and `between`."""
+        """The keys of the table of a joint besides `kind` and `between`."""
         return (*self.axes.keys, *dict.fromkeys(key for row in self.removes for key in row.keys))
 
     @property
     def freedom(self) -> int:
-        """The number of relative motions that it leaves."""
+        """The number of relative motions that the joint leaves free."""
         return len(self.axes.rows) - len(self.removes)
 
     @property
     def rigid_first(self) -> bool:
-        """Whether the first marker must be on a rigid body or on the ground, which carries the axes."""
+        """Whether the first marker must be on a rigid body or on the ground, which carries the axes of the joint."""
         return self.axes is not Axes.INERTIAL
 
     def equations(self, joint: Joint, relative: RelativeMotion) -> JointEquations:
-        """The rows of a joint, from the motion of its markers."""
+        """The rows of a joint from the relative motion of its markers."""
         motion, definitions = self.axes.relative_motion(joint, relative)
         residuals = tuple(row.derivatives(joint, motion) for row in self.removes)
         driven = None if self.driven is None else self.driven.derivatives(joint, motion)

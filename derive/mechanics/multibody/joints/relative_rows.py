@@ -31,10 +31,10 @@ ANGLE = Key(
 FORCE_UNITS = {"m": "N", "rad": "N m"}
 
 MOTION = sp.Matrix([sp.Dummy("d1"), sp.Dummy("d2"), sp.Dummy("theta")])
-"""What rows are functions of: the displacement along the two axes, and the relative rotation."""
+"""The variables of the functions of rows: the displacement along the two axes (m) and the relative rotation (rad)."""
 
 RowFunction = Callable[[Joint, sp.Matrix, sp.Expr], sp.Expr]
-"""Of a joint, the displacement (2, 1) along its axes, m, and the relative rotation, rad."""
+"""A function of a joint, of the displacement (2, 1) along its axes, m, and of the relative rotation, rad."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class RelativeRow:
 
     @property
     def speed_unit(self) -> str:
-        """The unit of the time derivative."""
+        """The unit of the time derivative of the row."""
         return f"{self.unit}/s"
 
     def derivatives(self, joint: Joint, motion: tuple[Derivatives, ...]) -> Derivatives:
@@ -101,9 +101,9 @@ ROTATION = RelativeRow(
 
 
 class Axes(Enum):
-    """Along which the displacement between the markers is resolved; the values are its rows.
+    """The axes along which the displacement between the markers is resolved; the values are their rows.
 
-    Those of the inertial frame, or the `axis` of the joint and its normal e3 x axis, which body 1 carries.
+    They are those of the inertial frame, or the `axis` of the joint and its normal e3 x axis, both fixed in body 1.
     """
 
     INERTIAL = (ALONG_E1, ALONG_E2)
@@ -115,7 +115,7 @@ class Axes(Enum):
         return (*self.value, ROTATION)
 
     def directions(self, joint: Joint) -> tuple[sp.Matrix, sp.Matrix]:
-        """The two axes in the frame that carries them."""
+        """The two axes in the frame to which they are fixed."""
         along = sp.Matrix([1, 0]) if self is Axes.INERTIAL else unit_axis(joint)
         return along, _across(along)
 
@@ -131,17 +131,17 @@ class Axes(Enum):
 
     @property
     def keys(self) -> tuple[Key, ...]:
-        """Those of a joint on which its axes depend."""
+        """The keys of a joint on which its axes depend."""
         return () if self is Axes.INERTIAL else (AXIS,)
 
     @property
     def intermediates(self) -> tuple[str, ...]:
-        """The labels of the definitions that a joint makes of its axes, so that no other name of a scene meets them."""
+        """The labels of the definitions of the axes of a joint, which must not coincide with other names of a scene."""
         return () if self is Axes.INERTIAL else ("axis_1", "axis_2")
 
 
 def unit_axis(joint: Joint) -> sp.Matrix:
-    """The axis of a joint, of length one exactly: a point of the circle that is rational."""
+    """The axis of a joint as a unit vector with rational components: a rational point of the unit circle."""
     axis = sp.Matrix([sp.Rational(x) for x in joint.axis])
     length = sp.sqrt(axis.dot(axis))
     if length.is_Rational:
@@ -157,7 +157,7 @@ def _across(direction: sp.Matrix) -> sp.Matrix:
 
 
 def _axis_of_body_1(joint: Joint, first: PointMotion) -> tuple[sp.Matrix, tuple[Intermediate, ...]]:
-    """The axis in the inertial frame; where the first body rotates, under names of its own."""
+    """The axis in the inertial frame; if the first body rotates, its components are symbols with definitions."""
     axis = unit_axis(joint)
     if first.rotation.is_zero:
         return axis, ()
@@ -172,7 +172,7 @@ def _axis_of_body_1(joint: Joint, first: PointMotion) -> tuple[sp.Matrix, tuple[
 
 
 def _component(relative: RelativeMotion, direction: sp.Matrix) -> Derivatives:
-    """direction . displacement, differentiated with direction' = (angular velocity) e3 x direction."""
+    """The component direction . displacement, differentiated with direction' = (angular velocity) e3 x direction."""
     across = _across(direction)
     displacement, rate, second = relative.displacement
     _, omega, omegadot = relative.first.rotation_derivatives

@@ -7,7 +7,7 @@ from derive.mechanics.multibody.joints.relative_rows import ALONG_E1, ALONG_E2, 
 
 
 class Revolute(JointType):
-    """No displacement; a drive prescribes the relative rotation."""
+    """A revolute joint: no displacement between the markers; a drive prescribes the relative rotation."""
 
     doc = "the markers coincide"
     removes = (ALONG_E1, ALONG_E2)

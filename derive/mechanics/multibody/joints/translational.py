@@ -7,7 +7,7 @@ from derive.mechanics.multibody.joints.relative_rows import ALONG_AXIS, NORMAL_T
 
 
 class Translational(JointType):
-    """No displacement normal to an axis that is fixed in the first body, and a constant rotation."""
+    """A translational joint: no displacement normal to an axis fixed in the first body, and a constant rotation."""
 
     doc = "the second marker stays on a line through the first, and the relative rotation is constant"
     axes = Axes.OF_BODY_1

@@ -7,7 +7,7 @@ from derive.mechanics.multibody.joints.relative_rows import ALONG_E1, ALONG_E2, 
 
 
 class Weld(JointType):
-    """Neither displacement nor rotation, but for a constant angle."""
+    """A weld: no displacement between the markers, and a constant relative rotation."""
 
     doc = "the markers coincide and the relative rotation is constant"
     removes = (ALONG_E1, ALONG_E2, ROTATION)

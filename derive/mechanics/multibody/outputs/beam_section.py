@@ -40,7 +40,7 @@ class BeamSection:
     """A section of a beam, or of a piece of a rod, with the constants of the output that asks for it."""
 
     def __init__(self, name: str, scene: SceneMechanics, component: str, at: Fraction, position: sp.Matrix) -> None:
-        """component: the beam or the piece; at: the place xi of the section on it; position: that in the scene."""
+        """component: the beam or the piece; at: the xi of the section on it; position: its inertial position."""
         self.name, self.scene, self.component, self.at, self.position = name, scene, component, at, position
         self._constants: dict[sp.Symbol, ModelConstant] = {}
         self.rod, self.piece, self.places = piece_of_component(scene, component)
@@ -58,12 +58,12 @@ class BeamSection:
 
     @property
     def curvature(self) -> sp.Expr:
-        """d^2v/dx^2."""
+        """The curvature d^2v/dx^2."""
         return self._bent(2, "curvature", "curvature", "1/m^2")
 
     @property
     def curvature_slope(self) -> sp.Expr:
-        """d^3v/dx^3."""
+        """The derivative of the curvature, d^3v/dx^3."""
         return self._bent(3, "curvature_slope", "derivative of the curvature", "1/m^3")
 
     def _bent(self, order: int, label: str, doc: str, unit: str) -> sp.Expr:
@@ -90,11 +90,11 @@ class BeamSection:
 
     @property
     def damping_moment_slope(self) -> sp.Expr:
-        """Its derivative along the axis."""
+        """The derivative of the bending moment of the damping along the axis."""
         return self._damped(3, "damping_slope", "derivative of the moment of the damping", "N s/m")
 
     def _damped(self, order: int, label: str, doc: str, unit: str) -> sp.Expr:
-        """What the damping adds to a derivative of the deflection, times EI."""
+        """The moment of the damping (order 2) or its slope (3): EI d^n v/dx^n with the amplitudes K^-1 B alphadot."""
         beam, total = self.rod.beam, sp.S.Zero
         if beam.damping is None:
             return total
@@ -109,14 +109,14 @@ class BeamSection:
         return total
 
     def _derivatives(self, order: int) -> dict[int, sp.Expr]:
-        """By their numbers, d^n phi_i/dx^n of the shapes of bending (n = 2, 3), or dchi_k/dx of stretching (n = 1)."""
+        """By shape number, d^n phi_i/dx^n of the shapes of bending (n = 2, 3), or dchi_k/dx of stretching (n = 1)."""
         axis = min(order, 2)  # bending is along e2, stretching along e1
         unit = (2 / self.length) ** order
         fields = ((i, field.of) for i, field in enumerate(self.shapes, 1) if field.axis == axis)
         return {i: rational(shape.derivative(order).at(self.at)) * unit for i, shape in fields}
 
     def resultant(self) -> Resultant:
-        """What the part to the right of the section exerts on the left one; the torque is about the section.
+        """The force of the part to the right of the section on the left part, and its torque about the section.
 
         What acts at the section itself acts on the left part, but for the right end, where it acts on the right one.
         """
@@ -132,7 +132,7 @@ class BeamSection:
         return self.scene.loads(on_the_right, about) + self._distributed() + -self._inertia()
 
     def _is_right(self, place: Fraction) -> bool:
-        """Whether what acts or is fixed at xi = `place` of the piece belongs to the part to the right."""
+        """Whether a load or a mass at xi = `place` of the piece belongs to the part to the right."""
         return place > self.at or place == 1
 
     def _distributed(self) -> Resultant:
@@ -170,7 +170,7 @@ class BeamSection:
 
     @property
     def _second(self) -> Mapping[tuple[int, int], BeamFunction]:
-        """psi_ij length/2 for i <= j; empty at first order."""
+        """The functions psi_ij length/2 for i <= j; empty at first order."""
         beam = self.rod.beam
         if beam.order is DisplacementOrder.FIRST_ORDER:
             return {}
@@ -179,7 +179,7 @@ class BeamSection:
 
     @property
     def rotation(self) -> sp.Matrix:
-        """Q of the body."""
+        """The rotation matrix Q of the body."""
         phi = self.instance.coordinates[2].q
         return sp.Matrix([[sp.cos(phi), -sp.sin(phi)], [sp.sin(phi), sp.cos(phi)]])
 
@@ -209,7 +209,7 @@ class BeamSection:
         return Resultant(sp.Matrix([force1, force2]), torque).about(origin, about)
 
     def constant(self, label: str, value: sp.Expr, doc: str, unit: str) -> sp.Expr:
-        """A number as it is; what depends on parameters as a constant of the model."""
+        """Return a number as it is, and a value that depends on parameters as a constant of the model."""
         value = sp.expand(value)
         if value.is_Rational:
             return value
@@ -219,7 +219,7 @@ class BeamSection:
 
 
 def piece_of_component(scene: SceneMechanics, component: str) -> tuple[BeamBody, int, dict[str, Fraction]]:
-    """The rod of a component, its number in the rod, from 0, and the places xi of the markers on it."""
+    """The rod of a component, its number in the rod, from 0, and the positions xi of the markers on it."""
     for body in scene.scene.bodies:
         if not isinstance(body, BeamBody):
             continue

@@ -1,4 +1,4 @@
-"""The deflection of a marker from the chord between two others: the output, and what plots share with it."""
+"""The deflection of a marker from the chord between two others, as an output and for plots."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ Number = TypeVar("Number")
 def distance_from_line(points: Iterable[Any], length: Callable[[Any, Any], Number]) -> Number:
     """The distance of a point to the left of a line: `points` are the point, the start and the end of the line.
 
-    All have two components, which may be expressions or arrays; length: that of a vector from its components.
+    All have two components, which may be expressions or arrays. length: the function that gives the
+    length of a vector from its components.
     """
     point, start, end = points
     along, arm = ([b[i] - a[i] for i in range(2)] for a, b in ((start, end), (start, point)))
@@ -41,7 +42,7 @@ def distance_from_line(points: Iterable[Any], length: Callable[[Any, Any], Numbe
 
 
 def deflection_doc(marker: MarkerRef, chord: tuple[MarkerRef, MarkerRef], divided_by: float | None) -> str:
-    """A deflection in words."""
+    """The description of a deflection."""
     divisor = "" if divided_by is None else f", divided by {divided_by:g} m"
     return f"deflection of {marker} from the chord {chord[0]} to {chord[1]}{divisor}"
 
@@ -53,7 +54,7 @@ class ChordDeflection(OutputType):
     keys = (MARKER, CHORD, DIVIDED_BY)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """One component: a length, or a ratio."""
+        """Return one component: a length, or a ratio."""
         marker, chord, divisor = values["marker"], values["chord"], values.get("divided_by")
         points = (scene.point(at).position for at in (marker, *chord))
         distance = distance_from_line(points, lambda x, y: length_of(sp.Matrix([x, y])))

@@ -15,7 +15,7 @@ from derive.mechanics.symbols import Family, identity
 
 
 class Energies(OutputType):
-    """Kinetic energy, strain energy with that of springs, the potential of gravity, and their sum."""
+    """The kinetic energy, the strain energy including springs, the potential energy of gravity, and their sum."""
 
     doc = "kinetic, strain (with springs), gravitational and total energy"
     labels = ("kinetic", "strain", "gravity", "total")
@@ -23,7 +23,7 @@ class Energies(OutputType):
     keys: tuple[Key, ...] = ()
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """Four components, of all bodies, those included whose motion is prescribed."""
+        """Return four energies, summed over all bodies, including those whose motion is prescribed."""
         kinetic, strain, weight = (sp.Add(*(i.energies[k] for i in scene.instances.values())) for k in range(3))
         strain += sp.Add(*(force.potential for force in scene.generalised))
         return OutputComponents(
@@ -45,7 +45,7 @@ class Powers(OutputType):
     keys: tuple[Key, ...] = ()
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """Three components; the power of springs is that of their dampers, the rest is stored."""
+        """Return three powers; that of springs is the power of their dampers, since they store the rest."""
         loads = [scene.power(f) for f in scene.forces if f.type.section != "springs"]
         drives = [scene.drive_force(d) * scene.drive_rate(d) for d in scene.scene.drives]
         dissipated = sp.Add(*(force.dissipation for force in scene.generalised))
@@ -60,7 +60,7 @@ class Powers(OutputType):
 
 
 def _material_damping(instance: InstanceEquations) -> sp.Expr:
-    """The power that the material damping of an instance takes, - alphadot . B alphadot."""
+    """The power of the material damping of an instance, - alphadot . B alphadot."""
     rates = {row.name: row.v for row in instance.rows}
     damping = (term for term in instance.terms if any(map(_is_damping, term.expr.free_symbols)))
     return -sp.Add(*(term.expr * rates[term.row] for term in damping))

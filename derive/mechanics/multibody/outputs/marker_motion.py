@@ -36,7 +36,7 @@ class MarkerVector(OutputType):
         self.doc, self.order, self.unit = doc, order, unit
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """The components along e1 and e2 of the frame."""
+        """Return the components along e1 and e2 of the frame."""
         vector = observed(scene, values["marker"], values.get("frame"))[self.order]
         where = f"of {values['marker']} along e{{}} of {values.get('frame') or 'the inertial frame'}"
         return OutputComponents(
@@ -56,7 +56,7 @@ class MarkerRotation(OutputType):
         self.doc, self.order, self.unit = doc, order, unit
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """One component, about e3."""
+        """Return one component, the rotation about e3 or its time derivative."""
         frame = values.get("frame")
         rotation = scene.point(values["marker"]).rotation_derivatives[self.order]
         if frame is not None:
@@ -73,7 +73,7 @@ class Distance(OutputType):
     keys = (Key("between", KeyType.MARKER_PAIR, "", 'Two markers, such as ["ground.o", "rod.right"].', required=True),)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """One component."""
+        """Return one component, the distance."""
         first, second = values["between"]
         displacement, _, _ = RelativeMotion(scene.point(first), scene.point(second)).displacement
         doc = f"distance from {first} to {second}"
@@ -87,7 +87,7 @@ class Inclination(OutputType):
     keys = (*Distance.keys, FRAME)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """One component."""
+        """Return one component, the angle."""
         frame = values.get("frame")
         ends = (observed(scene, marker, frame)[0] for marker in values["between"])
         first, second = map(sp.Matrix, ends)
@@ -123,5 +123,5 @@ def rotation_matrix(at: PointMotion) -> sp.Matrix:
 
 
 def across(vector: sp.Matrix) -> sp.Matrix:
-    """e3 x vector."""
+    """The vector product e3 x vector."""
     return sp.Matrix([-vector[1], vector[0]])

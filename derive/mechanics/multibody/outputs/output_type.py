@@ -1,4 +1,4 @@
-"""What a type of output declares: its keys, its components with their units, and their expressions."""
+"""The base class of the types of outputs: their keys, and their components with units and expressions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from derive.mechanics.terms import ModelConstant
 class OutputComponent:
     """A number that an output consists of.
 
-    label: what follows the name of the output, empty if there is one component; unit: its SI unit; doc: what it is;
+    label: the suffix to the name of the output, empty if there is one component; unit: its SI unit; doc: a description;
     expr: its value in the symbols of the mechanism, its accelerations and multipliers.
     """
 
@@ -39,7 +39,7 @@ class OutputComponents:
 class OutputType(ABC):
     """A type of output. Subclasses are registered in `registry.OUTPUTS`.
 
-    doc: what the output is, in a clause; keys: what its table has besides `kind`; labels: those of its components;
+    doc: a description, in a clause; keys: the keys of its table besides `kind`; labels: the labels of its components;
     counts_inertia: whether it depends on the inertia of bodies whose motion is prescribed.
     """
 
@@ -50,7 +50,7 @@ class OutputType(ABC):
 
     @abstractmethod
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """The components of the output `name` from the values of its keys."""
+        """Return the components of the output `name` from the values of its keys."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ class Reaction(OutputType):
     keys = (Key("joint", KeyType.JOINT, "", "Name of the joint.", required=True),)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """Two components in the inertial frame, and the torque about the second marker."""
+        """Return two force components in the inertial frame, and the torque about the second marker."""
         return _resultant(scene.reaction(values["joint"]), f"of joint {values['joint']} on body 2")
 
 
@@ -34,7 +34,7 @@ class DriveForce(OutputType):
     keys = (Key("drive", KeyType.DRIVE, "", "Name of the drive.", required=True),)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """One component: the work of the drive on the relative coordinate of its joint."""
+        """Return one component, whose virtual work is that of the drive on the relative coordinate of its joint."""
         drive = next(d for d in scene.scene.drives if d.name == values["drive"])
         driven = JOINTS[next(j.kind for j in scene.scene.joints if j.name == drive.joint)].driven
         assert driven is not None
@@ -50,7 +50,7 @@ class SpringForce(OutputType):
     keys = (Key("spring", KeyType.SPRING, "", "Name of the spring.", required=True),)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """Two components in the inertial frame, and the torque."""
+        """Return two force components in the inertial frame, and the torque."""
         spring = next(f for f in scene.forces if f.element.name == values["spring"])
         second = spring.markers[-1]
         on_second = scene.force_on(spring, lambda marker: marker == second, scene.position(second))
@@ -58,6 +58,6 @@ class SpringForce(OutputType):
 
 
 def _resultant(of: Resultant, text: str) -> OutputComponents:
-    """A force and a torque as components."""
+    """The components of a force and a torque, with units and descriptions."""
     forces = [OutputComponent(str(k), "N", f"force {text} along e{k}", sp.expand(of.force[k - 1])) for k in (1, 2)]
     return OutputComponents((*forces, OutputComponent("torque", "N m", f"torque {text}", sp.expand(of.torque))))

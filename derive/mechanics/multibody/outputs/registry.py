@@ -1,4 +1,4 @@
-"""The registry of outputs: one line for each; those are what `kind` may be in `[outputs.NAME]`."""
+"""The registry of outputs, one line for each kind: the values of `kind` in `[outputs.NAME]`."""
 
 from __future__ import annotations
 

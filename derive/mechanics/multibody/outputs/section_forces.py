@@ -34,7 +34,7 @@ class SectionForce(OutputType):
         self.doc, self.axis = doc, axis
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """The component along the tangent (axial force) or along the normal of the section (shear force)."""
+        """Return the component along the tangent (axial force) or along the normal of the section (shear force)."""
         section = _marked_section(name, scene, values["section"])
         resultant = section.resultant()
         angle = scene.point(values["section"]).rotation
@@ -52,7 +52,7 @@ class BendingMoment(OutputType):
     keys = (SECTION,)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """Two components."""
+        """Return two components: the bending moment from equilibrium, and that from the curvature and its rate."""
         section = _marked_section(name, scene, values["section"])
         moment = section.resultant().torque
         bending = section.bending_stiffness * section.curvature + section.damping_moment
@@ -68,13 +68,13 @@ class BendingMoment(OutputType):
 
 
 class MomentGap(OutputType):
-    """What the shapes of a beam leave of the bending moment at a section: how well they represent it there."""
+    """The bending moment from equilibrium less that from the curvature: the error of the shapes at a section."""
 
     doc = "bending moment from equilibrium, less that from the curvature"
     keys = (SECTION,)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """One component."""
+        """Return one component, the gap."""
         moments = BendingMoment().components(name, values, scene)
         equilibrium, bending = (c.expr for c in moments.components)
         doc = f"{self.doc} at {values['section']}"
@@ -82,7 +82,7 @@ class MomentGap(OutputType):
 
 
 class ShearGap(OutputType):
-    """What the shapes of a beam leave of the derivative of the bending moment at a section: of its shear force.
+    """The derivative of the bending moment from the shear force in equilibrium, less that of the shapes.
 
     The shear force is across the deformed axis; at first order, which does not know how an axial force acts on slopes,
     across e1 of the floating frame.
@@ -92,7 +92,7 @@ class ShearGap(OutputType):
     keys = (SECTION,)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """One component."""
+        """Return one component, the gap."""
         section = _marked_section(name, scene, values["section"])
         first = section.rod.beam.order is DisplacementOrder.FIRST_ORDER
         angle = section.instance.coordinates[2].q if first else scene.point(values["section"]).rotation
@@ -103,13 +103,13 @@ class ShearGap(OutputType):
 
 
 class Curvature(OutputType):
-    """d^2v/dx^2 at a section."""
+    """The curvature d^2v/dx^2 of a beam at a section."""
 
     doc = "curvature of a beam"
     keys = (SECTION,)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """One component."""
+        """Return one component, the curvature."""
         section = _marked_section(name, scene, values["section"])
         curvature = section.curvature
         doc = f"curvature at {values['section']}"
@@ -117,13 +117,13 @@ class Curvature(OutputType):
 
 
 class Strain(OutputType):
-    """The axial strain of a fibre: that of the axis, if the beam stretches, - height d^2v/dx^2."""
+    """The axial strain of a fibre: the strain of the axis, if the beam stretches, less height d^2v/dx^2."""
 
     doc = "axial strain of a fibre of a beam"
     keys = (SECTION, HEIGHT)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """One component."""
+        """Return one component, the strain."""
         section = _marked_section(name, scene, values["section"])
         strain = section.axial_strain - values["height"] * section.curvature
         doc = f"strain of a fibre at {values['section']}"
@@ -131,7 +131,7 @@ class Strain(OutputType):
 
 
 class AxialLoad(OutputType):
-    """The axial force of a beam or of a piece as its inertia distributes it: what monitors compare with its EI.
+    """A term of the axial force of a beam or a piece as its inertia distributes it, which monitors compare with its EI.
 
     Along e1 of the floating frame, N(xi) = N_0 + N_1 xi + N_2 xi^2: from equilibrium in the middle, and with the
     acceleration of the frame along e1, less that of free fall, and its angular velocity. This is the inertia of a
@@ -141,12 +141,12 @@ class AxialLoad(OutputType):
     keys = (Key("component", KeyType.CHOICE, "", "The beam, or a piece of it.", required=True),)
 
     def __init__(self, power: int) -> None:
-        """power: that of xi in the term of N."""
+        """power: the exponent of xi in the term of N."""
         self.power = power
         self.doc = f"factor of xi^{power} in the axial force of" if power else "axial force in the middle of"
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
-        """One component."""
+        """Return one component, the factor N_power."""
         component = values["component"]
         instance = scene.instances[component]
         section = BeamSection(name, scene, component, Fraction(0), sp.Matrix(instance.origin))
@@ -167,6 +167,6 @@ class AxialLoad(OutputType):
 
 
 def _marked_section(name: str, scene: SceneMechanics, marker: MarkerRef) -> BeamSection:
-    """The section at a marker."""
+    """The section of a beam at a marker."""
     _, _, places = piece_of_component(scene, marker.body)
     return BeamSection(name, scene, marker.body, places[marker.marker], scene.position(marker))
