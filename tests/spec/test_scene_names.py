@@ -28,7 +28,7 @@ PLOT = '[plots.p]\ndeflection = "bar.b"\nchord = ["rod.left", "rod.right"]\ndivi
         (
             ("[bodies.rod]", "[bodies.Ground]"),
             "",
-            '8: bodies.Ground: "Ground" is the name of the inertial base, whose markers are in [ground.markers]; '
+            '8: bodies.Ground: "Ground" is the name of the inertial frame, whose markers are in [ground.markers]; '
             "choose another name",
         ),
         (

@@ -38,7 +38,7 @@ def scene_faults(data: Raw) -> list[Fault]:
 def _ground(view: SceneData) -> Iterator[Fault]:
     for name in view.names_of_bodies:
         if name.lower() == GROUND:
-            text = f"{quoted(name)} is the name of the inertial base, whose markers are in [ground.markers]"
+            text = f"{quoted(name)} is the name of the inertial frame, whose markers are in [ground.markers]"
             yield Fault(("bodies", name), f"{text}; choose another name")
 
 
