@@ -88,7 +88,7 @@ def test_links_lead_somewhere(page: Path) -> None:
 
 REPLACED = (
     "move far and turn a lot",
-    "inertial frame",
+    "inertial base",
     "waits for its coordinates",
     "written out",
     "are foreseen",
