@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -231,6 +232,7 @@ def test_modes_of_a_free_beam_warn_of_a_blow_in_its_middle() -> None:
     assert len(trajectory.warnings) == 1
 
 
+@cache
 def pushed(highest: int, pieces: int) -> Trajectory:
     """A rod between two pins that is pushed near one end from t = 0 on, so that all its modes vibrate."""
     markers = ", ".join(f"at{i} = {xi}" for i, xi in enumerate(PLACES))
@@ -250,7 +252,7 @@ def pushed(highest: int, pieces: int) -> Trajectory:
 PLACES = (-0.8, -0.4, 0.1, 0.5, 0.8)
 
 
-@pytest.mark.parametrize(("highest", "pieces"), [(3, 1), (4, 1), (3, 2), (3, 3)])
+@pytest.mark.parametrize(("highest", "pieces"), [(3, 1), (4, 1), (3, 2)])
 def test_each_vibration_is_late_by_its_own_missed_energy(highest: int, pieces: int) -> None:
     """Most of the strain energy is in the slowest vibration, which is right; the faster ones lose their phase."""
     exact, trajectory = pushed(4, 4), pushed(highest, pieces)

@@ -69,7 +69,7 @@ def both(tmp_path: Path) -> list[Path]:
     "arguments",
     [
         ["study", "accuracy", "--own-reference", "--shapes", "2", "--pieces", "1", "--tolerances", "1e-4"],
-        ["study", "methods", "--steps", "100", "--states", "5"],
+        pytest.param(["study", "methods", "--steps", "100", "--states", "5"], marks=pytest.mark.long),
         ["study", "pivots", "--pieces", "1", "--states", "5"],
     ],
 )
