@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from derive.artifacts import File, write
     from derive.derivation import derive, derive_modal, lower, modal, parameters
     from derive.errors import SpecError, TisserandError
-    from derive.export.casadi_loading import casadi_function
+    from derive.export.casadi.loading import casadi_function
     from derive.export.host_model import HostModel, host_model
     from derive.export.registry import exported
     from derive.ir.interpreter import interpret
@@ -137,7 +137,7 @@ _MODULES = {
         "SpecError",
         "TisserandError",
     ),
-    "derive.export.casadi_loading": ("casadi_function",),
+    "derive.export.casadi.loading": ("casadi_function",),
     "derive.export.host_model": ("HostModel", "host_model"),
     "derive.export.registry": ("exported",),
     "derive.ir.interpreter": ("interpret",),

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from derive.export.acados_model import ACADOS
-from derive.export.casadi_external import CASADI
+from derive.export.casadi.acados import ACADOS
+from derive.export.casadi.external import CASADI
 from derive.export.cmake import CMAKE
-from derive.export.exudyn_body import EXUDYN
-from derive.export.exudyn_floating_frame import EXUDYN_FFRF
-from derive.export.fmi import FMU2, FMU2_ALL, FMU3, FMU3_ALL
+from derive.export.exudyn.body import EXUDYN
+from derive.export.exudyn.floating_frame import EXUDYN_FFRF
+from derive.export.fmi.fmu import FMU2, FMU2_ALL, FMU3, FMU3_ALL
 from derive.export.fortran import FORTRAN
 from derive.export.host_model import host_model
 from derive.export.interface import HostFile, Interface, exported_files
-from derive.export.jax_module import JAX
+from derive.export.jax.module import JAX
 from derive.export.octave import OCTAVE
 from derive.export.petsc import PETSC
 from derive.export.rust import RUST

@@ -12,7 +12,7 @@ import pytest
 
 import derive
 from derive.artifacts import File
-from derive.export.casadi_loading import casadi_function
+from derive.export.casadi.loading import casadi_function
 from derive.export.host_model import host_model
 from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import compile_shared

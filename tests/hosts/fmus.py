@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 import derive
 from conftest import ROOT
-from derive.export.fmi import fmu
-from derive.export.fmi_binaries import this_platform
+from derive.export.fmi.binaries import this_platform
+from derive.export.fmi.fmu import fmu
 from derive.export.host_model import HostModel, host_model
 from derive.spec.toml.read import parse
 

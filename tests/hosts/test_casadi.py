@@ -15,7 +15,7 @@ from programs import program, run
 
 import derive
 from conftest import ROOT
-from derive.export.casadi_graph import model_graph
+from derive.export.casadi.graph import model_graph
 from derive.export.host_model import HostModel, host_model
 from derive.export.interface import exported_files
 from derive.export.registry import INTERFACES

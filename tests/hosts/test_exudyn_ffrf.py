@@ -20,7 +20,7 @@ from scipy.sparse import kron
 import derive
 from conftest import ROOT
 from derive.errors import SpecError
-from derive.export.exudyn_floating_frame import floating_frame_arguments
+from derive.export.exudyn.floating_frame import floating_frame_arguments
 from derive.reduction.body import prepare, reduce
 from derive.reduction.integrals import antisymmetric, shape_integrals
 from derive.sid.read import read

@@ -11,7 +11,7 @@ from host_models import PUSHED, STEERED
 
 import derive
 from conftest import ROOT
-from derive.export.fmi_variables import fmi_variables
+from derive.export.fmi.variables import fmi_variables
 from derive.export.host_model import HostModel
 
 pytestmark = pytest.mark.hosts

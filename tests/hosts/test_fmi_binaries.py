@@ -14,7 +14,7 @@ from programs import program, run
 import derive
 from derive import cache
 from derive.export import fmi_binaries
-from derive.export.fmi_binaries import PLATFORMS, CompilerError, Platform, compiled, this_platform
+from derive.export.fmi.binaries import PLATFORMS, CompilerError, Platform, compiled, this_platform
 from derive.export.registry import exported
 from derive.spec.toml.read import parse
 

@@ -10,7 +10,7 @@ import pytest
 from fmus import VERSIONS, fmpy, model_of, unit
 from numpy.typing import NDArray
 
-from derive.export.fmi_variables import Causality, FmiVariable, fmi_variables
+from derive.export.fmi.variables import Causality, FmiVariable, fmi_variables
 
 pytestmark = pytest.mark.hosts
 

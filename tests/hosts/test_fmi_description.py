@@ -13,8 +13,8 @@ from programs import program, run
 from test_fmi_derivatives import Exchange
 
 from derive.errors import SpecError
-from derive.export.fmi_dependencies import dependencies
-from derive.export.fmi_variables import Causality, fmi_variables
+from derive.export.fmi.dependencies import dependencies
+from derive.export.fmi.variables import Causality, fmi_variables
 from derive.export.host_model import host_model
 from derive.export.registry import exported
 from derive.spec.toml.read import parse

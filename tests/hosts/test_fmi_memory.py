@@ -10,7 +10,7 @@ import pytest
 from fmus import VERSIONS, model_of, unit
 from programs import program, run
 
-from derive.export.fmi_variables import fmi_variables
+from derive.export.fmi.variables import fmi_variables
 
 pytestmark = pytest.mark.hosts
 

@@ -12,7 +12,7 @@ import pytest
 from fmus import LIVING, VERSIONS, fmpy, prepared, unit
 from host_models import PUSHED
 
-from derive.export.fmi_variables import fmi_variables
+from derive.export.fmi.variables import fmi_variables
 
 pytestmark = pytest.mark.hosts
 

@@ -9,7 +9,7 @@ import pytest
 from host_models import PUSHED, STEERED, prepared, scene
 
 import derive
-from derive.export.fmi_variables import Causality, fmi_variables
+from derive.export.fmi.variables import Causality, fmi_variables
 from derive.export.host_model import host_model
 from derive.spec.toml.read import parse
 

@@ -12,7 +12,7 @@ from made import Made, close, make, state
 
 import derive
 from derive.cli.main import main
-from derive.export.casadi_graph import model_graph
+from derive.export.casadi.graph import model_graph
 from derive.export.host_model import host_model
 from derive.simulation.drive_jumps import check_drives
 from derive.spec.as_tables import scene_tables

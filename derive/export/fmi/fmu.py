@@ -11,10 +11,10 @@ from functools import partial
 from derive.artifacts import MARK, BinaryFile
 from derive.backends.description import LICENCE
 from derive.errors import Problem, SpecError
-from derive.export.fmi_binaries import PLATFORMS, Platform, c_files, compiled, this_platform
-from derive.export.fmi_dependencies import dependencies
-from derive.export.fmi_units import unit_definitions
-from derive.export.fmi_variables import Causality, FmiVariable, fmi_variables, nominals
+from derive.export.fmi.binaries import PLATFORMS, Platform, c_files, compiled, this_platform
+from derive.export.fmi.dependencies import dependencies
+from derive.export.fmi.units import unit_definitions
+from derive.export.fmi.variables import Causality, FmiVariable, fmi_variables, nominals
 from derive.export.host_model import HostModel
 from derive.export.interface import RECORD, HostFile, Interface
 from derive.rendering import render

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE
 from derive.errors import Problem, SpecError
-from derive.export.array_functions import LOOPS
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
+from derive.export.jax.array_functions import LOOPS
 from derive.export.reference_motion import ACCEPTED, reference_motion
 from derive.ir.model import Model
 from derive.rendering import render

@@ -5,9 +5,9 @@ from __future__ import annotations
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE, description, model_text, pattern_texts
 from derive.backends.wrapping import prefixed
-from derive.export.array_functions import array_functions, wrapped
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
+from derive.export.jax.array_functions import array_functions, wrapped
 from derive.rendering import render
 
 

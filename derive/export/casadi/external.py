@@ -11,7 +11,7 @@ from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE
 from derive.backends.wrapping import prefixed
 from derive.export.c_parts import host_copy
-from derive.export.casadi_graph import INPUTS, OUTPUTS, model_graph, sizes_of
+from derive.export.casadi.graph import INPUTS, OUTPUTS, model_graph, sizes_of
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
 from derive.rendering import render

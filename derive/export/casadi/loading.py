@@ -8,7 +8,7 @@ from pathlib import Path
 import casadi as ca
 
 from derive.artifacts import write
-from derive.export.casadi_external import casadi_files
+from derive.export.casadi.external import casadi_files
 from derive.export.host_model import HostModel
 from derive.runtime.compiler import FLAGS, WITHOUT_BATCHES
 from derive.runtime.loading import library_data

@@ -1,0 +1,1 @@
+"""Models as functions of CasADi, and as models of acados."""
