@@ -30,7 +30,7 @@ class CompiledFunction:
     must have the right length; an output that the caller gives must be such a vector, writeable, and apart from the
     inputs. The arrays of the last call are kept, and recognised as the same objects: their values may have changed, but
     not where they are, so that neither their length is checked nor their address looked up again. An array that had to
-    be converted is not recognised, since its conversion has the values of then.
+    be converted is not recognised, since its converted copy has the values of that call.
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class CompiledFunction:
         constants: int = -1,
         order: Callable[[Callable[..., int]], Callable[..., int]] = lambda function: function,
     ) -> None:
-        """function: of ctypes; name: that of messages.
+        """function: a function of ctypes; name: its name in messages.
 
         inputs, results: lengths of the vectors. build: hash and name of the model whose `setup` the constants must come
         from; constants: which input that is. order: makes a function that takes the numbers first of one that does not.
@@ -88,7 +88,7 @@ class CompiledFunction:
         return result
 
     def at(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """The same for the inputs q, v, k and the number t: faster where all arrays are those of the last call."""
+        """The first result for the inputs q, v, k and the number t; faster if all arrays are those of the last call."""
         (last_q, last_v, last_k), addresses, _ = self._known
         (last,), place, _ = self._known_out
         if not (q is last_q and v is last_v and k is last_k and out is last and type(t) is float):

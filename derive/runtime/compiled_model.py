@@ -42,7 +42,7 @@ class CompiledFunctions(dict[str, CompiledFunction]):
 
 
 def not_explicit(name: str) -> CompilerError:
-    """The error of a call of what a model for explicit integration does not have."""
+    """The error of a call of a function that a model for explicit integration does not have."""
     return CompilerError(
         f"there is no {name} in this library, whose model is for explicit integration alone: `derive.lower` and "
         "`build` make complete ones"
@@ -50,7 +50,7 @@ def not_explicit(name: str) -> CompilerError:
 
 
 NO_PATTERN = Pattern(0, 0, (0,), (), symmetric=False)
-"""That of a matrix that a model does not have."""
+"""The pattern of a matrix that a model does not have."""
 
 
 class Native:
@@ -186,16 +186,16 @@ class Native:
         return self._compiled["mass"]((q, k), out=out)
 
     def force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """h(t, q, v) (nv,)."""
+        """The vector h(t, q, v) (nv,) of M vdot + h = 0."""
         return self._compiled["force"].at(t, q, v, self.own_at(t, k), out)
 
     def mass_force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
-        """Values of M, and h."""
+        """Values of M as those of `mass`, and h (nv,)."""
         values, h = self._compiled["mass_force"].results((q, v, self.own_at(t, k)), t)
         return values, h
 
     def accel(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """vdot (nv,) of M vdot + h = 0; of a scene with its constraint reactions."""
+        """The accelerations vdot (nv,) of M vdot + h = 0; those of a scene include its constraint reactions."""
         return self._compiled["accel"].at(t, q, v, self.own_at(t, k), out)
 
     def energy(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
@@ -207,11 +207,11 @@ class Native:
         return self._compiled["momentum"]((q, v, k))
 
     def rates(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """qdot (nq,) of the generalised velocities v."""
+        """The rates qdot (nq,) of the coordinates, from the generalised velocities v."""
         return self._compiled["rates"]((q, v, k), out=out)
 
     def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """F(t, y, ydot); of a scene that of index 3."""
+        """The residual F(t, y, ydot); for a scene, that of the form of index 3."""
         return self._compiled["residual"]((y, ydot, self.own_at(t, k)), t, out=out)
 
     def jacobian(
@@ -223,13 +223,13 @@ class Native:
     def parameter_jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
         """Values of the derivatives with respect to parameters and inputs [p; u], in the order of `parameter_pattern`.
 
-        The rows are those of M vdot + h - G^T lambda, g, gdot, G vdot - gamma and the outputs, of a body those of
-        M vdot + h; t, y and ydot are fixed. Raises CompilerError if the model was generated without sensitivities.
+        The rows are those of M vdot + h - G^T lambda, g, gdot, G vdot - gamma and the outputs; for a body, those
+        of M vdot + h. t, y and ydot are fixed. Raises CompilerError if the model was generated without sensitivities.
         """
         return self._of_sensitivities("parameter_jacobian")((y, ydot, self.own_at(t, k)), t)
 
     def solve_kkt(self, t: float, q: ArrayLike, k: ArrayLike, a: ArrayLike, b: ArrayLike = ()) -> tuple[Vector, Vector]:
-        """x (nv,) and lambda (nlambda,) of M x - G^T lambda = a (nv,), G x = b (nlambda,).
+        """The solution x (nv,), lambda (nlambda,) of M x - G^T lambda = a (nv,), G x = b (nlambda,).
 
         Raises ModelError if a pivot vanishes, CompilerError if the model was generated without sensitivities.
         """
@@ -250,14 +250,17 @@ class Native:
         return values
 
     def force_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """h (n, nv) for each row of q (n, nq) and v (n, nv). States that fail have NaN; `check`: ModelError."""
+        """The vector h (n, nv) for each row of q (n, nq), v (n, nv). States that fail have NaN; `check`: ModelError."""
         (h,) = self._batch("force", [t], [(self.nq, q), (self.nv, v)], k, [self.nv], check)
         return h
 
     def mass_force_batch(
         self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True
     ) -> tuple[Matrix, Matrix]:
-        """Values of M (n, nnz), and h (n, nv), likewise."""
+        """Values of M (n, nnz), and h (n, nv), for each row of q (n, nq) and v (n, nv).
+
+        States that fail have NaN; `check`: ModelError.
+        """
         sizes = [len(self.mass_pattern.rowidx), self.nv]
         values, h = self._batch("mass_force", [t], [(self.nq, q), (self.nv, v)], k, sizes, check)
         return values, h
@@ -268,17 +271,23 @@ class Native:
         return vdot
 
     def energy_batch(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """The energies of `energy` (n, nenergy), likewise."""
+        """The energies of `energy` (n, nenergy) for each row of q (n, nq) and v (n, nv).
+
+        States that fail have NaN; `check`: ModelError.
+        """
         (energies,) = self._batch("energy", [], [(self.nq, q), (self.nv, v)], k, [self._model.nenergy], check)
         return energies
 
     def momentum_batch(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """The momenta of `momentum` (n, nmomentum), likewise."""
+        """The momenta of `momentum` (n, nmomentum) for each row of q (n, nq) and v (n, nv).
+
+        States that fail have NaN; `check`: ModelError.
+        """
         (momenta,) = self._batch("momentum", [], [(self.nq, q), (self.nv, v)], k, [self._model.nmomentum], check)
         return momenta
 
     def rates_batch(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """qdot (n, nq), likewise."""
+        """qdot (n, nq) for each row of q (n, nq) and v (n, nv). States that fail have NaN; `check`: ModelError."""
         (qdot,) = self._batch("rates", [], [(self.nq, q), (self.nv, v)], k, [self.nq], check)
         return qdot
 
@@ -332,7 +341,7 @@ class Native:
         return checked_origin(self.hash, self.name, k)
 
     def own_at(self, t: float, k: ArrayLike) -> ArrayLike:
-        """The constants as functions of the time read them: with the inputs at t (s), where these follow functions."""
+        """The constants for functions that depend on t (s): with the inputs at t, where these follow functions."""
         return k
 
     def _batch(

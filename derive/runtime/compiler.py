@@ -1,4 +1,4 @@
-"""The C compiler: which one, how it is called, and what it says when it refuses."""
+"""The C compiler: its choice, its options, its calls, and the errors that it reports."""
 
 from __future__ import annotations
 
@@ -16,26 +16,28 @@ from derive.backends.c.optional_parts import OptionalPart
 from derive.errors import TisserandError
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-tree-slp-vectorize")
-"""No contraction into fused operations: compilers then agree bit for bit. No vectors of neighbouring statements either:
-to gather their elements takes gcc longer than they save, and in spite of the other option it fuses operations there."""
+"""The options of the compiler. Operations are not contracted into fused ones, so that compilers agree bit for bit.
+Neighbouring statements are not vectorised: gcc takes longer to gather their elements than vectors save, and it fuses
+operations there in spite of the other option."""
 
 WITHOUT_BATCHES = f"-D{OptionalPart.BATCHES.value}"
 
 ESSENTIAL = (WITHOUT_BATCHES, f"-D{OptionalPart.REDUCED_FORMS.value}")
-"""For what calls neither batches nor forms of reduced index, as explicit integrators: compilers take half the time."""
+"""Options for callers of neither batches nor forms of reduced index, such as explicit integrators: they halve the time
+of the compiler."""
 
 RUN_FLAGS = (*FLAGS, *ESSENTIAL)
 
 
 OWN_SYMBOLS = () if sys.platform in ("darwin", "win32", "cygwin") else ("-Wl,-Bsymbolic",)
-"""For the linker of ELF: a library calls its own functions even if another one, which the process has opened for all to
-see, has functions of the same names, such as another model of the same name. Other systems do so by themselves."""
+"""Options of the linker of ELF: a library calls its own functions even if the process has opened another one globally
+with functions of the same names, such as another model of the same name. Other systems do so by default."""
 
 VECTORS = {
     "avx512f avx512dq avx512vl": ("-mavx512f", "-mavx512dq", "-mavx512vl", "-mprefer-vector-width=512"),
     "avx2": ("-mavx2",),
 }
-"""What a processor must have, and the options for its vectors, the widest first."""
+"""The features that a processor must have, and the compiler options for its vectors, the widest first."""
 
 
 class CompilerError(TisserandError):
@@ -93,7 +95,7 @@ def _installed() -> list[str]:
 
 
 def compiler_identity() -> str:
-    """The C compiler with what it says of its version, by which the cache tells its libraries from those of others.
+    """The C compiler and the version that it prints, by which the cache distinguishes the libraries of compilers.
 
     Raises CompilerError.
     """
@@ -106,7 +108,7 @@ def _identity(command: tuple[str, ...]) -> str:
         done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
     except OSError as error:
         raise _cannot_run(command[0], error) from error
-    file = Path(shutil.which(command[0]) or command[0]).stat()  # a script may have changed, and say the same
+    file = Path(shutil.which(command[0]) or command[0]).stat()  # a script may have changed, and print the same version
     return f"{shlex.join(command)}\n{file.st_size} {file.st_mtime_ns}\n{done.stdout}"
 
 
@@ -118,13 +120,13 @@ def _cannot_run(command: str, error: OSError) -> CompilerError:
 def compile_shared(
     sources: Sequence[Path], library: Path, flags: Sequence[str] = FLAGS, link: Sequence[str] = ()
 ) -> Path:
-    """Compile C files into a shared library. Raises CompilerError with what the compiler said."""
+    """Compile C files into a shared library. Raises CompilerError with the output of the compiler."""
     compile_c(sources, library, [*flags, "-shared", "-fPIC", *OWN_SYMBOLS], link)
     return library
 
 
 def compile_c(sources: Sequence[Path], target: Path, flags: Sequence[str], link: Sequence[str] = ()) -> None:
-    """Compile C files and link them with `link`. Raises CompilerError with what the compiler said."""
+    """Compile C files and link them with `link`. Raises CompilerError with the output of the compiler."""
     command = [*compiler(), *flags, "-o", str(target), *map(str, sources), *link, "-lm"]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False)

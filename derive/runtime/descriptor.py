@@ -11,7 +11,7 @@ from derive.roles import Role
 
 
 class VariableStruct(ctypes.Structure):
-    """tisserand_variable."""
+    """The C structure `tisserand_variable`."""
 
     _fields_ = [
         ("name", ctypes.c_char_p),
@@ -24,7 +24,7 @@ class VariableStruct(ctypes.Structure):
 
 
 class PatternStruct(ctypes.Structure):
-    """tisserand_pattern."""
+    """The C structure `tisserand_pattern`."""
 
     _fields_ = [
         *((name, ctypes.c_int) for name in ("rows", "cols", "nnz", "symmetric")),
@@ -43,7 +43,7 @@ def _function(*arguments: Any) -> Any:
 
 
 class MarkerStruct(ctypes.Structure):
-    """tisserand_marker."""
+    """The C structure `tisserand_marker`."""
 
     _fields_ = [
         ("name", ctypes.c_char_p),
@@ -58,7 +58,7 @@ _T = ctypes.c_double
 
 
 class DaeStruct(ctypes.Structure):
-    """tisserand_dae."""
+    """The C structure `tisserand_dae`."""
 
     _fields_ = [
         ("name", ctypes.c_char_p),
@@ -70,7 +70,7 @@ class DaeStruct(ctypes.Structure):
 
 
 class SceneStruct(ctypes.Structure):
-    """tisserand_scene."""
+    """The C structure `tisserand_scene`."""
 
     _fields_ = [
         ("nbodies", ctypes.c_int),
@@ -90,7 +90,7 @@ class SceneStruct(ctypes.Structure):
 
 
 class PortsStruct(ctypes.Structure):
-    """tisserand_ports."""
+    """The C structure `tisserand_ports`."""
 
     _fields_ = [
         ("nu", ctypes.c_int),
@@ -104,7 +104,7 @@ class PortsStruct(ctypes.Structure):
 
 
 class ModelStruct(ctypes.Structure):
-    """tisserand_model."""
+    """The C structure `tisserand_model`."""
 
     _fields_ = [
         ("abi", ctypes.c_int),

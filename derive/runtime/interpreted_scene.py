@@ -64,7 +64,7 @@ class InterpretedFunction(CompiledFunction):
         return out
 
     def at(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """The same for the inputs q, v, k and the number t."""
+        """The first result for the inputs q, v, k and the number t."""
         return self((q, v, k), t, out=out)
 
     def results(self, arrays: tuple[ArrayLike, ...], *numbers: float) -> list[Vector]:

@@ -45,7 +45,7 @@ def shared_library(
 
 
 def library_data(sources: Sequence[Path], folder: Path, flags: Sequence[str] = FLAGS) -> bytes:
-    """The library of C files, likewise: `load_data` loads it in another process, on a machine of the same kind."""
+    """The library of C files as bytes, which `load_data` loads in another process on a machine of the same kind."""
     return _compiled(sources, folder, flags, ()).read_bytes()
 
 
@@ -66,7 +66,7 @@ def model_library(files: Sequence[File], flags: Sequence[str] = FLAGS) -> tuple[
 
 
 def _compiled(sources: Sequence[Path], folder: Path, flags: Sequence[str], link: Sequence[str]) -> Path:
-    """Compile C files, which are below a folder with all that they include; the path of the library in this folder.
+    """Compile C files, which are below a folder with all that they include, and return the path of the library there.
 
     flags, link: of the compiler. A library that the cache keeps of the same files, flags and compiler is taken
     instead, unless it is one for this processor alone or links other libraries. Raises CompilerError.

@@ -1,4 +1,4 @@
-"""The functions of a compiled body that moves alone: those of a model, and constraints of which there are none."""
+"""The functions of a compiled body that moves alone: those of a model, and those of an empty set of constraints."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ class NativeBody(Native):
         self.constraint_pattern = Pattern(0, self.nv, (0,) * (self.nv + 1), (), symmetric=False)
 
     def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
-        """g, which is empty."""
+        """The constraints g, which are empty."""
         return NONE
 
     def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """gdot, which is empty."""
+        """The rates gdot of the constraints, which are empty."""
         return NONE
 
     def constraint_jacobian(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
-        """Values of G, which is empty."""
+        """The values of the constraint Jacobian G, which is empty."""
         return NONE
 
     def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
-        """vdot (nv,), and no multipliers."""
+        """The accelerations vdot (nv,), and no multipliers."""
         return self.accel(t, q, v, k), NONE
 
     def project_velocity(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:

@@ -58,7 +58,7 @@ class ModelError(TisserandError, ArithmeticError):
 def doubles(given: ArrayLike, name: str) -> NDArray[np.float64]:
     """`given` as an array of doubles.
 
-    Raises ValueError, which names the function, for complex numbers and masked elements, which no double holds.
+    Raises ValueError, which names the function, for complex numbers and masked elements, which have no double.
     """
     if isinstance(given, np.ndarray) and type(given) in PLAIN and given.dtype == np.float64:
         return given

@@ -30,13 +30,13 @@ class Dae:
         self._jacobian = CompiledFunction(f"{called}jacobian", form.jacobian, inputs, (nnz,), build, order=cj_first)
 
     def of(self, scene: Native) -> Dae:
-        """The same form for a scene with other constants at a time, see `Native.own_at`."""
+        """A copy of this form for a scene with other constants at a time, see `Native.own_at`."""
         form = copy(self)
         form._scene = scene
         return form
 
     def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
-        """F(t, y, ydot)."""
+        """The residual F(t, y, ydot)."""
         return self._residual((y, ydot, self._scene.own_at(t, k)), t, out=out)
 
     def jacobian(
@@ -92,23 +92,23 @@ class NativeScene(Native):
             self._add(self._ports, "outputs_jacobian", full, (len(self.outputs_pattern.rowidx),))
 
     def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
-        """g(t, q)."""
+        """The constraints g(t, q) (nlambda,)."""
         return self._compiled["constraints"]((q, self.own_at(t, k)), t)
 
     def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """gdot = G v + dg/dt."""
+        """The rates of the constraints, gdot = G v + dg/dt (nlambda,)."""
         return self._compiled["constraint_rates"]((q, v, self.own_at(t, k)), t)
 
     def constraint_jacobian(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
-        """Values of G by columns."""
+        """Values of the constraint Jacobian G by columns."""
         return self._compiled["constraint_jacobian"]((q, self.own_at(t, k)), t)
 
     def constraint_bias(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """gamma of G vdot = gamma."""
+        """The vector gamma (nlambda,) of G vdot = gamma."""
         return self._compiled["constraint_bias"]((q, v, self.own_at(t, k)), t)
 
     def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
-        """vdot (nv,) and lambda (nlambda,), the constraint reactions on body 2 of each joint."""
+        """The accelerations vdot (nv,), and lambda (nlambda,), the constraint reactions on body 2 of each joint."""
         vdot, multipliers = self._compiled["solve"].results((q, v, self.own_at(t, k)), t)
         return vdot, multipliers
 
@@ -117,7 +117,7 @@ class NativeScene(Native):
         return self._compiled["project_velocity"]((q, self.own_at(t, k), r), t)
 
     def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
-        """c1, c2 (m) and phi (rad) of the frame of each body in `bodies`, (bodies, 3)."""
+        """The poses c1, c2 (m) and phi (rad) of the frame of each body in `bodies`, (bodies, 3)."""
         return self._compiled["poses"]((q, self.own_at(t, k)), t).reshape(-1, 3)
 
     def inputs_at(self, t: float) -> Vector:

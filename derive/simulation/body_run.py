@@ -22,7 +22,7 @@ from derive.spec.model.plots import Plot
 from derive.spec.model.simulation import SpatialStart
 
 NO_INPUTS = "a body in space has no run-time inputs; make it part of a scene, or leave `inputs` out"
-"""What is said of functions in Python for a body."""
+"""The message of the error for run-time inputs of a body."""
 
 
 class BodyRun(PreparedRun[NativeBody, None, BodyTrajectory]):
@@ -62,7 +62,7 @@ def _normalised(start: SpatialStart) -> tuple[str, ...]:
 
 
 def initial_vectors(model: Model, start: SpatialStart) -> tuple[Vector, Vector]:
-    """q (nq,) and v (nv,) of an initial state; the quaternion is made to have length 1.
+    """The coordinates q (nq,) and velocities v (nv,) of an initial state, with the quaternion scaled to length 1.
 
     Raises SpecError if there are more amplitudes than modes.
     """

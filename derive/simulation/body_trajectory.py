@@ -67,7 +67,7 @@ class BodyTrajectory(ColumnTable):
 
     @property
     def energies(self) -> Matrix:
-        """(n, energies): kinetic energy, strain energy and, with gravity, its potential, J."""
+        """The energies (n, energies), J: kinetic energy, strain energy and, with gravity, its potential."""
         return np.column_stack([self[name] for name in energy_names(self.model)])
 
     @cached_property

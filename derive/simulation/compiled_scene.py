@@ -55,7 +55,7 @@ class ConstrainedSystem(Constraints, Protocol):
         """The accelerations vdot (nv,) and the multipliers lambda (nlambda,). Raises ModelError."""
 
     def constraint_rates(self, t: float, q: Vector, v: Vector, k: Vector) -> Vector:
-        """Their time derivatives G v + dg/dt (nlambda,), m/s or rad/s."""
+        """The time derivatives G v + dg/dt (nlambda,) of the constraints, m/s or rad/s."""
 
     def project_velocity(self, t: float, q: Vector, k: Vector, r: Vector) -> Vector:
         """The smallest change dv (nv,) of v, in the metric of M, with G dv = r (nlambda,). Raises ModelError."""

@@ -15,14 +15,14 @@ from derive.spec.model.scene import Drive, Scene
 from derive.spec.model.time_function import TimeFunction, break_times, value_at
 
 BESIDE = 64
-"""In units in the last place of the time of a break: the distance of the times before and after it."""
+"""The distance of the times before and after a break from it, in units in the last place of its time."""
 ROUNDING = 1e-9
 """A jump is larger than this part of the largest position or speed of the drive; smaller ones are rounding errors."""
 SAMPLES = 9
-"""The times between two breaks at which the largest position and speed are looked for."""
+"""The number of times between two breaks at which the largest position and speed are sought."""
 
 BEHIND = 1e-300
-"""s: a time behind t = 0, by which speeds below SLOW (rad/s or m/s) come about unless they jump."""
+"""s: a time after t = 0 until which a speed that does not jump stays below SLOW (rad/s or m/s)."""
 SLOW = 1e-100
 
 PARTIAL: Mapping[str, Callable[..., tuple[float, ...]]] = {
@@ -81,7 +81,7 @@ def rate_at(function: TimeFunction, t: float) -> float:
 def check_drives(scene: Scene) -> None:
     """Raise SpecError if the position or the speed of a drive jumps within the simulation of a scene.
 
-    Drives that follow run-time inputs are not looked at: their functions are not known here.
+    Drives that follow run-time inputs are not checked, since their functions are not known here.
     """
     assert scene.simulation is not None
     duration = scene.simulation.duration

@@ -29,32 +29,32 @@ from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import value_at
 
 SAMPLES = 250
-"""The times at which the drives are looked at over a run."""
+"""The number of times over a run at which the drives are evaluated."""
 STEP = 0.15
 """rad, and part of the size of the scene: the steps in which drives are walked."""
 TURN = 2 * math.pi + STEP
-"""rad: a linkage that a drive has turned by so much is where it was, and can be turned on."""
+"""rad: a drive that has rotated by this has taken the linkage back to where it was, and can continue."""
 MOST_STEPS = 400
-"""The walk ends after so many; it is a look ahead, which must not take long."""
+"""The number of steps after which the walk ends, as it must not take long."""
 HALVINGS = 8
-"""How often a step is halved where the joints are not met behind it."""
+"""The largest number of times that a step is halved where the joints are not met behind it."""
 BEYOND = (0.03, 0.1, 0.3)
-"""rad, and part of the size: the distances behind an obstacle in which joints must be missed."""
+"""rad, and part of the size: the distances behind an obstacle at which the joints must be violated."""
 GAP = 1e-3
-"""Part of the size: what joints are missed by at least; less may be the play of rounded lengths."""
+"""Part of the size: the smallest violation of joints that makes an obstacle; rounded lengths may cause smaller ones."""
 MET = 1e-7
-"""Part of the size: joints that are missed by no more are met."""
+"""Part of the size: joints that are violated by no more than this are met."""
 NEAR = 1.0
 """rad: bodies that rotate by more in a step have jumped to another way of closing the linkage."""
 NEWTON_STEPS = 10
 BEGUN = 1e-3
-"""rad, and part of the size: what drives have moved before an obstacle, without which rigid beams do not move."""
+"""rad, and part of the size: the least motion of drives before an obstacle; with less, rigid beams do not move."""
 
 
 @dataclass(frozen=True)
 class DriveObstacle:
-    """Where the joints of a linkage can no longer be met: the time (s), the drives with their values and units there,
-    and the joints; beams: whether there are beams, which are taken as rigid."""
+    """The point of a motion where the joints of a linkage can no longer be met: the time (s), the drives with their
+    values and units there, and the joints; beams: whether there are beams, which are taken as rigid."""
 
     t: float
     drives: tuple[tuple[str, float, str], ...]
@@ -74,7 +74,7 @@ def drive_obstacle(scene: Scene, native: NativeScene, k: Vector, q: Vector, size
     """The first obstacle on the way of the drives over the simulation of a scene, if there is one.
 
     q (nq,): the initial configuration, whose deformations stay; size: that of the scene, m. Where no rigid motion
-    begins at all, beams are there to be bent by their drives, and nothing is looked for; nor where drives follow
+    begins at all, beams are there to be bent by their drives, and no obstacle is sought; nor where drives follow
     run-time inputs, whose functions are called once the integration needs them.
     """
     unknown = any(drive.motion is not None and drive.motion.kind == "input" for drive in scene.drives)
@@ -88,8 +88,8 @@ def drive_obstacle(scene: Scene, native: NativeScene, k: Vector, q: Vector, size
 
 @dataclass(frozen=True, eq=False)
 class _Front:
-    """How far drives have been walked: the time (s), their values u (drives,), the configuration q (nq,), and the
-    change of q per change of u on the way here."""
+    """The state that the walk of drives has reached: the time (s), their values u (drives,), the configuration q (nq,),
+    and the change of q per change of u on the way here."""
 
     t: float
     u: Vector
@@ -155,7 +155,7 @@ class _Walk:
                 return
 
     def _values(self, times: Vector) -> Matrix:
-        """u (n, drives) at times (n,)."""
+        """The values u (n, drives) of the drives at times (n,), s."""
         rows = [[value_at(motion, t) for motion in self.motions] for t in times.tolist()]
         return np.asarray(np.array(rows).reshape(len(rows), len(self.scales)) / self.scales)
 
@@ -181,7 +181,7 @@ class _Walk:
         return None
 
     def _passed(self, front: _Front, path: Sequence[tuple[float, Vector]]) -> _Front | DriveObstacle | None:
-        """The front behind a place that Newton's method does not pass, or the obstacle that is there.
+        """The front behind a point that Newton's method does not pass, or the obstacle that is there.
 
         None if the drives turn back before the joints miss each other by more than a small gap.
         """
@@ -214,7 +214,7 @@ class _Walk:
         return front
 
     def _starts(self, q: Vector) -> Iterator[Vector]:
-        """Where closed configurations are looked for: also beside q, where the linkage can move there."""
+        """The configurations near which closed ones are sought: q, and ones beside it if the linkage can move."""
         yield q
         for angle in PERTURBATIONS if self.movable else ():
             yield perturbed(self.native, q, angle, self.free)
@@ -234,7 +234,7 @@ class _Walk:
 
 
 def _has_loop(scene: Scene) -> bool:
-    """Whether joints connect bodies in a loop; without one, each body follows those that it is connected to."""
+    """Whether joints connect bodies in a loop; without a loop, each body follows those that it is connected to."""
     groups = {name: {name} for name in (GROUND, *(body.name for body in scene.bodies))}
     for joint in scene.joints:
         first, second = groups[joint.first.body], groups[joint.second.body]

@@ -27,7 +27,7 @@ class NothingToResume(SimulationError):
 class EarlierRun:
     """The rows of an earlier run, columns by their names, and its last state q (nq,), v (nv,) at t (s), all digits.
 
-    drift (n, 4): that of each row, after its projection and before it, see `Solution`.
+    drift (n, 4): the drift of each row, after its projection and before it, see `Solution`.
     """
 
     columns: dict[str, Vector]
@@ -57,7 +57,7 @@ class EarlierRun:
             lam=np.vstack([lam[:-1], solution.lam]),
             drift=np.vstack([self.drift[:-1, :2], solution.drift]),
             drift_before=np.vstack([self.drift[:-1, 2:], solution.drift_before]),
-            outputs=None,  # the earlier run has not kept those that monitor its model
+            outputs=None,  # the earlier run has not kept the outputs that monitor its model
             watched=None,
             notes=(f"resumed at t = {self.t:.9g} s, after {len(q)} rows", *solution.notes),
         )

@@ -46,7 +46,7 @@ class StaticSystem(ConstrainedSystem, Protocol):
 
 
 class Stability(Enum):
-    """Whether an equilibrium is regained after a small disturbance; the value is the word for it."""
+    """The stability of an equilibrium: whether it is regained after a small disturbance. The value is its name."""
 
     STABLE = "stable"
     NEUTRAL = "neutral"
@@ -75,7 +75,7 @@ class Equilibrium:
     load_steps: int
 
     def __str__(self) -> str:
-        """The equilibrium in a sentence, with what it rests on."""
+        """The equilibrium in a sentence, with its residual, its loads and its stability."""
         text = f"static equilibrium with a residual of {self.residual:.1e} N or N m beside loads of {self.load:.3g}"
         match self.stability:
             case Stability.STABLE:
@@ -135,7 +135,7 @@ class _Linearisation:
 
     @property
     def forces(self) -> Vector:
-        """(f,): the work of the out-of-balance forces on each motion."""
+        """The work (f,) of the out-of-balance forces on each motion."""
         return np.asarray(self.motions.T @ self.unbalanced)
 
 
@@ -199,9 +199,9 @@ class _Newton:
         )
 
     def _on_constraints(self, q: Vector) -> Vector:
-        """The configuration next to q (nq,) that meets the constraints, with its deformation if the bodies alone can.
+        """The configuration next to q (nq,) that meets the constraints, with the deformations of q if possible.
 
-        A finite rotation along a tangent stretches what it turns; moved by their deformation, stiff beams would keep
+        A finite step along the tangent of a rotation stretches bodies; if that deformed stiff beams, they would keep
         the step short.
         """
         for free in (~coordinates_with(self.native, Role.AMPLITUDE), np.ones(self.native.nq, dtype=bool)):
@@ -244,7 +244,7 @@ def _eigen(stiffness: Matrix) -> tuple[Vector, Matrix]:
 
 
 def _is_symmetric(stiffness: Matrix) -> bool:
-    """Whether the loads have a potential."""
+    """Whether the stiffness is symmetric, so that the loads have a potential."""
     return max_norm((stiffness - stiffness.T).ravel()) <= 1e-9 * max_norm(stiffness.ravel())
 
 

@@ -57,7 +57,7 @@ class ExcessiveDeformation(SimulationError):
 
 
 class MovingDrives(SimulationError):
-    """A static equilibrium is asked for while `drives` move, or begin to."""
+    """A static equilibrium is requested while `drives` move, or begin to move."""
 
     def __init__(self, drives: Sequence[str]) -> None:
         self.drives = tuple(drives)

@@ -1,4 +1,4 @@
-"""A simulation that is ready to run: whatever can be wrong with its specification has been checked."""
+"""A simulation that is ready to run: its specification has been checked completely."""
 
 from __future__ import annotations
 
@@ -37,20 +37,20 @@ Result = TypeVar("Result", bound=ColumnTable)
 class PreparedRun(ABC, Generic[Native, Start, Result]):
     """The simulation of `spec`, with its `model`, its columns and its plots; `trajectory` runs it.
 
-    units: those of the columns by their names. complete_model, files: with the outputs that monitor its validity, and
-    what is compiled. Subclasses say what a scene and a body in space do differently.
+    units: those of the columns by their names. complete_model: the model with the outputs that monitor its validity.
+    files: the generated files that are compiled. Subclasses implement the differences of a scene and a body in space.
     """
 
     breaks: tuple[float, ...] = ()
     """The times (s) at which functions of time jump."""
 
     size: float
-    """The size of what is simulated, m."""
+    """The size of the scene or body that is simulated, m."""
 
     def __init__(self, spec: Scene | NodalBody, integrator: str, step: float | None, complete: bool = True) -> None:
         """Arguments as for `simulate`; the specification has a `simulation`. Raises SpecError, UnknownNameError.
 
-        complete: with all functions of the model; otherwise, a scene for an explicit one has those that it calls.
+        complete: whether the model has all functions; otherwise a scene for an explicit integrator has those it calls.
         """
         assert spec.simulation is not None, "simulation_settings makes it"
         self.spec, self.settings = spec, RunSettings(spec.simulation, integrator, step)
@@ -77,7 +77,7 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
     ) -> Result:
         """The motion; arguments as for `simulate`. Raises CompilerError, ModelError, SimulationError.
 
-        announce: called before the integration with what is foreseen of it, which is among the notes of the result.
+        announce: called before the integration with each note on the expected motion; the result has these notes too.
         """
         simulation = self.settings.simulation
         native, integrator = self._compiled(self.files)
@@ -118,11 +118,11 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
         return model
 
     def _foreseen(self, native: Native, k: Vector, q: Vector) -> Iterable[str]:
-        """Notes on what will happen in a motion from the initial configuration q (nq,)."""
+        """Notes on expected events of a motion from the initial configuration q (nq,)."""
         return ()
 
     def _watch(self, native: Native, k: Vector, t: float, q: Vector) -> Watch | None:
-        """What is looked at after each step of a motion from q (nq,) at t, s."""
+        """The quantities that are watched after each step of a motion from q (nq,) at t, s; None if there are none."""
         return None
 
     def _state_columns(self, native: Native) -> Mapping[str, StateColumn]:
@@ -135,7 +135,7 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
 
     @abstractmethod
     def _default_plots(self) -> Iterable[Plot]:
-        """The plots of what the specification does not plot itself."""
+        """The plots beside those of the specification."""
 
     @abstractmethod
     def _compiled(self, files: Sequence[File]) -> tuple[Native, Integrator]:
@@ -143,7 +143,7 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
 
     @abstractmethod
     def _start(self, native: Native, k: Vector) -> tuple[Vector, Vector, Start]:
-        """The initial q (nq,) and v (nv,), and what the result has to know of them."""
+        """The initial q (nq,) and v (nv,), and the record of the initial state for the result."""
 
     @abstractmethod
     def _values(self, native: Native, k: Vector, solution: Solution) -> Sequence[Vector]:
@@ -163,6 +163,6 @@ def _repeated(names: Iterable[str]) -> Iterator[Problem]:
 
 
 def plots_of_nothing(plots: Iterable[Plot], known: tuple[str, ...]) -> Iterator[Problem]:
-    """Plots of columns that a motion does not have; known: the columns that it has."""
+    """The problems of plots of columns that a motion does not have; known: the columns that it has."""
     for path, message in missing_columns(plots, known, f"the columns are {', '.join(known)}"):
         yield Problem(path_text(path), message)

@@ -17,15 +17,15 @@ from derive.spec.model.scene import Scene
 from derive.version import VERSION
 
 DRIFT_COLUMNS = 4
-"""The numbers of a row in the record: the violations of g and of its rate, after the projection and before it."""
+"""The drift numbers of each row in the record: the violations of g and gdot, after the projection and before it."""
 
 
 def run_files(trajectory: Trajectory | BodyTrajectory) -> tuple[File, File]:
     """The CSV file of a trajectory, and its record NAME.json, in the folder NAME.
 
     The CSV has nothing but names and numbers; the record has the units of its columns, the settings of the integrator,
-    the hash of the specification, the values of the parameters, the notes, the drift of each row, what is monitored of
-    beams with the warnings, and the last state with all digits.
+    the hash of the specification, the values of the parameters, the notes, the drift of each row, the monitors of the
+    beams with their warnings, and the last state with all digits.
     """
     name = trajectory.name
     table, record = f"{name}/{name}.csv", f"{name}/{name}.json"
@@ -61,7 +61,7 @@ def _content(trajectory: Trajectory | BodyTrajectory) -> dict[str, Any]:
 
 
 def _validity(trajectory: Trajectory | BodyTrajectory) -> dict[str, Any]:
-    """What is monitored of beams, and the warnings where a limit is passed; nothing where there are no beams."""
+    """The data of the monitors of beams, and the warnings where a limit is passed; empty where there are no beams."""
     if isinstance(trajectory, BodyTrajectory) or not trajectory.validity:
         return {}
     return {"validity": [monitor.data for monitor in trajectory.validity], "warnings": [*trajectory.warnings]}

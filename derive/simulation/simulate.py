@@ -25,7 +25,7 @@ SYMBOLIC = (
     "all numbers of this body are parameters, so that there is nothing to simulate with: give the body by its nodes, "
     "as a beam or as a scene; or build it, and set its parameters in a program of your own"
 )
-"""What is said of a symbolic body."""
+"""The message of the error for a symbolic body."""
 
 
 @overload
@@ -107,7 +107,7 @@ def prepared(
 ) -> SceneRun | BodyRun:
     """The simulation of a scene or a body with a `simulation`, checked and ready to run; arguments as for `simulate`.
 
-    complete: whether its model has all functions, or those that the integrator calls, in half the time.
+    complete: whether its model has all functions, or only those that the integrator calls, which takes half the time.
 
     Raises SpecError, UnknownNameError, SimulationError.
     """
@@ -125,7 +125,7 @@ def simulation_settings(
     tolerance: float | None = None,
     until: str | None = None,
 ) -> Simulation:
-    """The `simulation` of a scene or a body with the values that are given instead.
+    """The `simulation` of a scene or a body, in which the given values replace those of the specification.
 
     Raises SpecError if it is incomplete or wrong.
     """

@@ -22,7 +22,7 @@ from derive.spec.parsing.parser import ExpressionError
 
 
 def stop_condition(simulation: Simulation, columns: Collection[str]) -> tuple[Condition | None, tuple[Problem, ...]]:
-    """The condition `until` of a simulation with these columns, if there is one, and what is wrong with it."""
+    """The condition `until` of a simulation with these columns, if there is one, and the problems with it."""
     if simulation.until is None:
         return None, ()
     try:

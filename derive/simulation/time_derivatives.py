@@ -1,4 +1,4 @@
-"""The numbers that a function of time and its first two derivatives are at a time, exactly differentiated."""
+"""The values of a function of time and of its first two derivatives, which are differentiated exactly, at a time."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ from derive.spec.model.simulation import Simulation
 
 @dataclass(frozen=True)
 class RunSettings:
-    """How a motion is computed: a name in `INTEGRATORS`, and the step (s) that is given to one with fixed steps."""
+    """The settings of a run: a name in `INTEGRATORS`, and the step (s) that is given to one with fixed steps."""
 
     simulation: Simulation
     integrator: str = "adaptive"
@@ -73,12 +73,12 @@ class ColumnTable(Mapping[str, Vector]):
 
     @property
     def spec(self) -> Scene | NodalBody:
-        """What is simulated."""
+        """The scene or body that is simulated."""
         raise NotImplementedError
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the run has changed in what is specified, and where a stop condition is met."""
+        """The deviations of the run from its specification, and where a stop condition is met."""
         return self.solution.notes
 
     @property
@@ -146,11 +146,11 @@ class ColumnTable(Mapping[str, Vector]):
 class Trajectory(ColumnTable):
     """The motion of a scene, as named columns: `trajectory["rod_phi"]` is a vector (n,) in SI units.
 
-    The columns are the time "t", what drives prescribe, coordinates, their rates, multipliers, inputs that follow
-    functions in Python, and outputs, by the names of `columns`; `units` has their units. q (n, nq), v (n, nv) and lam
-    (n, nlambda) are the same as matrices. `solution` adds drift and cost, `initial` is the consistent initial state,
-    `motion` what observables are computed from, `model` the kernels, `settings` how it was computed, `validity` what is
-    monitored of each beam, `warnings` where a limit is passed. An unknown name raises UnknownNameError.
+    The columns are the time "t", the prescribed motions of drives, coordinates, their rates, multipliers, inputs that
+    follow functions in Python, and outputs, by the names of `columns`; `units` has their units. q (n, nq), v (n, nv)
+    and lam (n, nlambda) are the same as matrices. `solution` adds drift and cost, `initial` is the consistent initial
+    state, `motion` the basis of observables, `model` the kernels, `settings` those of the run, `validity` the monitors
+    of each beam, `warnings` the beams that pass a limit. An unknown name raises UnknownNameError.
     """
 
     scene: Scene
@@ -178,7 +178,7 @@ class Trajectory(ColumnTable):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Those on bodies whose motion is prescribed, those on the initial state, and those of the run."""
+        """The notes on bodies whose motion is prescribed, on the initial state, and on the run."""
         return *scene_notes(self.scene), *self.initial.notes, *self.solution.notes
 
     @cached_property

@@ -20,7 +20,7 @@ VANISHING = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class Elimination:
-    """P A Q = L U of the matrices of n states.
+    """The elimination P A Q = L U of the matrices A of n states.
 
     pivots (n, size): in their order. ratios (n, size): |pivots| divided by the largest entries of their columns, in the
     reduced matrix and in A. growth (n,): max |U| / max |A|; U is D L^T where rows and columns have the same order.
@@ -34,12 +34,12 @@ class Elimination:
 
     @property
     def failed(self) -> NDArray[np.bool_]:
-        """(n,): whether the solution is not finite."""
+        """The mask (n,) of the states whose solution is not finite."""
         return np.asarray(~np.all(np.isfinite(self.x), axis=1))
 
     @property
     def vanished(self) -> NDArray[np.bool_]:
-        """(size,): which pivots vanish in a state, or between it and the next, where no earlier pivot does.
+        """The mask (size,) of pivots that vanish in a state, or between it and the next, where no earlier pivot does.
 
         A pivot vanishes between two states if its sign changes.
         """
@@ -83,9 +83,9 @@ def eliminate(A: Matrix, b: Matrix, rows: tuple[int, ...], cols: tuple[int, ...]
 
 
 def backward_error(A: Matrix, b: Matrix, x: Matrix) -> Vector:
-    """(n,): |A x - b| / (|A| |x| + |b|) in the maximum norm, the relative change of A and b that makes x exact.
+    """The backward errors (n,): the relative change of A and b that makes x exact, in the maximum norm.
 
-    Rigal and Gaches, 1967, J. ACM 14, 543-548. Infinite where x is not finite.
+    They are |A x - b| / (|A| |x| + |b|) (Rigal and Gaches, 1967, J. ACM 14, 543-548), infinite where x is not finite.
     """
     finite = np.asarray(np.isfinite(x).all(axis=1))
     safe = np.where(finite[:, None], x, 0.0)

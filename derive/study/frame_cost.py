@@ -82,7 +82,7 @@ def compare_frames(
 def _build(
     variant: SceneVariant, elimination: EliminationRule, pool: ThreadPoolExecutor
 ) -> tuple[SceneVariant, OperationCounts, dict[str, float], Future[tuple[FixedStep, float]]]:
-    """A variant whose compilation has been submitted to the pool."""
+    """Generate a variant and submit its compilation to the pool."""
     show_progress(f"deriving and lowering: {_label(variant)}")
     marks = [time.perf_counter()]
     equations = derive(variant.scene).expanded()

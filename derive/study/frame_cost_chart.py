@@ -80,7 +80,7 @@ def _lines(axes: Axes, frames: tuple[str, str], rows: Sequence[FrameComparison])
 
 
 def _bars(axes: Axes, rows: Sequence[FrameComparison]) -> None:
-    """The measured CPU times, with their spread."""
+    """Draw the measured CPU times, with their spread."""
     ratios = [row.times.integration_ratio for row in rows]
     middle = [r.median for r in ratios]
     spread = [[r.median - r.least for r in ratios], [r.most - r.median for r in ratios]]
@@ -93,5 +93,5 @@ def _bars(axes: Axes, rows: Sequence[FrameComparison]) -> None:
 
 
 def _values(rows: Sequence[FrameComparison]) -> list[str]:
-    """The numbers of the chart in words, for its title."""
+    """The texts of the numbers of the chart, for its title."""
     return [f"{beam_count(row.pieces)}: CPU time {row.times.integration_ratio.median:.2f}" for row in rows]

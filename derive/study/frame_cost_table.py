@@ -21,7 +21,7 @@ ELIMINATIONS = {
     EliminationRule.MATCHED: "elimination: each multiplier after one of its coordinates, with the least work that was "
     "found: not safe in every state, since a pivot vanishes where the entry that pairs the two does; it is checked",
 }
-"""What the notes say of an elimination order."""
+"""The notes on each elimination order."""
 UNITS = ("", "", "", "", "", "flops", "flops", "flops", "flops", "", "", "ns", "ns", "ns", "of step", "")
 
 

@@ -44,7 +44,7 @@ def pivot_data(name: str, pieces: int, frames: tuple[FrameStability, FrameStabil
 
 
 def pivot_text(name: str, pieces: int, along: str, frames: tuple[FrameStability, FrameStability]) -> str:
-    """Two tables and the verdict."""
+    """The text of the two tables and of the verdict."""
     count, title = frames[0].simulated.states, f"{name}, {beam_count(pieces)}"
     return "\n".join(
         [

@@ -32,7 +32,7 @@ DRIFT = 1e-9
 """The limit of constraints (m, rad) and their rates: far above rounding errors, where corrections would be random."""
 
 ROWS = 32
-"""The number of states of the motion, about, in which single functions are timed."""
+"""The approximate number of states of the motion in which single functions are timed."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class InterleavedTimes:
 def interleaved(
     measurements: Sequence[Callable[[], float]], runs: int, progress: Callable[[int], None] = lambda _: None
 ) -> list[tuple[float, ...]]:
-    """The results of all measurements in turn, `runs` times: a disturbance affects all measurements of a run alike."""
+    """Take all measurements in turn, `runs` times, so that a disturbance affects all measurements of a run alike."""
     results = []
     for run in range(runs):
         progress(run)
@@ -136,7 +136,7 @@ def scene_of(host: FixedStep) -> NativeScene:
 
 
 def _run(host: FixedStep, start: State, step: float, steps: int, copies: int) -> tuple[dict[str, int], float, float]:
-    """The counts, the CPU seconds, and the seconds per step."""
+    """Run an integration; returns the counts, the CPU seconds, and the seconds per step."""
     t, q, v = start
     states = [q] * copies, [v] * copies
     result = host.run(*states, step=step, steps=steps, every=steps, t0=t, tolerance=DRIFT)
@@ -179,7 +179,7 @@ int repeat(function *f, long calls, long states, int nq, int nv, const double *t
     return 0;
 }
 """
-"""Calls a function f(t, q, v, k) in one state after the other, cyclically."""
+"""The C source of a loop that calls a function f(t, q, v, k) in one state after the other, cyclically."""
 
 
 class RepeatedCalls:
@@ -210,7 +210,7 @@ class RepeatedCalls:
 
 
 def machine_description() -> dict[str, str]:
-    """Compiler, flags and processor, which times depend on; no names of machines, no paths."""
+    """The compiler, flags and processor, on which times depend, without names of machines and paths."""
     return {"compiler": _compiler(), "flags": " ".join(FLAGS), "machine": _machine()}
 
 

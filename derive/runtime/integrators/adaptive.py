@@ -124,11 +124,12 @@ class _Result(ctypes.Structure):
 
 @dataclass(frozen=True, eq=False)
 class AdaptiveRun:
-    """t (rows,) in s, q (rows, nq), v (rows, nv), multipliers lam (rows, nlambda) and outputs (rows, nout) in SI units.
+    """The result of an adaptive integration, in SI units.
 
-    drift, drift_before (rows, 2): |g| (m, rad) and |gdot| (m/s, rad/s) of each row after and before its projection.
-    counts: evaluations by name. seconds: CPU time of the C function. met: whether the event has ended the integration,
-    in the last row. watched: what was seen of the quantities that are watched.
+    t (rows,), q (rows, nq), v (rows, nv), multipliers lam (rows, nlambda), outputs (rows, nout). drift, drift_before
+    (rows, 2): |g| (m, rad) and |gdot| (m/s, rad/s) of each row after and before its projection. counts: evaluations by
+    name. seconds: CPU time of the C function. met: whether the event has ended the integration, in the last row.
+    watched: the largest and mean values of the quantities that are watched.
     """
 
     t: Vector
@@ -148,7 +149,7 @@ class AdaptiveError(TisserandError):
     """An integration stopped with a return code other than 0, in the state y = [q; v] at t (s).
 
     refused: the code with which the model has refused a state after it, if it has, and its time (s). trial: the last
-    state that was computed, with OFF that which violates the constraints at the time of `refused`.
+    state that was computed; with the code OFF, the state that violates the constraints at the time of `refused`.
     """
 
     def __init__(
@@ -160,9 +161,9 @@ class AdaptiveError(TisserandError):
 
 
 class Adaptive:
-    """`templates/host/adaptive_rows.h`, which is compiled once for all models. Raises CompilerError.
+    """The integrator of `templates/host/adaptive_rows.h`, compiled once for all models. Raises CompilerError.
 
-    library: what `adaptive_library` returned in another process, which is loaded instead.
+    library: one that `adaptive_library` returned in another process, which is loaded instead.
     """
 
     def __init__(self, native: NativeScene | NativeBody, library: bytes | None = None) -> None:
@@ -187,14 +188,14 @@ class Adaptive:
         observe: Observe | None = None,
         watch: Watch | None = None,
     ) -> AdaptiveRun:
-        """Rows at `times` (n,), s, from the state q0 (nq,), v0 (nv,) at times[0].
+        """Integrate from the state q0 (nq,), v0 (nv,) at times[0], with rows at `times` (n,), s.
 
         rtol, atol (nq + nv,): the relative and absolute tolerances of a step; without atol it is rtol. Constraints are
         met to `consistent` after each step and in each row, unless that is 0, and a violation of more than `drift` is
         an error, unless that is 0. step_max (s), steps_max: the longest step, and the largest number of steps; 0 is no
         limit. breaks: times (s) at which functions of time are discontinuous. event: a function that ends the
         integration where it becomes positive or, with `crossing`, where it changes its sign. observe: follows the rows.
-        watch: quantities of a scene that are looked at after each step. Raises AdaptiveError, ValueError.
+        watch: quantities of a scene that are evaluated after each step. Raises AdaptiveError, ValueError.
         """
         native = self.native
         n = native.nq + native.nv
@@ -252,7 +253,7 @@ class Adaptive:
 
 
 class _EventCall:
-    """A function as the event of the C; `address` is 0 without one. What it raises is raised again by `reraise`."""
+    """A function as the event of the C integrator; `address` is 0 without one. `reraise` raises its exception again."""
 
     def __init__(self, event: EventFunction | None, crossing: bool, nq: int, nv: int) -> None:
         self._error: BaseException | None = None
@@ -269,7 +270,7 @@ class _EventCall:
         self.address = 0 if event is None else ctypes.addressof(self._structure)
 
     def reraise(self) -> None:
-        """Raise what the function has raised, if it has."""
+        """Raise the exception of the function again, if it has raised one."""
         if self._error is not None:
             raise self._error
 

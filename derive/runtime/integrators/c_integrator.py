@@ -58,7 +58,7 @@ class IntegratorError(TisserandError):
 
 @dataclass(frozen=True, eq=False)
 class Integration:
-    """t (rows,) in s, q (rows, nq), v (rows, nv) and multipliers lam (rows, nlambda) in SI units.
+    """The result of an integration in SI units: t (rows,), q (rows, nq), v (rows, nv), multipliers lam (rows, nlambda).
 
     For many initial states q, v and lam have a first axis with one element for each. counts: evaluations by name.
     seconds: CPU time of the C function. An observer that ends the integration leaves the rows up to the one that it has

@@ -14,7 +14,7 @@ from derive.rendering import render
 from derive.runtime.compiler import FLAGS, CompilerError, compile_c
 
 Flags = tuple[list[str], list[str]]
-"""To compile, and to link."""
+"""The flags of the compiler, and those of the linker."""
 
 
 class LibraryMissing(TisserandError):

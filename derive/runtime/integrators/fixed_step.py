@@ -52,7 +52,7 @@ class FixedStep(CIntegrator):
         tolerance: float = CONSISTENT,
         observe: Observe | None = None,
     ) -> Integration:
-        """Rows at t0 and after every `every` steps, from the state q0 (nq,), v0 (nv,), or one of each row of these.
+        """Integrate from the state q0 (nq,), v0 (nv,), or each row of these; rows at t0 and after every `every` steps.
 
         `project` keeps constraints and their rates below `tolerance`, from the first state on. `observe` follows the
         rows of a single state. Raises IntegratorError.

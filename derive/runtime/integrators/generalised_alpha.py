@@ -68,11 +68,11 @@ class GeneralisedAlpha(CIntegrator):
         consistent: float = CONSISTENT,
         observe: Observe | None = None,
     ) -> Integration:
-        """Rows at t0 and after every `every` steps, from the state q0 (nq,), v0 (nv,). Raises IntegratorError.
+        """Integrate from the state q0 (nq,), v0 (nv,), with rows at t0 and after every `every` steps.
 
-        `rho`, 0 to 1, is what is left, in a step, of vibrations that are too fast for it. `tolerance` is that of
-        Newton's method, for q and `step` * v. The first state is brought to constraints and rates below `consistent`,
-        unless that is 0. `observe` follows the rows.
+        Raises IntegratorError. `rho`, 0 to 1, is the spectral radius at infinite frequency, by which a step multiplies
+        vibrations that are too fast for it. `tolerance` is that of Newton's method, for q and `step` * v. The first
+        state is brought to constraints and rates below `consistent`, unless that is 0. `observe` follows the rows.
         """
         check_steps(steps, every)
         check_numbers(t0=t0, step=step, rho=rho, tolerance=tolerance, consistent=consistent)

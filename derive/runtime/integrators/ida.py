@@ -74,7 +74,7 @@ class Ida(CIntegrator):
         steps_max: int = 1_000_000,
         observe: Observe | None = None,
     ) -> Integration:
-        """Rows at t0 + i `interval`, from the state q0 (nq,), v0 (nv,). Raises IntegratorError.
+        """Integrate from the state q0 (nq,), v0 (nv,), with rows at t0 + i `interval`. Raises IntegratorError.
 
         `form`: "ggl" or "index1" of a scene, None for a body. `atol` is `rtol` if it is not given; `weights`
         (nq + nv,) are factors of it for the elements of q and v. `order` 2 damps
@@ -110,5 +110,5 @@ class Ida(CIntegrator):
 
 
 def run_ida(files: Sequence[File], q0: ArrayLike, v0: ArrayLike, **options: Any) -> Integration:
-    """`Ida.run` of a model that is compiled for it."""
+    """Compile a model with IDA and integrate it, see `Ida.run`."""
     return Ida(files).run(q0, v0, **options)

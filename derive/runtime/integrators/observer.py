@@ -26,8 +26,8 @@ class _Structure(ctypes.Structure):
 class Observer:
     """A function as the observer of a C integrator, with rows of `width` numbers.
 
-    `pointer` is the argument of the C function, None without a function; `address` is the same as a number, or 0. What
-    the function raises ends the integration, and `reraise` raises it again outside the C.
+    `pointer` is the argument of the C function, None without a function; `address` is the same as a number, or 0. An
+    exception of the function ends the integration, and `reraise` raises it again outside the C.
     """
 
     def __init__(self, observe: Observe | None, width: int) -> None:
@@ -68,6 +68,6 @@ class Observer:
             signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def reraise(self) -> None:
-        """Raise what the function has raised, if it has."""
+        """Raise the exception of the function again, if it has raised one."""
         if self._error is not None:
             raise self._error

@@ -1,4 +1,4 @@
-"""The largest and mean values of quantities along a motion: `templates/host/watch.h`, or from rows."""
+"""The largest and mean values of quantities along a motion, by `templates/host/watch.h` or from rows."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from derive.runtime.native_scene import NativeScene
 
 @dataclass(frozen=True, eq=False)
 class Watched:
-    """What was seen of each quantity in a motion.
+    """The largest and mean values of each watched quantity in a motion.
 
-    largest (n,): its largest absolute value; times (n,): when, s; states (n, nq): in which q. means, mean_squares (n,):
-    of its values over the time.
+    largest (n,): the largest absolute values; times (n,), s, and states (n, nq): the time and the coordinates q of
+    each. means, mean_squares (n,): the means over time of the values and of their squares.
     """
 
     largest: Vector
@@ -30,7 +30,7 @@ class Watched:
 
 @dataclass(frozen=True, eq=False)
 class WatchedQuantity:
-    """A quantity of a motion: of its forms f = F z of z = [q; v; outputs; t] that with the largest absolute value.
+    """A quantity of a motion: the one of its forms f = F z, z = [q; v; outputs; t], with the largest absolute value.
 
     forms: the matrix F (forms, nq + nv + nout + 1), where t is the time since the begin, s. factor: the number of an
     earlier quantity whose value multiplies it.
@@ -47,7 +47,7 @@ class Watch:
     quantities: tuple[WatchedQuantity, ...] = ()
 
     def of_rows(self, t: Vector, z: Matrix, nq: int) -> Watched:
-        """What is seen in the rows z (rows, nq + nv + nout) at the times t (rows,), s."""
+        """The largest and mean values in the rows z (rows, nq + nv + nout) at the times t (rows,), s."""
         z = np.hstack([z, (t - t[0])[:, None]])
         values = np.zeros((len(self.quantities), len(t)))
         for i, quantity in enumerate(self.quantities):
@@ -86,9 +86,9 @@ class _Observer(ctypes.Structure):
 
 @dataclass(eq=False)
 class WatchInC:
-    """A watch as an observer of the steps of a C integrator; `address` is the argument, `seen` what it has seen.
+    """A watch as an observer of the steps of a C integrator; `address` is the argument, `seen` returns the values.
 
-    library: that of the hosts. native, k: the compiled scene and its constants (nk,).
+    library: the one with `tisserand_watch_state`. native, k: the compiled scene and its constants (nk,).
     """
 
     watch: Watch
@@ -125,12 +125,12 @@ class WatchInC:
         self.address = ctypes.addressof(self._observer)
 
     def seen(self, duration: float) -> Watched:
-        """What it has seen in a motion over `duration`, s."""
+        """The largest and mean values in the observed motion over `duration`, s."""
         last = self.last[:-1]
         means = (self.integrals / duration, self.squares / duration) if duration > 0 else (last, last**2)
         return Watched(self.largest, self.times, self.states, *means)
 
 
 def _numbers(counts: Iterable[int]) -> NDArray[np.int32]:
-    """(n + 1,): the number of the first of `counts` things that follow each other, and that of all."""
+    """The offsets (n + 1,) of n consecutive groups with `counts` elements; the last is the number of all elements."""
     return np.cumsum([0, *counts], dtype=np.int32)

@@ -1,4 +1,4 @@
-"""Whether a deformation is about to make the mass matrix indefinite.
+"""Check of whether a deformation is about to make the mass matrix indefinite.
 
 The kinetic energy of a beam of second order that is truncated is not positive at large deflections, unlike that of
 other bodies, whose mass matrix is a Gram matrix. All velocities count, also those that constraints exclude: coordinates
@@ -16,7 +16,8 @@ from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with
 ROUNDING = 1e-9
 """A body without mass has an eigenvalue of zero, up to rounding."""
 BEYOND = 1.2
-"""An integrator stops before M is singular, since accelerations grow without bound there; see `nearly_indefinite`."""
+"""The factor of deflections up to which M must be definite, see `nearly_indefinite`: an integrator stops before M is
+singular, since accelerations grow without bound there."""
 
 
 def nearly_indefinite(native: ConstrainedSystem, k: Vector, q: Vector) -> bool:
@@ -27,7 +28,7 @@ def nearly_indefinite(native: ConstrainedSystem, k: Vector, q: Vector) -> bool:
 
 
 def _smallest_eigenvalue(native: ConstrainedSystem, k: Vector, q: Vector) -> float:
-    """Of M, scaled by its diagonal; 1 if M is not finite."""
+    """The smallest eigenvalue of M scaled by its diagonal; 1 if M is not finite."""
     M = mass_matrix(native, q, k)
     if not np.all(np.isfinite(M)):
         return 1.0

@@ -14,8 +14,8 @@ from derive.simulation.errors import DriftTooLarge
 NEWTON_STEPS = 6
 ROUNDING = 4e-16
 UNAVOIDABLE = 2e-15
-"""Of the largest coordinate or velocity: constraints that are met to rounding errors are off by up to this, since they
-are differences of positions. It matters where a scene is far from the origin."""
+"""Constraints that are met to rounding errors are off by up to this part of the largest coordinate or velocity, since
+they are differences of positions. It matters where a scene is far from the origin."""
 
 
 @dataclass(frozen=True, eq=False)

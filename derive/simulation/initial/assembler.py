@@ -30,7 +30,7 @@ class Assembler:
         return Kinematics(self.native, self.k, self.t, q, self.size, moving)
 
     def unit(self, target: Target) -> float:
-        """What counts as 1 of a target: 1 rad, or the size of the scene (m)."""
+        """The scale of a target: 1 rad, or the size of the scene (m)."""
         return 1.0 if target.angular else self.size
 
     def misfits(self, targets: Sequence[Target], q: Vector) -> tuple[Misfit, ...]:
@@ -41,7 +41,7 @@ class Assembler:
 
 
 class WithTargets:
-    """The constraints of a compiled scene, and that targets have their values."""
+    """The constraints of a compiled scene, and the constraints that targets have their values."""
 
     def __init__(self, assembler: Assembler, targets: Sequence[Target]) -> None:
         native = assembler.native
@@ -55,13 +55,13 @@ class WithTargets:
         return self._native.mass(q, k)
 
     def constraints(self, t: float, q: Vector, k: Vector) -> Vector:
-        """g, and how far the targets are missed (m, rad)."""
+        """The constraints g, and the deviations of the targets from their values (m, rad)."""
         kinematics = self._assembler.kinematics(q)
         missed = [target.function(kinematics).value - target.value for target in self._targets]
         return np.concatenate([self._native.constraints(t, q, k), missed])
 
     def constraint_jacobian(self, t: float, q: Vector, k: Vector) -> Vector:
-        """Values of the derivatives, by columns."""
+        """Values of the derivatives of `constraints` by the coordinates, by columns."""
         kinematics = self._assembler.kinematics(q)
         gradients = [target.function(kinematics).gradient for target in self._targets]
         return np.vstack([constraint_matrix(self._native, t, q, k), *gradients]).T.ravel()

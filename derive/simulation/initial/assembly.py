@@ -64,8 +64,8 @@ def assemble(
     """The configuration that keeps the given targets, and adapts to guesses and defaults what they leave free.
 
     guess: coordinates (nq,) from which the iteration begins. Bodies deform only where the joints cannot be met
-    otherwise; check_deformation raises an error if they deform too far in a configuration (nq,). conflict: what of the
-    joints, drives and given targets contradicts each other, near a configuration (nq,).
+    otherwise; check_deformation raises an error if they deform too far in a configuration (nq,). conflict: finds the
+    joints, drives and given targets that contradict each other, near a configuration (nq,).
 
     Raises SpecError with the given values that contradict each other by more than rounding, InconsistentInitialState
     with the constraints that cannot be met.
@@ -122,7 +122,7 @@ def _is_near(assembler: Assembler, targets: Sequence[Target], q: Vector) -> bool
 
 
 def _distance(assembler: Assembler, targets: Sequence[Target], q: Vector) -> tuple[float, float]:
-    """How far guesses and defaults are missed; of mirror images, the one with rotations to the left comes first."""
+    """The deviation from guesses and defaults; of mirror images, the one with rotations to the left comes first."""
     misfits = assembler.misfits([target for target in targets if target.strength is not Strength.GIVEN], q)
     squares = sum(weight(misfit.target) ** 2 * misfit.relative**2 for misfit in misfits)
     return round(squares, 9), -round(sum(misfit.relative for misfit in misfits if misfit.target.angular), 6)

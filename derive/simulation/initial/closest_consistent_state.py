@@ -1,6 +1,7 @@
-"""The consistent state closest to a guess, of which nothing is given: positions, then velocities.
+"""The consistent state closest to a guess, all values of which may change: positions, then velocities.
 
-`study` returns to the constraints with it. Where a simulation begins, `initial_state` keeps what the scene gives.
+`study` returns to the constraints with it. At the start of a simulation, `initial_state` keeps the values that the
+scene gives.
 """
 
 from __future__ import annotations

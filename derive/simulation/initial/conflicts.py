@@ -1,7 +1,7 @@
-"""Which joints, drives and given values contradict each other: those of which one has to give way.
+"""Conflicts: joints, drives and given values that contradict each other, so that one of them has to give way.
 
-The bodies are taken apart, as rigid ones. What cannot be met together is fitted by least squares; whatever is missed
-then is left out by turns, and is part of the conflict if all the rest can be met.
+The bodies are taken apart, as rigid ones. The demands are fitted by least squares; each of them is then released in
+turn, and is part of the conflict if all others can be met.
 """
 
 from __future__ import annotations
@@ -27,21 +27,21 @@ from derive.simulation.time_derivatives import derivatives_at
 from derive.spec.model.scene import Drive, Scene
 
 MET = 1e-6
-"""rad, part of the size, or as much per second relative to the largest rate: demands that are missed less are met."""
+"""rad, part of the size, or relative to the largest rate: demands that are missed by less are met."""
 RELEASED, KEPT = 1e-4, 1e3
-"""The weight of what gives way, and that of given values where joints and drives give way."""
+"""The weight of a demand that gives way, and that of given values where joints and drives give way."""
 BESIDE = 0.05
-"""rad, and part of the size: how far from the configuration the search begins."""
+"""rad, and part of the size: the distance from the configuration at which the search begins."""
 MOST_STEPS = 100
 MOST_BODIES = 15
-"""In larger scenes conflicts are not looked for, as that takes too long."""
+"""The largest number of bodies of a scene in which conflicts are sought; in larger ones it takes too long."""
 
 
 @dataclass(frozen=True, eq=False)
 class Demand:
-    """Functions of the configuration and the values that they should have, each with its unit and what counts as 1.
+    """Functions of the configuration, and the values that they should have, with their units.
 
-    noun, name: of a joint or a drive; targets: those of given values.
+    noun, name: of a joint or a drive, or "value" and a key; targets: those of a given value.
     """
 
     noun: str
@@ -133,13 +133,13 @@ def drive_rates(native: NativeScene, k: Vector, drive: Drive) -> tuple[float, fl
 
 
 def _conflict(demands: Sequence[Demand], scales: Vector, solved: Callable[[Vector], Vector], per_time: str) -> Conflict:
-    """What has to give way. solved: by how much rows are missed by the fit with these weights of the rows."""
+    """The conflict among demands. solved: returns how far the fit with given weights of the rows misses each row."""
     counts = [len(demand.functions) for demand in demands]
     slices = [slice(end - count, end) for count, end in zip(counts, np.cumsum(counts), strict=True)]
     every = np.ones(sum(counts))
     try:
         missed = solved(every)
-    except (ValueError, ArithmeticError):  # values that are not finite, which the message that is to be made reports
+    except (ValueError, ArithmeticError):  # values that are not finite, which the message of the caller reports
         return Conflict()
     if not MET < max_norm(missed) < np.inf:
         return Conflict()
@@ -156,7 +156,7 @@ def _conflict(demands: Sequence[Demand], scales: Vector, solved: Callable[[Vecto
         if max_norm(rest[weights == 1.0]) <= MET < max_norm(rest[of]):
             alone.append((demand, rest[of] * scales[of]))
     parts = [(demand, values) for demand, values in alone if not demand.targets]
-    if not parts:  # several have to give way: what they miss if given values are kept
+    if not parts:  # several have to give way: by how much they are missed if given values are kept
         kept = np.concatenate([np.full(len(d.functions), KEPT if d.targets else 1.0) for d in demands])
         missed = solved(kept)
         parts = [(demand, missed[of] * scales[of]) for demand, of in involved(missed) if not demand.targets]
@@ -211,12 +211,12 @@ def _of_targets(given: Sequence[Target]) -> list[Demand]:
 
 
 def _scales(demands: Sequence[Demand], size: float) -> Vector:
-    """What counts as 1 of each row: 1 rad, or the size of the scene (m)."""
+    """The scale of each row: 1 rad, or the size of the scene (m)."""
     return np.array([1.0 if unit == "rad" else size for demand in demands for unit in demand.units])
 
 
 def _amount(demand: Demand, values: Vector, per_time: str) -> str:
-    """By how much a joint or a drive is missed: a distance, an angle, or both."""
+    """The text of the amount by which a joint or a drive is missed: a distance, an angle, or both."""
     amounts = []
     for unit in dict.fromkeys(demand.units):
         amount = float(np.linalg.norm([x for x, of in zip(values, demand.units, strict=True) if of == unit]))

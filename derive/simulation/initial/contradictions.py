@@ -12,15 +12,15 @@ from derive.simulation.initial.targets import Target
 ROUNDING = 1e-12
 """Values below this part of what they differ from are rounding errors of zero."""
 SHARE = 0.01
-"""Of the largest: what is missed by less has no part in a contradiction."""
+"""Demands that are missed by less than this part of the largest miss have no part in a contradiction."""
 MOST_NAMED = 8
-"""The joints and the drives that a message names."""
+"""The largest number of joints, and of drives, that a message names."""
 
 
 @dataclass(frozen=True, eq=False)
 class Misfit:
-    """A target that an initial state misses: the value that it has instead (SI), and the difference relative to what
-    counts as 1: rad, the size of the scene, or the largest velocity in it."""
+    """A target that an initial state misses: the value that it has instead (SI), and the difference relative to its
+    scale: 1 rad, the size of the scene, or the largest velocity in it."""
 
     target: Target
     value: float
@@ -51,15 +51,15 @@ def without_rounding(value: float, specified: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Conflict:
-    """What cannot be met together: for each joint and drive the noun, its name, and by how much it is missed if all the
-    rest is met; and given values."""
+    """Demands that cannot be met together. parts: for each joint and drive its noun, its name, and by how much it is
+    missed if all others are met. targets: the given values."""
 
     parts: tuple[tuple[str, str, str], ...] = ()
     targets: tuple[Target, ...] = ()
 
     @property
     def text(self) -> str:
-        """The joints and the drives; empty if there are none."""
+        """The joints and the drives as text; empty if there are none."""
         groups = []
         for noun in dict.fromkeys(noun for noun, _, _ in self.parts):
             named = [f"{name} (off by {missed})" for of, name, missed in self.parts if of == noun]

@@ -1,4 +1,4 @@
-"""Initial deflections that the shapes of a beam do not have, and how much of them is left."""
+"""The parts of initial deflections that the shapes of a beam cannot describe."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def remainder_lines(
 ) -> Iterator[str]:
     """A line on the initial deflection of a beam, and on its rate, unless these shapes of its pieces describe them.
 
-    what: what has these shapes.
+    what: the words for these shapes.
     """
     for key, curve in (("deflection", beam.start.deflection), ("deflection_rate", beam.start.deflection_rate)):
         remainder = projection(curve, shapes, pieces).remainder if curve else 0.0

@@ -59,7 +59,7 @@ def _guess_beam(values: dict[str, float], rates: dict[str, float], beam: BeamBod
 def _guess_frame(
     values: dict[str, float], rates: dict[str, float], name: str, start: InitialValues, origin: tuple[float, ...]
 ) -> None:
-    """c1, c2, phi and their rates of a body frame whose origin lies at the point `origin` (2,), m, of the body."""
+    """Set c1, c2, phi and their rates of a body frame whose origin lies at the point `origin` (2,), m, of the body."""
     (x, y), angle = start.position or (0.0, 0.0), start.angle or 0.0
     (vx, vy), spin = start.velocity or (0.0, 0.0), start.spin or 0.0
     cos, sin = math.cos(angle), math.sin(angle)

@@ -28,9 +28,10 @@ from derive.simulation.observables.motion import SceneMotion, si_value, transfor
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
 
 MAX_DEFLECTION = 0.3
-"""Of the length of a beam: an initial state with a larger deflection is not one of this mechanism."""
+"""The largest deflection of an initial state, relative to the length of a piece of a beam; one with a larger deflection
+is not a state of this mechanism."""
 ROUNDING = 1e-15
-"""Of the size of the scene, of 1 rad, and of the largest velocity: smaller values are rounding errors of zero."""
+"""Values below this part of the size of the scene, of 1 rad, or of the largest velocity are rounding errors of zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,9 +39,9 @@ class InitialState:
     """A consistent state: q (nq,) and v (nv,) at t (s), in SI units.
 
     position_error, velocity_error: the largest |g| (m, rad) and |gdot| (m/s, rad/s). deformed, deforming: whether
-    deformations, or their rates, had to change from those of the guess. values: what the specification gives, and what
-    the state has. equilibrium: the static equilibrium that the state is, if it is one. remainders: a line on each
-    deflection that shapes do not have, and approximate.
+    deformations, or their rates, had to change from those of the guess. values: the initial values of the
+    specification, and those of the state. equilibrium: the static equilibrium that the state is, if it is one.
+    remainders: a line on each deflection that shapes do not have, and approximate.
     """
 
     t: float

@@ -1,4 +1,4 @@
-"""Initial velocities: those that are given are kept, and the others adapt with the least kinetic energy.
+"""Initial velocities: given values are kept, and the others adapt with the least kinetic energy.
 
 A mechanism that is set into motion by impulses at the points whose velocities are prescribed has the least kinetic
 energy of all motions with these velocities (Kelvin's theorem).
@@ -50,7 +50,7 @@ def velocities(
 
     momentum: the generalised momentum (nv,) at v = 0, which bodies on moving supports have: the kinetic energy is
     1/2 v . M v + momentum . v and a constant. Bodies deform only if the constraints cannot be met otherwise. conflict:
-    what of the joints, drives and given targets contradicts each other, near velocities (nv,).
+    finds the joints, drives and given targets that contradict each other, near velocities (nv,).
 
     Raises SpecError with the given values that contradict each other by more than rounding, InconsistentInitialState
     with the constraints that cannot be met.
@@ -93,7 +93,7 @@ class _Linear:
         self.norms = norms
 
     def solution(self, given: Sequence[Target], guessed: Sequence[Target]) -> Vector:
-        """v (nv,): constraints first, then given targets, guesses, and the least kinetic energy."""
+        """The velocities v (nv,): constraints come first, then given targets, guesses, and the least kinetic energy."""
         native, k, t = self.assembler.native, self.assembler.k, self.assembler.t
         v = np.zeros(native.nv)
         for _ in range(2):  # the second time against rounding errors

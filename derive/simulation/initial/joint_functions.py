@@ -1,4 +1,4 @@
-"""What joints demand, and what drives prescribe, as scalars of the configuration."""
+"""The constraints of joints, and the relative coordinates that drives prescribe, as scalars of the configuration."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Function = Callable[[Kinematics], Linear]
 
 
 def residuals(scene: Scene, joint: Joint, native: NativeScene) -> tuple[Function, ...]:
-    """What a joint makes zero, in the order of its multipliers."""
+    """The residuals that a joint makes zero, in the order of its multipliers."""
     motion = _RelativeMotion(scene, joint, native)
     return tuple(motion.function(residual) for residual, *_ in motion.equations.residuals)
 

@@ -1,6 +1,6 @@
 """Poses of all bodies in a configuration, with their derivatives by the coordinates and by time.
 
-Bodies whose coordinates a joint eliminates have poses as well, so that what is stated in poses does not depend on which
+Bodies whose coordinates a joint eliminates have poses as well, so that functions of poses do not depend on which
 coordinates a scene keeps.
 """
 
@@ -61,12 +61,12 @@ class Kinematics:
 
     @cached_property
     def poses(self) -> Matrix:
-        """(bodies, 3): c1, c2 (m), phi (rad) of the frame of each body in `native.bodies`."""
+        """The poses (bodies, 3): c1, c2 (m), phi (rad) of the frame of each body in `native.bodies`."""
         return self.native.poses(self.t, self.q, self.k)
 
     @cached_property
     def gradients(self) -> Matrix:
-        """(bodies, 3, nq): the derivatives of the poses by the coordinates.
+        """The derivatives (bodies, 3, nq) of the poses by the coordinates.
 
         They are differences without truncation errors: poses are linear in lengths, and a rotation angle rotates a body
         about a point, so that the derivative of a position by it is half of its change from -pi/2 to pi/2.
@@ -83,7 +83,7 @@ class Kinematics:
 
     @cached_property
     def drifts(self) -> Matrix:
-        """(bodies, 3): the derivatives of the poses by time, due to drives: those behind t, where functions may begin.
+        """The derivatives (bodies, 3) of the poses by time, due to drives: those behind t, where functions may begin.
 
         They are forward differences of the step whose rounding error and truncation error, by which it differs from the
         next smaller step, are least together. Drifts below this error are zero.
@@ -114,11 +114,11 @@ class Kinematics:
 
     @property
     def _units(self) -> Vector:
-        """What counts as 1 in c1, c2 and phi."""
+        """The scales of c1, c2 (the size of the scene, m) and phi (1 rad)."""
         return np.array([self.size, self.size, 1.0])
 
     def component(self, body: str, i: int) -> Linear:
-        """c1, c2 or phi (i = 0, 1, 2) of the frame of a body."""
+        """The component c1, c2 or phi (i = 0, 1, 2) of the pose of the frame of a body."""
         b = self.native.bodies.index(body)
         return Linear(float(self.poses[b, i]), self.gradients[b, i], float(self.drifts[b, i]))
 

@@ -23,7 +23,7 @@ from derive.spec.model.scene import BeamBody, Scene
 class LoosePoses(Kinematics):
     """Poses of bodies that joints do not hold, with derivatives by the displacements x (m,) of the bodies.
 
-    loose (bodies, 3), changes (bodies, 3, m): the poses and their derivatives; of_coordinates (nq, m): those of q.
+    loose (bodies, 3), changes (bodies, 3, m): the poses and their derivatives; of_coordinates (nq, m): those of q by x.
     """
 
     loose: Matrix
@@ -32,12 +32,12 @@ class LoosePoses(Kinematics):
 
     @cached_property
     def poses(self) -> Matrix:
-        """(bodies, 3): as they are given."""
+        """The given poses (bodies, 3)."""
         return self.loose
 
     @cached_property
     def gradients(self) -> Matrix:
-        """(bodies, 3, m): as they are given."""
+        """The given derivatives of the poses (bodies, 3, m)."""
         return self.changes
 
     def constant(self, value: float) -> Linear:
@@ -89,7 +89,7 @@ class LooseBodies:
         return LoosePoses(at.native, at.k, at.t, q, at.size, False, poses, changes, of_coordinates)
 
     def displacements(self, q: Vector) -> Vector:
-        """x (3 n,) of the bodies in a configuration (nq,), of pieces of a beam that of the first."""
+        """The displacements x (3 n,) of the bodies in a configuration (nq,); for a beam, that of its first piece."""
         at = self._assembler
         first = [rows[0] for rows in self._rows]
         moved = (at.kinematics(q).poses - self._poses)[first] / np.array([at.size, at.size, 1.0])

@@ -31,7 +31,7 @@ MET = 1e-30
 STIFFNESS = 1e-15
 """The change of a number that is exact, relative to that of others, where constraints leave a choice."""
 UNSEEN = 1e-16
-"""A change (SI units) of an exact number below this is none."""
+"""Changes (SI units) of exact numbers below this are ignored."""
 ITERATIONS = 8
 
 
@@ -66,7 +66,7 @@ def _rounded(value: float) -> _Rounded:
 
 
 def _projected(model: Model, q_start: list[_Rounded], v_start: list[_Rounded]) -> tuple[list[Any], list[Any]]:
-    """q and v at t = 0 with g = 0 and gdot = 0; exact numbers stay as they are if the others can give way."""
+    """The state q, v at t = 0 with g = 0 and gdot = 0; exact numbers are kept if the others can give way."""
     q, v = [x.value for x in q_start], [x.value for x in v_start]
     (k,) = _evaluated(model, "setup", [mpmath.mpf(x) for x in model.defaults])
     zero = mpmath.mpf(0)

@@ -34,7 +34,7 @@ SMALL_STEP, SMALLEST_STEP = 1e-3, 1e-13
 
 
 def weight(target: Target) -> float:
-    """That of a target in the sum of squares."""
+    """The weight of a target in the sum of squares."""
     return DEFAULT_WEIGHT if target.strength is Strength.DEFAULT and target.amplitude is None else 1.0
 
 
@@ -73,7 +73,7 @@ class TargetFit:
         return float(np.linalg.norm(self._linearised(q)[0]))
 
     def tangent(self, q: Vector) -> Matrix:
-        """(nq, f): motions of unit kinetic energy that the constraints allow."""
+        """The motions (nq, f) of unit kinetic energy that the constraints allow."""
         k, t, free = self.assembler.k, self.assembler.t, self.free
         R = mass_factor(mass_matrix(self.system, q, k)[np.ix_(free, free)])
         rows = in_mass_metric(constraint_matrix(self.system, t, q, k)[:, free], R)
@@ -127,7 +127,7 @@ class TargetFit:
         return closest_state(self.system, k, t, q, free).q
 
     def _linearised(self, q: Vector) -> tuple[Vector, Matrix]:
-        """How far the targets are missed (n,), weighted, and its derivatives (n, nq)."""
+        """The weighted deviations of the targets from their values (n,), and their derivatives (n, nq)."""
         kinematics = self.assembler.kinematics(q)
         values, gradients = np.zeros(len(self.targets)), np.zeros((len(self.targets), len(q)))
         for i, target in enumerate(self.targets):

@@ -21,7 +21,7 @@ from derive.spec.model.scene import BeamBody, Joint, JointInitialValues, Scene, 
 
 
 class Strength(Enum):
-    """How an initial state treats a target."""
+    """The strength of a target: how an initial state treats it."""
 
     GIVEN = "kept"
     GUESS = "approached, as far as what is given allows"
@@ -32,9 +32,9 @@ class Strength(Enum):
 class Target:
     """A scalar of the configuration and its value, or with `rate` the value of its time derivative, in SI units.
 
-    table, key: where the specification has it, such as bodies.rod.start and angle; label: what it is of, where the key
-    holds several; angular: whether it is an angle (rad), not a length (m); amplitude: the number of the coordinate, if
-    the target is a modal amplitude.
+    table, key: its table and key in the specification, such as bodies.rod.start and angle; label: the object that it
+    belongs to, where the key has several; angular: whether it is an angle (rad), not a length (m); amplitude: the
+    number of the coordinate, if the target is a modal amplitude.
     """
 
     table: str

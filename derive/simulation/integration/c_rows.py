@@ -24,8 +24,8 @@ Run = Callable[[Vector, Vector, Piece, Observe | None], Integration]
 class CRows:
     """An integration of a compiled model by calls of a C integrator, one for each piece of the time.
 
-    The integrator starts anew at each break of a function of time. `until` is looked at in the rows, and where it is
-    met between two of them, the integrator runs again from the first one, so that the time is found to rounding errors.
+    The integrator starts anew at each break of a function of time. `until` is evaluated in the rows, and where it is
+    met between two of them, the integrator runs again from the first one to determine the time to rounding errors.
     """
 
     def __init__(self, native: NativeScene | NativeBody, run: Run, k: Vector, settings: Settings) -> None:

@@ -11,13 +11,13 @@ import numpy as np
 from derive.runtime.native_call import Vector
 
 CLOSE, BEFORE = 64, 16
-"""In units in the last place of a time: times that are closer are one; a piece that leads to a break ends so far before
-it, so that functions of time have their values from before the break in all of its steps."""
+"""Distances in units in the last place of a time: times that are closer than CLOSE count as equal; a piece that leads
+to a break ends BEFORE units before it, so that all of its steps have the values of functions before the break."""
 
 
 @dataclass(frozen=True)
 class Piece:
-    """`count` intervals of the same length (s) from `start` (s) on, with rows at their ends.
+    """A piece of the time: `count` intervals of equal length (s) from `start` (s) on, with rows at their ends.
 
     to_break: whether the last one ends at a break, where there is no row.
     """
@@ -54,7 +54,7 @@ def pieces(times: Vector, breaks: Sequence[float] = ()) -> list[Piece]:
 
 
 def rounding(time: float, units: int = CLOSE) -> float:
-    """So many units in the last place of a time (s)."""
+    """The size (s) of a number of units in the last place of a time (s)."""
     return units * float(np.spacing(abs(time)))
 
 

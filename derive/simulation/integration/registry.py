@@ -95,4 +95,4 @@ C integrators of `templates/host` that are compiled with the model: the classica
 generalised-alpha method, and IDA without Python between its steps."""
 
 EXPLICIT = frozenset(("adaptive", "dop853", "scipy", "rk45", "rk4"))
-"""Those that call accelerations alone, and no function of implicit methods."""
+"""The integrators that call accelerations alone, and no function of implicit methods."""

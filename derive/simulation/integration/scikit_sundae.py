@@ -78,8 +78,8 @@ def integrate_ida(
     native, k, q, v, times, tolerance, size, drift, breaks, until, progress: as for `integrate`. form: the equations, of
     `native.dae`; the stabilised form of index 2 ("ggl") keeps the state on the constraints, "index1" lets it drift.
     order: the highest order; 2 steps over vibrations that orders 3 to 5 have to resolve with short steps, and damps
-    them. projected: whether rows are projected, and the state from which IDA starts anew at a break; that within its
-    steps never is. max_step: in s, 0 for none.
+    them. projected: whether rows are projected, and the state from which IDA starts anew at a break; its internal
+    state never is. max_step: in s, 0 for none.
 
     Raises IdaMissing without the package scikit-sundae, and what `integrate` raises.
     """
@@ -156,7 +156,7 @@ def _solver(
 ) -> Any:
     """IDA with the sparse solver SuperLU_MT and the compiled Jacobian.
 
-    absolute: the absolute tolerances (nq + nv,) of q and v. latest: the last time of which the model is asked, s.
+    absolute: the absolute tolerances (nq + nv,) of q and v. latest: the last time at which the model is evaluated, s.
     """
     try:
         ida = import_module("sksundae.ida").IDA

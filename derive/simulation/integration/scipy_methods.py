@@ -112,12 +112,12 @@ def _solver_type(method: Literal["DOP853", "RK45"]) -> Any:
 
 
 class Evaluator:
-    """f(t, y) -> ydot for explicit integrators, with y and ydot = [v; vdot] (nq + nv,).
+    """The function f(t, y) -> ydot for explicit integrators, with y and ydot = [v; vdot] (nq + nv,).
 
     Where the model returns an error the derivative is NaN, so that integrators take a smaller step; `refused` then is
-    the time and the error. `until` is the last time of which the model is asked: just before a break, where the step
-    that ends there needs the values of its own side. `evaluations` counts calls. Buffers are reused and C is called
-    through their addresses, because a call through NumPy takes longer than the C.
+    the time and the error. `until` is the last time at which the model is evaluated: just before a break, where the
+    step that ends there needs the values of its own side. `evaluations` counts calls. Buffers are reused and C is
+    called through their addresses, because a call through NumPy takes longer than the C.
     """
 
     def __init__(self, native: ConstrainedSystem, k: Vector) -> None:
@@ -133,11 +133,11 @@ class Evaluator:
         self._rates = self._of_quaternion(native) if isinstance(native, NativeBody) else None
 
     def cost(self, steps: int, began: float) -> Cost:
-        """The cost of so many steps, since the CPU time `began` (s)."""
+        """The cost of a number of steps, since the CPU time `began` (s)."""
         return Cost(self.evaluations, steps, time.process_time() - began)
 
     def __call__(self, t: float, y: Vector) -> Vector:
-        """[v; vdot], a new array."""
+        """The derivative [v; vdot] of the state, as a new array."""
         self.evaluations += 1
         self._y[:] = y
         if code := self._accel(min(t, self.until)):
@@ -155,7 +155,7 @@ class Evaluator:
         return lambda t: accel(t, q, v, k, vdot)
 
     def _of_quaternion(self, native: NativeBody) -> Callable[[Vector], Vector]:
-        """qdot (nq,) of y, for a body whose generalised velocities are not the derivatives of its coordinates."""
+        """The function of y that returns qdot (nq,), for a body whose generalised velocities differ from qdot."""
         return lambda y: native.rates(y[: self._nq], y[self._nq :], self._k)
 
     def _interpreted(self, native: ConstrainedSystem) -> Callable[[float], int]:

@@ -14,14 +14,14 @@ from derive.simulation.constraints.projection import check_drift, drift, project
 from derive.simulation.integration.stop_event import StopEvent
 
 Progress = Callable[[float], None]
-"""Called with the time (s) that an integration has reached."""
+"""A function that is called with the time (s) that an integration has reached."""
 
 
 @dataclass(frozen=True, eq=False)
 class Cost:
-    """Evaluations of vdot, or of the residual; steps; CPU seconds of the whole integration; Jacobians, if any.
+    """The cost of an integration. evaluations: of vdot, or of the residual. seconds: CPU time of the whole integration.
 
-    calls: all counts of a C integrator by their names.
+    jacobians: their number, if any. calls: all counts of a C integrator by their names.
     """
 
     evaluations: int
@@ -33,12 +33,13 @@ class Cost:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """t (n,) in s, q (n, nq), v (n, nv) and the multipliers lam (n, nlambda) in SI units.
+    """The result of an integration in SI units: t (n,), q (n, nq), v (n, nv) and the multipliers lam (n, nlambda).
 
     drift (n, 2): the largest violation of g (m, rad) and of its rate (m/s, rad/s) in each row. drift_before (n, 2): the
     same before the projection of the row, which is the drift of one step and the error of interpolation within it.
-    notes: for the user, what the integrator does otherwise than it was told, and where a stop condition is met.
-    outputs (n, nout): those of the model, and watched: what was seen after each step; if the integrator computes them.
+    notes: for the user, the deviations of the integrator from its settings, and where a stop condition is met.
+    outputs (n, nout): the outputs of the model; watched: the values of watched quantities; None if the integrator does
+    not compute them.
     """
 
     t: Vector
@@ -77,7 +78,7 @@ class SolutionWriter:
     drift_before: Matrix = field(init=False)
 
     def __post_init__(self) -> None:
-        size = len(self.times) + 1  # and one where a condition ends the integration between two rows
+        size = len(self.times) + 1  # and one row where a condition ends the integration between two rows
         self.states = np.zeros((size, self.native.nq + self.native.nv))
         self.lam = np.zeros((size, self.native.nlambda))
         self.drift, self.drift_before = np.zeros((size, 2)), np.zeros((size, 2))
@@ -104,7 +105,7 @@ class SolutionWriter:
         return float(self.times[self.count])
 
     def projected_state(self, t: float, y: Vector) -> Vector:
-        """The state y = [q; v] on its constraints. Raises DriftTooLarge where they cannot be met."""
+        """The state y = [q; v] projected onto its constraints. Raises DriftTooLarge where they cannot be met."""
         q, v = project(self.native, self.k, t, y[: self.native.nq], y[self.native.nq :])
         check_drift(self.native, self.k, t, q, v, self.limit)
         return np.concatenate([q, v])
@@ -119,7 +120,7 @@ class SolutionWriter:
         return self.until.time(first, last, (lambda t: self.projected_state(t, dense(t))) if self.projected else dense)
 
     def solution(self, cost: Cost, notes: tuple[str, ...] = ()) -> Solution:
-        """All rows, with these notes and that of a condition which is never met."""
+        """The solution with all rows, with these notes and the note on a condition that is never met."""
         if self.until is not None:
             notes = (*notes, *self.until.notes(float(self.times[-1]), self.held, met=False))
         return self._solution(self.times, cost, notes)
@@ -127,7 +128,7 @@ class SolutionWriter:
     def stopped_solution(
         self, stop: float, dense: Callable[[float], Vector], cost: Cost, notes: tuple[str, ...] = ()
     ) -> Solution:
-        """The rows up to the time `stop` (s) at which the condition is met, and a row there.
+        """The solution with the rows up to the time `stop` (s) at which the condition is met, and a row there.
 
         dense: the state y at a time after the last row that is written.
         """

@@ -10,11 +10,11 @@ import numpy as np
 from derive.runtime.native_call import Vector
 
 SAMPLES = 8
-"""The parts of a step at whose ends the condition is looked at: it may be met and not be met any more in one step."""
+"""The number of parts of a step at whose ends the condition is evaluated, as it may be met only briefly in a step."""
 
 BEHIND = 4
-"""In units in the last place of the time: a run ends so far behind the root of its condition, so that rounding errors
-do not let a run that goes on from there meet the condition again."""
+"""The distance behind the root of its condition at which a run ends, in units in the last place of the time, so that a
+run that continues from there does not meet the condition again by rounding errors."""
 
 
 @dataclass(frozen=True)

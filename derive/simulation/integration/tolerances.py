@@ -33,7 +33,7 @@ def rounding_note(tolerance: float, q: Vector) -> tuple[str, ...]:
 
 
 def consistent_tolerance(tolerance: float, size: float, q: Vector) -> float:
-    """The |g| (m, rad) up to which constraints are met in the state q (nq,), likewise."""
+    """The |g| (m, rad) up to which constraints count as met in the state q (nq,), for a `tolerance` and a size (m)."""
     return max(tolerance * min(1.0, size), UNAVOIDABLE * max_norm(q))
 
 

@@ -25,11 +25,11 @@ DISPLACEMENT = 0.1
 ROTATION = 0.2
 """The largest rotation (rad) of a body in an animation: larger ones deform beams, whose axes keep their length."""
 NEWTON_STEPS = 6
-"""Newton steps by which a displaced scene returns to its constraints."""
+"""The number of Newton steps by which a displaced scene returns to its constraints."""
 PROBE = 1e-6
 """The amplitude from which the displacements of points are extrapolated."""
 POINTS = 17
-"""Points of the line of a piece of a beam."""
+"""The number of points of the line of a piece of a beam."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +88,7 @@ def _on_constraints(native: NativeScene, k: Vector, t: float, q: Vector, complia
 
 
 def scene_motion(modes: Modes, states: list[Vector]) -> SceneMotion:
-    """States (nq,) of a scene, or of a beam alone, at the time of the linearisation, at rest."""
+    """The motion through states (nq,) of a scene, or of a beam alone, at rest at the time of the linearisation."""
     scene, native = drawn_scene(modes)
     q = np.array(states)
     return SceneMotion(scene, native, modes.k, np.full(len(q), modes.linear.t), q, np.zeros_like(q))
@@ -106,8 +106,8 @@ def drawn_scene(modes: Modes) -> tuple[Scene, NativeScene]:
 def scene_lines(motion: SceneMotion) -> list[Array]:
     """The lines (n, points, 2), m, of all bodies and springs of a scene at its n instants.
 
-    Of a beam the deformed axis, and a point for each mass that is attached to it; of another body the hull of its
-    markers, closed, which may be one point; of a spring the line between its ends.
+    A beam has its deformed axis, and a point for each mass that is attached to it; another body has the closed hull of
+    its markers, which may be one point; a spring has the line between its ends.
     """
     lines: list[Array] = []
     xi = np.linspace(-1.0, 1.0, POINTS)

@@ -74,7 +74,7 @@ def eigenmodes(linear: Linearisation) -> tuple[Mode, ...]:
 
 
 def normalised(shape: ComplexVector | Vector) -> ComplexVector:
-    """A shape (n,) divided by its largest element, of several that differ by rounding errors alone by the first."""
+    """A shape (n,) divided by its largest element: the first one of several that differ by rounding errors alone."""
     sizes = np.abs(shape)
     largest = int(np.flatnonzero(sizes >= (1 - 1e-9) * sizes.max())[0])
     return np.asarray(shape / shape[largest], dtype=complex)

@@ -34,7 +34,7 @@ WELL_CONDITIONED = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Linearisation:
-    """xdot = A x + B u, y = C x + D u about a state of a model, in SI units.
+    """The state space xdot = A x + B u, y = C x + D u about a state of a model, in SI units.
 
     t, q (nq,), v (nv,), vdot (nv,), lam (nlambda,): the state, with its accelerations and multipliers. states: the
     names of x = [z; w] (2 n,). inputs, outputs: the names of u and y: the run-time inputs and the outputs of a
@@ -90,10 +90,10 @@ class _Derivatives:
 
 
 def linearise(native: Native, k: Vector, t: float, q: Vector, v: Vector, spin: float = 0.0) -> Linearisation:
-    """The linearisation of a model about the consistent state q (nq,), v (nv,) at t (s), with coefficients of that t.
+    """The linearisation of a model about the consistent state q (nq,), v (nv,) at t (s), with the coefficients at t.
 
-    k: the constants (nk,) of `native.setup`, with the inputs of that t. spin (rad/s): of a scene that rotates steadily,
-    so that positions of origins are those in axes which rotate with it, where the coefficients do not depend on time.
+    k: the constants (nk,) of `native.setup`, with the inputs at t. spin (rad/s): the speed of a scene that rotates
+    steadily; positions of origins are then those in axes that rotate with it, where the coefficients are constant.
     Raises ModelError where accelerations and multipliers of the state are not unique.
     """
     if isinstance(native, NativeScene):
@@ -175,7 +175,7 @@ def velocity_roles(native: Native) -> tuple[Role, ...]:
 
 
 def displacement_names(native: Native) -> tuple[str, ...]:
-    """The names of the elements of zeta (nv,): those of the coordinates; in space, of the small rotation as well."""
+    """The names of the elements of zeta (nv,): those of the coordinates, but in space of a small rotation vector."""
     if native.nq == native.nv:
         return native.coordinates
     names = iter(name for name, role in zip(native.coordinates, native.roles, strict=True) if role != Role.QUATERNION)

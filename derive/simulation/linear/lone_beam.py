@@ -15,7 +15,7 @@ from derive.spec.model.scene import BeamBody, Scene
 
 
 def beam_scene(beam: PlanarBeam) -> Scene:
-    """The scene with nothing but a free beam, whose name it has."""
+    """The scene whose only body is a free beam; it has the name of the beam."""
     body = BeamBody(beam.name, replace(beam, gravity=None))
     return Scene(beam.name, ground=(), gravity=beam.gravity, bodies=(body,), joints=())
 
@@ -30,27 +30,27 @@ class LoneBeam(NativeScene):
         self._alone = native
 
     def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
-        """c1, c2 (m) and phi (rad) of the frame of the beam, (1, 3)."""
+        """The pose c1, c2 (m) and phi (rad) of the frame of the beam, (1, 3)."""
         return np.asarray(q, dtype=np.float64)[None, :3]
 
     def marker(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector, Vector]:
-        """See Native; the names of markers begin with that of the beam."""
+        """Position, velocity and Jacobian of a marker, see `Native`; its name begins with that of the beam."""
         names = {f"{self.bodies[0]}_{marker}": marker for marker in self._alone.markers}
         return self._alone.marker(names[name], q, v, k)
 
     def marker_positions(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
-        """See Native."""
+        """Positions of a marker in several states, see `Native`; its name begins with that of the beam."""
         names = {f"{self.bodies[0]}_{marker}": marker for marker in self._alone.markers}
         return self._alone.marker_positions(names[name], q, v, k)
 
     def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
-        """No constraints."""
+        """The constraints g, which are empty."""
         return np.zeros(0)
 
     def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """No constraints."""
+        """The rates gdot of the constraints, which are empty."""
         return np.zeros(0)
 
     def project_velocity(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
-        """The change that no constraints need."""
+        """The change of the velocities that constraints need (nv,): zero."""
         return np.zeros(self.nv)

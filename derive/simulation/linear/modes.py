@@ -38,7 +38,7 @@ ROWS = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """A compiled model, its constants k (nk,), and the state t (s), q (nq,), v (nv,); the equilibrium that it is."""
+    """A compiled model, its constants k (nk,), the state t (s), q (nq,), v (nv,), and the equilibrium if it is one."""
 
     native: Native
     k: Vector
@@ -53,7 +53,7 @@ class Modes:
     """The modes of a model about a state.
 
     linear: the state and the state-space matrices. modes: see `eigenmodes`. native, k: the compiled model and its
-    constants (nk,). equilibrium: that of a scene which the state is; None of other states and of a body alone.
+    constants (nk,). equilibrium: the equilibrium of a scene if the state is one; None for other states and for a body.
     """
 
     spec: Specification
@@ -80,7 +80,7 @@ class Modes:
 
     @property
     def functions_of_time(self) -> tuple[str, ...]:
-        """The keys of the functions of a scene that change with time, which have their values of the instant here."""
+        """The keys of the functions of a scene that change with time; modes have their values at the state's time."""
         if not isinstance(self.spec, Scene):
             return ()
         functions = (*time_functions(self.spec), *input_functions(self.spec))
@@ -142,7 +142,7 @@ def _motion(scene: Scene, at: float, progress: Progress | None) -> SceneMotion:
 
 
 def _of_scene(scene: Scene, at: float | None, progress: Progress | None) -> _State:
-    """A scene in its state at a time (s), or in its equilibrium, with the run-time inputs that it has there."""
+    """A scene in its state at a time (s), or in its equilibrium, with the values of its run-time inputs there."""
     if at is not None and at > 0.0:
         motion = _motion(scene_with_values(scene), at, progress)
         t, q, v = float(motion.t[-1]), motion.q[-1], motion.v[-1]

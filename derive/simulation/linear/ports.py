@@ -49,7 +49,7 @@ class OutputDerivatives:
 
 
 def inputs_of(native: Native, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector, lam: Vector) -> InputDerivatives:
-    """The run-time inputs of a scene; of a model without inputs and outputs the components of a force at each marker.
+    """The run-time inputs of a scene, or for a model without inputs and outputs the force components at each marker.
 
     Derivatives with respect to run-time inputs are differences of fourth order of the generated functions.
     """

@@ -18,7 +18,7 @@ DERIVATIVES = "this function", "its first derivative", "its second derivative"
 
 
 def scene_with_values(scene: Scene) -> Scene:
-    """A scene without run-time inputs: in their places are the functions of the specification, or zero."""
+    """A scene whose run-time inputs are replaced by the functions of the specification, or by zero."""
     inputs = tuple(replace(value, function=value.function or ZERO) for value in scene.inputs)
     return with_functions(replace(scene, inputs=inputs), {})
 
@@ -29,7 +29,7 @@ def constants(scene: Scene, native: NativeScene, t: float) -> Vector:
 
 
 def input_values(scene: Scene, t: float) -> tuple[tuple[float, ...], ...]:
-    """Of each input its value at t (s); of one that prescribes a motion also its first two time derivatives.
+    """The value of each input at t (s), with its first two time derivatives if it prescribes a motion.
 
     All numbers in turn are u (inputs,) of the compiled scene. Raises SpecError where one of them is not finite.
     """

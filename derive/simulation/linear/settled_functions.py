@@ -17,7 +17,7 @@ from derive.spec.model.time_function import TimeFunction, depends_on_time, funct
 LATER = (0.3, 1.0, 2.7, 7.3)
 """s: the times behind the last break at which the values of a function, or its rates between them, are compared."""
 SAME = 1e-9
-"""They differ if it is by more than this part of the largest value."""
+"""Values that differ by no more than this part of the largest one are the same."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class SettledFunctions:
     stopping: frozenset[str] = frozenset()
 
     def scene(self, scene: Scene) -> Scene:
-        """The scene with these functions as they are then, and its inputs with the functions of the specification.
+        """The scene with these functions settled, and its inputs replaced by the functions of the specification.
 
-        A drive that moves then does so from where it is at t = 0; one that stops is where it comes to rest.
+        A drive that still moves then starts from its position at t = 0; one that stops is where it comes to rest.
         """
         scene = scene_with_values(scene)
 
@@ -65,7 +65,7 @@ class SettledFunctions:
 
 
 def settled_functions(scenes: Sequence[Scene]) -> SettledFunctions:
-    """What becomes of the functions of time of a scene, given with several values of its parameters."""
+    """Determine which functions of time of a scene settle; scenes: the scene with several values of its parameters."""
     scenes = [scene_with_values(scene) for scene in scenes]
     time = max((t for scene in scenes for t in breaks(scene) if math.isfinite(t) and t > 0.0), default=0.0)
     settled: list[str] = []
@@ -87,7 +87,7 @@ def settled_functions(scenes: Sequence[Scene]) -> SettledFunctions:
 def _settles(function: TimeFunction, after: float, linear: bool = False, before: bool = False) -> bool:
     """Whether a function no longer changes after a time (s), or, with `linear`, changes at a constant rate.
 
-    before: whether the values at that time and just behind it are looked at as well.
+    before: whether the values at that time and just behind it are compared as well.
     """
     times = [*((after, after + LATER[0] / 64) if before else ()), *(after + later for later in LATER)]
     try:

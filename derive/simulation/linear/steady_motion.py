@@ -32,17 +32,17 @@ RIGID = 1e-9
 TURN = 1.0
 """rad: the rotation after which the accelerations of a steady motion must be the same in the rotated axes."""
 PAUSE = 1.0
-"""s: the time after which they must be the same without rotation."""
+"""s: the time after which the accelerations of a steady motion without rotation must be the same."""
 SAME = 1e-6
-"""Accelerations differ if it is by more than this part of the largest, or of those that 1 m or 1 rad would cause."""
+"""Accelerations differ if their difference exceeds this part of the largest, or of those that 1 m or 1 rad cause."""
 NEAR = 0.5
-"""rad: a steady motion in which a frame is rotated by more than this is another one than that which is sought."""
+"""rad: a steady motion in which a frame is rotated by more than this from the guess is not the one that is sought."""
 ASIDE = 1e-3
-"""m, rad, and their rates times the spin: a displacement beside which they must be the same as well."""
+"""m, rad, and their rates times the spin: a displacement with which the accelerations must be the same as well."""
 
 
 class NoSteadyMotion(SimulationError):
-    """A scene has no steady motion from its initial state, or none was found."""
+    """A scene has no steady motion from its initial state, or Newton's method does not reach one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ def _origins(native: NativeScene) -> list[tuple[int, int]]:
 
 @dataclass(frozen=True, eq=False)
 class _RigidField:
-    """v(q) = shift + spin E q: `shift` (nv,) with the translation and the rates of the angles."""
+    """The velocities of a rigid motion, v(q) = shift + spin E q; `shift` (nv,) has the translation and angle rates."""
 
     shift: Vector
     spin: float
@@ -161,7 +161,7 @@ def _solved(system: Matrix, right: Vector) -> Vector:
 def _check_steady(native: NativeScene, k: Vector, q: Vector, field: _RigidField) -> None:
     """Raise NoSteadyMotion if the accelerations are not those of the field, or change with time in the rotating axes.
 
-    They must be the same in the state and beside it, which a spring whose force vanishes in the state itself shows.
+    They must be the same in the state and beside it, since the force of a spring may vanish in the state itself.
     """
     t = TURN / abs(field.spin) if field.spin else PAUSE
     angles = coordinates_with(native, Role.ROTATION)
@@ -192,7 +192,7 @@ def _rotation(native: NativeScene, angle: float) -> Matrix:
 
 
 def _compare(native: NativeScene, a: Vector, expected: Vector, scale: float, what: str) -> None:
-    """Raise NoSteadyMotion, saying what the motion does, if accelerations differ by more than a part of the scale."""
+    """Raise NoSteadyMotion if accelerations differ by more than a part of the scale; what: the text on the motion."""
     off = np.abs(a - expected)
     if off.max(initial=0.0) > SAME * scale:
         name = native.coordinates[int(np.argmax(off))]

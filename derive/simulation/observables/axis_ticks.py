@@ -11,16 +11,16 @@ SMALLEST, LARGEST = 1e-4, 1e6
 SMALLEST_SPAN, RESOLVED = 1e-290, 1e-12
 """Ranges that are smaller than this, or than this part of their ends, have no ticks between their ends."""
 MAX_DECIMALS = 16
-"""Those of a number of double precision."""
+"""The largest number of decimals, as many as double precision has."""
 SIGNIFICANT, ROUNDING = 15, 1e-9
-"""The digits that a tick is rounded to, and the steps by which a tick may be beyond the ends."""
+"""The digits that a tick is rounded to, and the part of a step by which a tick may be beyond the ends."""
 MINUS = "\N{MINUS SIGN}"
 
 
 def ticks(low: float, high: float, least: int) -> list[float]:
     """At least `least` round values between low and high: the fewest multiples of 1, 2 or 5 times a power of ten.
 
-    Only low and high themselves, where there is no such number between them.
+    It is low and high themselves where there is no such number between them.
     """
     span = high - low
     if not (math.isfinite(span) and span > max(SMALLEST_SPAN, RESOLVED * max(abs(low), abs(high)))):

@@ -45,7 +45,7 @@ def shape_functions(beam: BeamBody) -> tuple[BeamFunction, ...]:
 
 @cache
 def _shape_functions(deflection: AssumedDeflection) -> tuple[BeamFunction, ...]:
-    """They are exact, and take a hundredth of a second."""
+    """The shape functions of a deflection, kept, since they are exact and take a hundredth of a second."""
     return assumed_shapes(deflection)
 
 
@@ -55,7 +55,7 @@ def fields_of(beam: BeamBody) -> tuple[BeamField, ...]:
 
 
 def shortening_functions(beam: BeamBody) -> tuple[tuple[int, int, BeamFunction], ...]:
-    """i <= j, counted from 0, and a function of xi for each pair of shapes of a beam of second order; else nothing.
+    """Indices i <= j from 0 and a function of xi for each pair of shapes of a beam of second order; else nothing.
 
     The function, divided by half the length of a piece, is psi_ij: the displacement of each piece along its axis is
     1/2 sum_ij alpha_i alpha_j psi_ij.
@@ -67,19 +67,19 @@ def shortening_functions(beam: BeamBody) -> tuple[tuple[int, int, BeamFunction],
 
 
 def amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
-    """(n, shapes): the modal amplitudes of a piece in bending, m."""
+    """The modal amplitudes of a piece in bending (n, shapes), m."""
     return field_amplitudes(motion, beam, piece)[:, : len(shape_functions(beam))]
 
 
 def field_amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
-    """(n, fields): all amplitudes of a piece, m."""
+    """All amplitudes of a piece (n, fields), m."""
     names = [owned(amplitude(i + 1), piece).name for i in range(len(fields_of(beam)))]
     values: Array = motion.q[:, [motion.native.coordinates.index(name) for name in names]]
     return values
 
 
 def deflections(motion: SceneMotion, beam: BeamBody, piece: str, xi: Array) -> Array:
-    """(n, len(xi)): the distances of points of a piece from its axis, m."""
+    """The distances of points of a piece from its axis (n, len(xi)), m."""
     values: Array = amplitudes(motion, beam, piece) @ np.array([function_values(f, xi) for f in shape_functions(beam)])
     return values
 
@@ -94,7 +94,7 @@ def function_values(function: BeamFunction, xi: Array) -> Array:
 
 
 def axis_points(motion: SceneMotion, beam: BeamBody, piece: str, xi: Array) -> Array:
-    """(n, len(xi), 2): the positions (m) of points of the deformed axis of a piece, in the inertial frame."""
+    """The positions (n, len(xi), 2), m, of points of the deformed axis of a piece, in the inertial frame."""
     alpha = field_amplitudes(motion, beam, piece)
     x = np.zeros((len(alpha), len(xi), 2))
     x[:, :, 0] = xi * half_length(beam)
@@ -107,7 +107,7 @@ def axis_points(motion: SceneMotion, beam: BeamBody, piece: str, xi: Array) -> A
 
 
 def beam_points(motion: SceneMotion, beam: BeamBody) -> list[Array]:
-    """(n, 2) each: the positions (m) of the ends and the middle of every piece, in the inertial frame."""
+    """The positions (n, 2), m, of the ends and the middle of every piece, in the inertial frame."""
     xi = np.array([-1.0, 0.0, 1.0])
     return [x for piece in piece_names(beam) for x in axis_points(motion, beam, piece, xi).swapaxes(0, 1)]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 NUMBER_WIDTH = 18
-"""The bytes of a number and its comma in a CSV file, at most."""
+"""The largest number of bytes of a number and its comma in a CSV file."""
 
 
 @dataclass(frozen=True, eq=False)

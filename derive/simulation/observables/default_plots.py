@@ -1,4 +1,4 @@
-"""Plots of what a specification does not plot itself: outputs, or coordinates by their roles."""
+"""The default plots of a specification: its outputs without a plot, or its coordinates by their roles."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def default_plots(scene: Scene, model: Model) -> tuple[Plot, ...]:
 
 
 def body_plots(body: NodalBody, model: Model) -> tuple[Plot, ...]:
-    """Without plots of its own, those of what describes the motion of a body in space, over the time."""
+    """The plots over time of the motion and the energies of a body in space; none if it has plots of its own."""
     if body.plots:
         return ()
     names = {role: [name for x in model.coordinates if x.role is role for name in x.elements] for role in Role}
@@ -58,7 +58,7 @@ def _unplotted(scene: Scene) -> list[SceneOutput]:
 
 
 def _deflection(output: SceneOutput) -> Deflection | None:
-    """What an output measures, as the quantity of a plot, if it is a deflection."""
+    """The quantity of a plot that an output measures, if it is a deflection."""
     if not isinstance(output_type(output.kind), ChordDeflection):
         return None
     values: Mapping[str, Any] = output.values

@@ -40,12 +40,12 @@ class SceneMotion:
 
     @cached_property
     def poses(self) -> Array:
-        """(n, bodies, 3): position (m) and rotation (rad) of each body frame, in the order of `native.bodies`."""
+        """The poses (n, bodies, 3): position (m) and rotation (rad) of each body frame in `native.bodies`."""
         states = zip(self.t, self.q, strict=True)
         return np.array([self.native.poses(float(t), q, self.k) for t, q in states])
 
     def pose(self, body: str) -> Array:
-        """(n, 3): position and rotation of the frame of a body, or of a piece of a beam."""
+        """The position and rotation (n, 3) of the frame of a body, or of a piece of a beam."""
         pose: Array = self.poses[:, self.native.bodies.index(body)]
         return pose
 
@@ -64,7 +64,7 @@ def material_points(scene: Scene, body: str) -> tuple[PointMarker, ...]:
 
 
 def body_coordinates(scene: Scene, marker: MarkerRef) -> Array:
-    """(2,): the coordinates (m) of a marker of a rigid body or of the ground, in the frame of that body."""
+    """The coordinates (2,), m, of a marker of a rigid body or of the ground, in the frame of that body."""
     point = next(p for p in material_points(scene, marker.body) if p.name == marker.marker)
     return np.array([si_value(point.x), si_value(point.y)])
 
@@ -91,7 +91,7 @@ def _orientation(a: tuple[float, float], b: tuple[float, float], c: tuple[float,
 
 
 def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
-    """(n, 2): the positions (m) of a marker in the inertial frame."""
+    """The positions (n, 2), m, of a marker in the inertial frame."""
     native = motion.native
     if marker.body == GROUND:
         return np.tile(body_coordinates(motion.scene, marker), (len(motion.t), 1))
@@ -102,7 +102,7 @@ def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
 
 
 def transformed(pose: Array, x: Array) -> Array:
-    """c + Q(phi) x (n, 2) of poses (c1, c2, phi) (n, 3); x is one point (2,), or a point for each pose (n, 2)."""
+    """The points c + Q(phi) x (n, 2) of poses (c1, c2, phi) (n, 3); x: one point (2,), or one for each pose (n, 2)."""
     cosine, sine = np.cos(pose[:, 2]), np.sin(pose[:, 2])
     x1, x2 = x.T
     rotated: Array = np.stack([cosine * x1 - sine * x2, sine * x1 + cosine * x2], axis=1)
@@ -110,19 +110,19 @@ def transformed(pose: Array, x: Array) -> Array:
 
 
 def deflection(motion: SceneMotion, quantity: Deflection) -> Array:
-    """(n,): the distance of a marker from a chord (m), positive to its left, or its ratio to a length."""
+    """The distances (n,) of a marker from a chord (m), positive to its left, or their ratios to a length."""
     points = (marker_positions(motion, at).T for at in (quantity.marker, *quantity.chord))
     distance: Array = distance_from_line(points, np.hypot)
     return distance if quantity.divided_by is None else distance / quantity.divided_by
 
 
 def drive_values(drive: Drive, t: Array) -> Array:
-    """(n,): the prescribed rotation (rad) or displacement (m) of a drive at the times t (n,), s."""
+    """The prescribed rotations (n,), rad, or displacements, m, of a drive at the times t (n,), s."""
     return function_values(drive_motion(drive), t)
 
 
 def simulated_drive(native: NativeScene, drive: Drive, t: Array) -> Array:
-    """(n,): the same in a simulation, in which drives may follow the run-time inputs of a compiled scene."""
+    """The prescribed rotations (n,), rad, or displacements, m, of a drive, which may follow an input of the scene."""
     if drive.motion is None or drive.motion.kind != "input":
         return drive_values(drive, t)
     index = native.inputs.index(drive.motion.name)
@@ -130,7 +130,7 @@ def simulated_drive(native: NativeScene, drive: Drive, t: Array) -> Array:
 
 
 def drive_unit(scene: Scene, drive: Drive) -> str:
-    """rad of a rotation, m of a displacement."""
+    """The unit of a drive: rad of a rotation, m of a displacement."""
     kind = next(joint.kind for joint in scene.joints if joint.name == drive.joint)
     driven = JOINTS[kind].driven
     assert driven is not None, "the specification refuses other drives"
@@ -138,7 +138,7 @@ def drive_unit(scene: Scene, drive: Drive) -> str:
 
 
 def function_values(function: TimeFunction, t: Array) -> Array:
-    """(n,): a function of time at the times t (n,), s, with the defaults of its parameters."""
+    """The values (n,) of a function of time at the times t (n,), s, with the defaults of its parameters."""
     return np.array([value_at(function, float(time)) for time in t])
 
 
@@ -166,6 +166,6 @@ def deviation(x: Array, y: Array, reference: ReferenceCurve) -> tuple[Array, Arr
 
 
 def reference_curve(rows: Sequence[tuple[float, float]]) -> tuple[Array, Array]:
-    """x (n,) and y (n,) of the rows of a reference."""
+    """The columns x (n,) and y (n,) of the rows of a reference."""
     columns = np.array(rows, dtype=np.float64).reshape(-1, 2).T
     return columns[0], columns[1]

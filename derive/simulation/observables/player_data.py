@@ -128,7 +128,7 @@ def _instants(motion: SceneMotion, others: int) -> NDArray[np.intp]:
 
 
 def frames(instants: int, channels: int) -> NDArray[np.intp]:
-    """The indices of every instant, or of every second, third, ... one, and of the last, for so many channels."""
+    """The indices of every instant, or of every second, third, ... one, and of the last, for a number of channels."""
     limit = max(2, min(MAX_FRAMES, MAX_NUMBERS // channels))
     stride = max(1, math.ceil((instants - 1) / (limit - 1)))
     return np.unique(np.append(np.arange(0, instants, stride), instants - 1))

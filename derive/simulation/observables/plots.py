@@ -85,7 +85,7 @@ def _curve(plot: Plot, label: str, x: Array, y: Array, quantity: tuple[str, str]
 
 @dataclass(frozen=True)
 class PlotText:
-    """The words of a plot: its quantities, and the label and the unit of the x axis; no unit is an empty text."""
+    """The texts of a plot: its quantities, and the label and the unit of the x axis, which is empty without a unit."""
 
     doc: str
     x_label: str
@@ -93,7 +93,7 @@ class PlotText:
 
 
 def plot_text(plot: Plot, spec: Scene | NodalBody, units: Mapping[str, str]) -> PlotText:
-    """The words of a plot; `units` are those of the columns of the motion."""
+    """The texts of a plot; `units` are those of the columns of the motion."""
     quantity = plot.quantity
     match quantity:
         case Deflection():
@@ -112,7 +112,7 @@ def deflection_quantity(quantity: Deflection) -> tuple[str, str]:
 
 
 def with_unit(name: str, unit: str) -> str:
-    """A name, and behind a comma its unit if it has one."""
+    """The text of a name, and of its unit behind a comma if it has one."""
     return f"{name}, {unit}" if unit else name
 
 

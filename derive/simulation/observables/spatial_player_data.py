@@ -19,12 +19,12 @@ MAX_NODES = 400
 """A body with more nodes is drawn as the box around them."""
 
 NEIGHBOURS = 26
-"""The nearest nodes that an edge may lead to."""
+"""The number of nearest nodes to which edges are considered."""
 
 
 @dataclass(frozen=True, eq=False)
 class DrawnBody:
-    """What is drawn of a body: points x (n, 3), m, in its frame, the modes there, phi (N, n, 3), and edges (pairs).
+    """The drawing of a body: points x (n, 3), m, in its frame, the modes there, phi (N, n, 3), and edges (pairs).
 
     radius: of the body about the origin of its frame, m. markers: the names and the nodes of markers.
     """
@@ -37,8 +37,8 @@ class DrawnBody:
 
 
 def drawn_body(body: NodalBody) -> DrawnBody:
-    """The nodes with the edges between neighbours; of more than MAX_NODES nodes the box around them, whose corners move
-    as the nearest nodes."""
+    """The nodes of a body with edges between neighbours; if there are more than MAX_NODES, the box around them, whose
+    corners move as the nearest nodes."""
     shapes = prepare(body).shapes
     radius = float(np.linalg.norm(shapes.x, axis=1).max()) or 1.0
     if len(shapes.x) > MAX_NODES:
@@ -89,7 +89,7 @@ def body_motion_data(drawn: DrawnBody, t: Array, q: Array) -> Plain:
 def neighbours(x: Array) -> list[list[int]]:
     """The edges of the Gabriel graph of nodes (n, 3): pairs with no other node in the sphere between them, or on it.
 
-    For a grid these are the edges of its cells. Only the nearest nodes are looked at.
+    For a grid these are the edges of its cells. Only the nearest nodes are considered.
     """
     if len(x) < 2:
         return []

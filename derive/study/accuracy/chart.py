@@ -36,13 +36,13 @@ DASHES: dict[str, tuple[float | None, ...]] = {
     "rk4": (1, 1),
     "generalised-alpha": (6, 1.5, 1, 1.5),
 }
-"""Those of lines by their integrators."""
+"""The dashes of lines by their integrators."""
 DASH_NAMES = {"rk4": "dotted", "generalised-alpha": "dash-dotted"}
 
 
 @dataclass(frozen=True)
 class LadderChart:
-    """What a chart shows: the lines of a ladder of `name`, their reference, the error that is asked for, and peers.
+    """The data of a chart: the lines of a ladder of `name`, their reference, the requested error, and peers.
 
     shown: the names of the beams that the plot shows, if it shows some alone. notes: lines on models that were left
     out, on approximate starts, and on an interruption.
@@ -153,7 +153,7 @@ def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], numbe
 
 
 def _peers(axes: Axes, chart: LadderChart, titles: dict[str, str]) -> None:
-    """The runs of other programs: their time alone is known."""
+    """Draw the runs of other programs, of which the time alone is known."""
     for n, peer in enumerate(chart.peers):
         look: dict[str, Any] = {"color": style.INK, "marker": "D", "markersize": 4.5, "linewidth": 1.3}
         x, y = [1e3 * seconds for seconds, _, _ in peer.runs], [rms for _, rms, _ in peer.runs]
@@ -162,13 +162,13 @@ def _peers(axes: Axes, chart: LadderChart, titles: dict[str, str]) -> None:
 
 
 def peer_text(run: tuple[float, float, float]) -> str:
-    """A run of another program in words."""
+    """The text of a run of another program."""
     seconds, rms, largest = run
     return f"rms {percent(rms)}, largest {percent(largest)}, {duration(seconds)}"
 
 
 def _power(value: float) -> str:
-    """A power of ten: 0.1, 1, 10, and 10⁵ beyond."""
+    """The text of a power of ten: 0.1, 1, 10, and 10⁵ beyond."""
     exponent = round(math.log10(value))
     raised = str(exponent).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
     return f"{value:g}" if -4 < exponent < 4 else f"10{raised}"
@@ -191,7 +191,7 @@ def _marker(model: LadderModel) -> str:
 
 
 def _labels(figure: Figure, chart: LadderChart, foot: float, height: float) -> None:
-    """The names of the lines to the right of the panels, at their smallest errors, with leaders where they moved."""
+    """Draw the names of the lines right of the panels, at their smallest errors, with leaders where they are moved."""
     from matplotlib.lines import Line2D
 
     low, high = (math.log(x) for x in _range(chart))
@@ -243,7 +243,7 @@ def _head(figure: Figure, chart: LadderChart, above: Sequence[tuple[str, bool]],
 
 
 def _subtitle(chart: LadderChart) -> list[str]:
-    """What is compared with what, and where, in lines."""
+    """The lines of the subtitle: the compared plot, its reference and the machine."""
     text = f"{chart.reference.plots[0].name}, against {chart.reference.source}"
     if chart.reference.error:
         text += f" (grey: its own error, {percent(chart.reference.error)})"
@@ -257,7 +257,7 @@ def _wrapped(texts: Sequence[str], size: float) -> list[str]:
 
 
 def line_title(line: Line, shown: Sequence[str]) -> str:
-    """A line in words: its model, and for each run its setting, the error and the cost."""
+    """The text of a line: its model, and for each run its setting, the error and the cost."""
     runs = [
         f"{p.setting}: rms {percent(p.rms)}, largest {percent(p.worst)}, {duration(p.seconds[0])}, "
         f"{p.evaluations} evaluations"

@@ -1,4 +1,4 @@
-"""The names of lines in the chart of a ladder: their colours, which of them share a label, and where labels stand."""
+"""The names of lines in the chart of a ladder: their colours, and the groups and the positions of labels."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from derive.study.accuracy.models import LadderModel, Shapes
 NEAR = 1.05
 """Errors that differ by less than this factor share a label."""
 ROOM = 26
-"""Characters of the names of a label."""
+"""The largest number of characters of the names of a label."""
 
 COLOURS = {
     DisplacementOrder.FIRST_ORDER: "#d0702a",
@@ -33,7 +33,7 @@ def colour(model: LadderModel) -> str:
 
 
 def label_groups(lines: Sequence[Line]) -> list[list[Line]]:
-    """Lines whose smallest errors are about the same and that have one order, from the smallest error on."""
+    """The groups of lines with one order and about the same smallest error, from the smallest error on."""
     groups: list[list[Line]] = []
     for line in sorted(lines, key=lambda line: line.best):
         match = next(
@@ -63,8 +63,8 @@ def group_label(group: Sequence[Line]) -> str:
 
 
 def spread(wanted: Sequence[float], distance: float) -> list[float]:
-    """Rising places at least `distance` apart, with the least squares of what each is moved by; `wanted` rises."""
-    blocks: list[tuple[float, int]] = []  # the mean of wanted - number distance, and how many places share it
+    """Rising positions at least `distance` apart, closest to `wanted`, which rises, by least squares."""
+    blocks: list[tuple[float, int]] = []  # the mean of wanted - number distance, and how many positions share it
     for number, want in enumerate(wanted):
         mean, count = want - number * distance, 1
         while blocks and blocks[-1][0] > mean:
@@ -76,15 +76,15 @@ def spread(wanted: Sequence[float], distance: float) -> list[float]:
 
 
 def duration(seconds: float) -> str:
-    """A time with three significant digits and its unit."""
+    """The text of a time (s) with three significant digits and its unit."""
     return f"{1e3 * seconds:.3g} ms" if seconds < 0.9995 else f"{grouped(seconds)} s"
 
 
 def milliseconds(seconds: float) -> str:
-    """A time in ms, with at least three significant digits."""
+    """The text of a time (s) in ms, with at least three significant digits."""
     return grouped(1e3 * seconds)
 
 
 def grouped(value: float) -> str:
-    """A number with at least three significant digits, without an exponent: 0.0123, 1.23, 12 345."""
+    """The text of a number with at least three significant digits, without an exponent: 0.0123, 1.23, 12 345."""
     return f"{value:.3g}" if value < 999.5 else f"{value:,.0f}".replace(",", " ")

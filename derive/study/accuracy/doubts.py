@@ -1,4 +1,4 @@
-"""What monitors doubt of the models of a ladder, beside what is measured, and why the two differ."""
+"""The doubts of monitors about the models of a ladder, beside the measured errors, and why the two differ."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SMALLER = 2
 
 
 def doubt(line: Line, shown: Sequence[str]) -> str:
-    """What a monitor implies of a line, what is measured, and why they differ; or why a run failed; or nothing.
+    """The error that a monitor implies for a line, the measured one, and the doubt; or why a run failed; or nothing.
 
     shown: the names of the beams that the plot shows.
     """
@@ -29,7 +29,7 @@ def doubt(line: Line, shown: Sequence[str]) -> str:
 
 
 def doubt_reason(line: Line, shown: Sequence[str]) -> str:
-    """What a monitor doubts of a line, and why the measured error may be smaller; or why a run failed; or nothing."""
+    """The doubt of a monitor on a line, and why the measured error may be smaller; or why a run failed; or nothing."""
     warning = line.warning
     if warning is None:
         return line.failure

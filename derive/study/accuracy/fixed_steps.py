@@ -24,11 +24,11 @@ from derive.study.accuracy.measurement import CompiledLadderModel, Line, Point, 
 from derive.study.timing import interleaved
 
 STABLE = (0.8, 0.4, 0.2)
-"""Steps of the classical Runge-Kutta method, of the longest that is stable in the initial state."""
+"""Steps of the classical Runge-Kutta method, relative to the longest that is stable in the initial state."""
 PER_PERIOD = (25, 50, 100, 200)
-"""Steps of the generalised-alpha method, of the longest period in the initial state."""
+"""Numbers of steps of the generalised-alpha method in the longest period of the initial state."""
 NO_MOTION = 1e-6
-"""Frequencies below this, of the highest, are those of rigid motion."""
+"""Frequencies below this part of the highest are those of rigid motion."""
 
 
 def fixed_step_lines(
@@ -74,7 +74,7 @@ def _line(of: CompiledLadderModel, name: str, plots: Sequence[Plot]) -> tuple[Li
 
 
 def _steps(of: CompiledLadderModel, name: str) -> list[float]:
-    """Steps from long to short, s: parts of the stable step, or of the longest period; or of the whole motion."""
+    """The steps from long to short, s: parts of the stable step, of the longest period, or of the whole motion."""
     simulation = of.scene.simulation
     assert simulation is not None
     frequencies = natural_frequencies(of.native, of.k, 0.0, of.start.q, of.start.v)
@@ -90,7 +90,7 @@ def _solution(of: CompiledLadderModel, integrator: Integrator, step: float) -> S
     simulation = of.scene.simulation
     assert simulation is not None
     steps = max(1, math.ceil(simulation.duration / step))
-    rows = max(1, steps // max(1, round(simulation.output / step)))  # as many as are asked for, at ends of steps
+    rows = max(1, steps // max(1, round(simulation.output / step)))  # as many as specified, at ends of steps
     times = np.linspace(0.0, simulation.duration, rows + 1)
     settings = Settings(size=scene_size(of.scene), step=step, breaks=breaks(of.scene))
     return integrator.integrate(of.k, of.start.q, of.start.v, times, settings)

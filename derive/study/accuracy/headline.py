@@ -14,12 +14,12 @@ from derive.study.accuracy.pareto import Candidate, candidates, recommended
 
 @dataclass(frozen=True)
 class Headline:
-    """Runs of a ladder for an error that is asked for.
+    """The runs of a ladder that answer a requested error.
 
     recommended: the cheapest run of a valid model with that error. best: the most accurate one if there is none.
     cheaper: the cheapest run with that error of a model that a monitor warns of, if it is cheaper than the recommended
     one. better: the cheapest run of another valid model with a smaller error. undecided: the error of the reference, if
-    it is larger than the one that is asked for, so that no run is known to have it; None if it is not.
+    it is larger than the requested one, so that no run is known to have that; None if it is not.
     """
 
     error: float
@@ -77,6 +77,6 @@ def _seconds(run: Candidate) -> float:
 
 
 def _run(run: Candidate) -> str:
-    """A run in words: its model, its setting, its error and its time."""
+    """The text of a run: its model, its setting, its error and its time."""
     error = f"{percent(run.point.rms)} (largest {percent(run.point.worst)})"
     return f"{run.line.label}, {run.point.setting}: error {error}, {duration(_seconds(run))}"

@@ -15,17 +15,17 @@ from derive.study.accuracy.reference import Reference
 from derive.terminal import duration_text
 
 DEARER = 2.0
-"""Predicted operations over those of a model that is as accurate, from which a model is left out."""
+"""A model is left out if its predicted operations exceed those of an equally accurate model by this factor."""
 STAGNANT = 0.05
-"""The relative difference of the errors of models of a kind, the finer with two sizes more, that are all the same."""
+"""Errors of models of a kind, of which the finer is two sizes larger, that differ by less, relatively, stagnate."""
 BETTER = 0.5
-"""The error of a cheaper model over theirs, at most, if they cannot matter."""
+"""Stagnant models are left out if a cheaper model has an error below this part of theirs."""
 PER_COORDINATE, PER_OPERATION = 0.2, 3e-10
-"""Seconds to derive and compile a model, per coordinate of its bodies, and seconds of an operation, to begin with."""
+"""First estimates: seconds to derive and compile a model, per coordinate of its bodies, and seconds of an operation."""
 
 
 class LadderRun:
-    """The lines of a ladder as they come: an interruption leaves what there is.
+    """The lines of a ladder, added one by one, so that an interruption leaves the lines of the models so far.
 
     explicit: whether models are run by the adaptive method alone, see `compiled`.
     lines: of the models that have run, or have failed. notes: a line on each model that was left out, and on starts
@@ -51,14 +51,14 @@ class LadderRun:
 
     @property
     def count(self) -> int:
-        """The models that are done with."""
+        """The number of models that have been run or left out."""
         return len(self.lines) + sum(map(len, self._left_out.values()))
 
     def run(
         self, models: Sequence[LadderModel], progress: Progress, report: Progress, record: Callable[[], None]
     ) -> None:
-        """Run models. progress: takes what is being done; report: what came of it, with the remaining time; record: is
-        called after each model."""
+        """Run models. progress: takes a line on each task; report: a line on each result, with the remaining time;
+        record: is called after each model."""
         began, done = time.monotonic(), 0.0
         report(f"{len(models)} models, about {duration_text(sum(map(self.seconds, models)))}")
         for n, model in enumerate(models, 1):
@@ -79,12 +79,12 @@ class LadderRun:
             record()
 
     def seconds(self, model: LadderModel) -> float:
-        """How long a model takes to be derived, compiled, and run twice with each tolerance, about, s."""
+        """The approximate time (s) to derive and compile a model, and to run it twice with each tolerance."""
         operations = 2 * len(self._tolerances) * self.cost.operations(model)
         return PER_COORDINATE * self.cost.coordinates(model) + PER_OPERATION * operations
 
     def dispensable(self, model: LadderModel) -> str:
-        """Why a model cannot matter: a cheaper one has a smaller error. Empty if it may matter."""
+        """The reason why a model cannot matter, as a cheaper one has a smaller error; empty if it may matter."""
         predicted = self.cost.operations(model)
         for line in self.lines:
             if not line.valid or self._known.error is None or line.best > self._known.error:

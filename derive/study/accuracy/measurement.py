@@ -49,20 +49,21 @@ CALLED = {
 QUICK_FLAGS, UNOPTIMISED = (
     (*(flag if flag != "-O2" else level for flag in FLAGS), *ESSENTIAL) for level in ("-O1", "-O0")
 )
-"""Of models whose runs are compared and not timed: compilers take two thirds of the time, and runs about the same; and
-of those with short runs, which take twice as long then, and compilers a third of the time. The bits are the same."""
+"""Compiler options of models whose runs are compared and not timed: the compiler takes two thirds of the time, and runs
+take about the same; and of models with short runs: the compiler takes a third of the time, and runs take twice as long.
+All options give the same bits."""
 
 SAME = 0.01
 """Errors of runs with two tolerances that differ by less, relatively, are those of the model."""
 LONG = 0.5
-"""CPU seconds of a run that is timed once: what disturbs it is small against it."""
+"""CPU seconds from which on a run is timed only once, as disturbances are small against it."""
 
 
 @dataclass(frozen=True, eq=False)
 class CompiledLadderModel:
     """A model of a ladder that is ready to run: its scene, its code, its consistent start.
 
-    columns: the code without the outputs that monitor its validity. files: what was generated.
+    columns: the code without the outputs that monitor its validity. files: the generated files.
     """
 
     model: LadderModel
@@ -130,7 +131,7 @@ def _no_python(_: NativeScene) -> Integrator:
 
 
 def end_run(of: CompiledLadderModel, tolerance: float) -> AdaptiveRun:
-    """The same integration without rows in between, whose cost is measured. Raises AdaptiveError."""
+    """The integration of `motion` without rows in between, whose cost is measured. Raises AdaptiveError."""
     assert of.scene.simulation is not None
     size = scene_size(of.scene)
     return Adaptive(of.native).run(
@@ -192,7 +193,7 @@ class Line:
 
     @property
     def valid(self) -> bool:
-        """Whether it has run, and no monitor warns."""
+        """Whether the model has run without failure, and no monitor warns."""
         return self.warning is None and not self.failure
 
     @property
@@ -202,7 +203,7 @@ class Line:
 
     @property
     def outcome(self) -> str:
-        """What came of the model, in a few words: error, implied error and time of the finest run, and a failure."""
+        """The text of the result: error, implied error and time of the finest run, and a failure."""
         if not self.points:
             return self.failure
         warning = f", a monitor implies {percent(self.warning.error)}" if self.warning else ""

@@ -26,7 +26,7 @@ from derive.terminal import beam_count
 
 
 class Shapes(Enum):
-    """What the shape functions of the beams are."""
+    """The kind of the shape functions of the beams."""
 
     RIGID = "rigid"
     """The beams are rigid bodies."""
@@ -45,7 +45,7 @@ FAMILIES: dict[Shapes, tuple[FamilyKind, Frame]] = {
     Shapes.FREE_FREE: ("free-free", Frame("mean")),
     Shapes.CLAMPED_FREE: ("clamped-free", Frame("tangent", Fraction(-1))),
 }
-"""The natural modes that shapes are, and the frame whose conditions they fulfil."""
+"""The natural modes that are used as shapes, and the frame whose conditions they fulfil."""
 
 MODES = {"free-free": Shapes.FREE_FREE, "clamped-free": Shapes.CLAMPED_FREE}
 """Natural modes beside the half sine waves by their names in a command."""
@@ -60,7 +60,7 @@ ORDERS = {
 
 @dataclass(frozen=True)
 class LadderModel:
-    """How the beams of a scene are modelled: the order and the kind of shapes, their number, the frame, the pieces.
+    """The model of the beams of a scene: the order and the kind of shapes, their number, the frame, the pieces.
 
     beams: models of the beams by their names, where they differ; the other fields are then those of the finest.
     """
@@ -83,12 +83,12 @@ class LadderModel:
 
     @property
     def kind(self) -> tuple[object, ...]:
-        """What models have in common of which one has the shapes of the other and more."""
+        """The key that models share of which one has the shapes of the other and more."""
         return self.shapes, self.order, self.frame, self.pieces
 
     @property
     def label(self) -> str:
-        """The model in a few words: 2 beams, P2 to P4, full; crank: rigid; rod: 1 sine, first."""
+        """The text of the model: 2 beams, P2 to P4, full; crank: rigid; rod: 1 sine, first."""
         if self.beams:
             groups: dict[str, list[str]] = {}
             for name, model in self.beams:
@@ -110,7 +110,7 @@ class LadderModel:
 
     @property
     def _polynomials(self) -> str:
-        """P2 to P4 in the mean frame, where they are Legendre polynomials; elsewhere their number."""
+        """The text of polynomials: P2 to P4 in the mean frame (Legendre polynomials), elsewhere their number."""
         if self.frame != "mean":
             return f"{self.count} shapes"
         names = [f"P{n}" for n in (2, self.count + 1)]
@@ -119,7 +119,7 @@ class LadderModel:
 
 @dataclass(frozen=True)
 class LadderRange:
-    """What a ladder goes through: the numbers of shapes of one beam, and of beams with two shapes each.
+    """The range of models of a ladder: the numbers of shapes of one beam, and of beams with two shapes each.
 
     modes: the natural modes beside the half sine waves, in the same numbers.
     """
@@ -138,7 +138,7 @@ def ladder(limits: LadderRange) -> tuple[LadderModel, ...]:
 
 
 def mixed(beams: Mapping[str, LadderModel]) -> LadderModel:
-    """The model of a scene whose beams are modelled so, by their names."""
+    """The model of a scene with the given models of the beams, by their names."""
     models = tuple(beams.values())
     if all(model == models[0] for model in models):
         return models[0]
@@ -157,9 +157,9 @@ def _models(limits: LadderRange) -> Iterator[LadderModel]:
 
 
 def model_scene(scene: Scene, model: LadderModel) -> Scene:
-    """The scene with all its beams modelled so, and of its outputs those that it plots.
+    """The scene with all its beams replaced as in a model, and with those of its outputs that it plots.
 
-    Raises SpecError if they cannot be.
+    Raises SpecError if the beams cannot be modelled so.
     """
     bodies = tuple(modelled(body, model.of(body.name)) if isinstance(body, BeamBody) else body for body in scene.bodies)
     plots = tuple(replace(plot, cut=None, pieces=()) for plot in scene.plots)
@@ -176,7 +176,7 @@ def plotted_outputs(scene: Scene) -> tuple[SceneOutput, ...]:
 
 
 def modelled(body: BeamBody, model: LadderModel) -> BeamBody | RigidBody:
-    """A beam modelled so, as a rigid body if the model is rigid; see `startable`. Raises SpecError if it cannot be."""
+    """A beam with a model, as a rigid body if that is rigid; see `_startable`. Raises SpecError if it is impossible."""
     if model.shapes is Shapes.RIGID:
         return rigid_beam(body)
     ansatz: tuple[Polynomial, ...] | ShapeFamily
@@ -219,8 +219,8 @@ def _frame(name: str) -> Frame:
 def refinements() -> tuple[LadderModel, ...]:
     """Ever finer models, of which the last two give a reference and its error.
 
-    They are of second order and in more and more beams, which know what one beam leaves out. In the mean frame the
-    truncated terms are as good as the full ones there, and far cheaper to derive.
+    They are of second order, with more and more pieces, which include what a single piece neglects. In the mean frame
+    the truncated terms are as good as the full ones there, and far cheaper to derive.
     """
     order = DisplacementOrder.TRUNCATED
     return tuple(LadderModel(Shapes.POLYNOMIALS, 4, order, "mean", pieces) for pieces in (1, 2, 3))

@@ -1,6 +1,6 @@
 """The page of a ladder: its headline, its chart, whose lines show their numbers, and a table.
 
-Nothing is loaded from elsewhere.
+The page loads no other files.
 """
 
 from __future__ import annotations

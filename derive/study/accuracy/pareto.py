@@ -1,4 +1,4 @@
-"""Which runs of a ladder are worth their cost: those that no other run beats in both error and time."""
+"""The Pareto-optimal runs of a ladder: those that no other run beats in both error and time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from derive.study.accuracy.measurement import Line, Point
 
 @dataclass(frozen=True)
 class Candidate:
-    """A run of a model."""
+    """A run of a model: the line of the model, and the point of the run."""
 
     line: Line
     point: Point

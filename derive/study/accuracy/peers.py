@@ -11,11 +11,11 @@ from pathlib import Path
 from derive.errors import TisserandError, quoted
 
 COLUMNS = ("model", "cpu_s", "rms_error", "largest_error")
-"""What the table has to hold; `accuracy.csv` of another study does."""
+"""The columns that the table must have; `accuracy.csv` of another study has them."""
 
 
 class WrongPeers(TisserandError):
-    """A table of peers that cannot be used; the text has all that is wrong with it."""
+    """A table of peers cannot be used; the message lists all its faults."""
 
     def __init__(self, path: Path, problems: list[tuple[int, str]]) -> None:
         super().__init__("\n".join(f"{path}: {f'line {line}: ' if line else ''}{text}" for line, text in problems))
@@ -63,7 +63,7 @@ def read_peers(path: Path) -> tuple[Peer, ...]:
 
 
 def _positive(text: str | None) -> float:
-    """A number above 0. Raises ValueError with the text."""
+    """The number above 0 in a text. Raises ValueError with the text."""
     try:
         number = float(text or "")
     except ValueError:

@@ -1,4 +1,4 @@
-"""Which beams a plot shows: those whose deflection, coordinates or outputs it draws."""
+"""The beams that a plot shows: those whose deflection, coordinates or outputs it draws."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def plotted_beams(plot: Plot, scene: Scene) -> tuple[str, ...]:
 
 
 def _of_columns(columns: tuple[str, ...], scene: Scene) -> set[str]:
-    """The bodies whose coordinates or outputs columns are."""
+    """The bodies to whose coordinates or outputs the columns belong."""
     bodies = {column: {beam.name} for beam in beam_bodies(scene) for column in _coordinates(beam)}
     for output in scene.outputs:
         own = set(_bodies(list(output.values.values()), scene))

@@ -1,8 +1,9 @@
-"""What a model of a scene will cost, before it is derived: the steps of explicit methods are bound by stability.
+"""The predicted cost of a model of a scene, before it is derived: stability limits the steps of explicit methods.
 
-The steps of stiff models have the length at which the fastest vibration is stable. It is that of a piece of a beam: the
-joints of a mechanism add constraints, which lower it. The evaluations of a run are proportional to it, and the
-operations of an evaluation to the number of coordinates, about; both factors are those of the runs so far.
+The steps of stiff models have the length at which the fastest vibration is stable. Its frequency is taken from a free
+piece of a beam: the joints of a mechanism add constraints, which lower it. The evaluations of a run are proportional to
+this frequency, and the operations of an evaluation about to the number of coordinates; both factors are fitted to the
+runs so far.
 """
 
 from __future__ import annotations
@@ -27,20 +28,20 @@ PER_RADIAN = 2.3
 PER_COORDINATE = 100.0
 """Operations of an evaluation, with its part of factorisations and projections, per coordinate of the bodies."""
 HELD = 0.4
-"""The operations over those that follow so from a free beam, before any are measured: joints slow vibrations down."""
+"""The operations relative to those predicted from a free beam, before any are measured: joints slow vibrations down."""
 RIGID = 3
-"""The coordinates of a rigid body."""
+"""The number of coordinates of a rigid body."""
 POINTS = 24
-"""Those of the quadrature of products of shape functions."""
+"""The number of points of the quadrature of products of shape functions."""
 
 
 def fastest_rate(scene: Scene, model: LadderModel) -> float:
-    """The fastest vibration of the beams of a scene that are modelled so, or the fastest decay, rad/s; 0 if rigid."""
+    """The fastest vibration, or decay, of the beams of a scene with a model, rad/s; 0 if all are rigid."""
     return max((beam_rate(body, model.of(body.name)) for body in beam_bodies(scene)), default=0.0)
 
 
 def beam_rate(body: BeamBody, model: LadderModel) -> float:
-    """That of a free piece of a beam, and with damping in proportion to the stiffness of its decay."""
+    """The fastest vibration of a free piece of a beam, rad/s, or its decay by damping if that is faster."""
     if model.shapes is Shapes.RIGID:
         return 0.0
     beam = modelled(body, model)
@@ -52,7 +53,7 @@ def beam_rate(body: BeamBody, model: LadderModel) -> float:
 
 
 def beam_coordinates(model: LadderModel) -> int:
-    """The coordinates of a beam that is modelled so, without joints."""
+    """The number of coordinates of a beam with a model, without joints."""
     return max(RIGID, model.size)
 
 
@@ -67,7 +68,7 @@ def _dimensionless(deflection: AssumedDeflection) -> float:
 
 
 class PredictedCost:
-    """Operations of a run of a model, and the seconds until it is measured, from those of the models so far."""
+    """A prediction of the operations of a run of a model, from those of the models so far."""
 
     def __init__(self, scene: Scene) -> None:
         assert scene.simulation is not None
@@ -76,7 +77,7 @@ class PredictedCost:
         self._least: float = 0.0
 
     def add(self, line: Line) -> None:
-        """Learn from the runs of a model."""
+        """Fit the prediction to the runs of a model as well."""
         if not line.points:
             return
         measured = min(point.operations for point in line.points)
@@ -87,11 +88,11 @@ class PredictedCost:
         self._least = min(self._least, each) if self._least else each
 
     def operations(self, model: LadderModel) -> float:
-        """Operations of a run, about."""
+        """The approximate number of operations of a run of a model."""
         return self.operations_of(fastest_rate(self._scene, model), self.coordinates(model))
 
     def operations_of(self, rate: float, coordinates: int) -> float:
-        """Operations of a run with so many coordinates and a fastest vibration or decay of that rate (rad/s), about."""
+        """The approximate operations of a run; rate: its fastest vibration or decay, rad/s."""
         stiff = self._stiff(rate, coordinates) * (median(self._ratios) if self._ratios else HELD)
         return max(stiff, self._least * PER_COORDINATE * coordinates)
 
@@ -100,7 +101,7 @@ class PredictedCost:
         return PER_RADIAN * rate * self._duration * PER_COORDINATE * coordinates
 
     def coordinates(self, model: LadderModel) -> int:
-        """The coordinates of all bodies, without joints."""
+        """The number of coordinates of all bodies, without joints."""
         beams = beam_bodies(self._scene)
         own = [beam_coordinates(model.of(beam.name)) for beam in beams]
         return sum(own) + RIGID * (len(self._scene.bodies) - len(beams))

@@ -1,4 +1,4 @@
-"""What the models of a ladder are compared with: a file, or the finest of models that agree with each other."""
+"""The reference of the models of a ladder: a file, or the finest of models that agree with each other."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from derive.study.accuracy.models import refinements
 Curves = tuple[PlotCurve, ...]
 
 TOLERANCE = 1e-10
-"""That of the runs that make a reference: its error is that of the models."""
+"""The tolerance of the runs that make a reference, so small that the error of the reference is that of the models."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Reference:
 
 
 def compared_plot(scene: Scene, name: str | None) -> Plot:
-    """The plot of a scene that a ladder compares: that of the name, or its first one. Raises SpecError."""
+    """The plot of a scene that a ladder compares: the one with the name, or the first one. Raises SpecError."""
     if not scene.plots:
         text = 'a ladder compares a plot; add one, such as [plots.tip] with y = ["the name of a column"]'
         raise SpecError((Problem("plots", text),))
@@ -57,7 +57,7 @@ def reference(
 ) -> Reference:
     """The reference of a plot: its file, whose error may be given, or with `own` or without a file a finer model.
 
-    progress: takes what is being done; report: takes a line on each model. Raises SpecError, SimulationError,
+    progress: takes a line on each task; report: takes a line on each model. Raises SpecError, SimulationError,
     CompilerError.
     """
     if plot.reference is not None and not own:
@@ -69,7 +69,7 @@ VANISHES = "it vanishes all the time, so that no error of it is known; choose an
 
 
 def _own(scene: Scene, plot: Plot, progress: Progress, report: Progress) -> Reference:
-    """The finest of ever finer models; its error is its difference from the one before."""
+    """The reference from the finest of ever finer models; its error is its difference from the one before."""
     bare = bare_plots(plot)
     finest, before, label = Curves(), Curves(), ""
     made_for = replace(scene, plots=(plot,))
@@ -100,7 +100,7 @@ def curves_of(bare: Sequence[Plot], moved: Trajectory) -> Curves:
 def reference_plots(bare: Sequence[Plot], label: str, curves: Curves, report: Progress) -> tuple[Plot, ...]:
     """Plots of one curve each with their curves as references, which the label describes.
 
-    A curve that vanishes has no relative error, and is left out, of which report takes a line.
+    A curve that vanishes has no relative error, and is left out; report takes a line on it.
     """
     plots = []
     for plot, curve in zip(bare, curves, strict=True):
@@ -119,7 +119,7 @@ def _with_curve(bare: Plot, label: str, curve: PlotCurve) -> Plot:
 def rms_difference(finer: Curves, coarser: Curves) -> float | None:
     """The largest root mean square difference of two curves over the peak of the finer.
 
-    Curves that vanish in both are not compared; None where all do, or one of the finer alone.
+    Curves that vanish in both are not compared; None where all vanish, or where one vanishes in the finer alone.
     """
     pairs = [(fine.y, coarse.y) for fine, coarse in zip(finer, coarser, strict=True) if np.any((fine.y, coarse.y))]
     peaks = [float(np.abs(fine).max()) for fine, _ in pairs]

@@ -1,4 +1,4 @@
-"""A beam as a rigid body: its mass, its centre and its inertia with what is attached, its loads, and its start.
+"""A beam as a rigid body: its mass, centre and inertia with its attached masses, its loads, and its initial values.
 
 A distributed load does the same work on a rigid body as its resultant at the point that is the mean over the load.
 """
@@ -24,7 +24,7 @@ from derive.spec.model.simulation import InitialValues
 def rigid_beam(body: BeamBody) -> RigidBody:
     """The beam as a rigid body with its attached masses, and with markers for `rigid_loads`.
 
-    Raises SpecError where that is not the whole beam.
+    Raises SpecError where these do not describe the whole beam.
     """
     beam = body.beam
     for load in body.loads:

@@ -23,7 +23,7 @@ COLUMNS = (
 
 
 def accuracy_text(chart: LadderChart) -> str:
-    """A line for each model: its smallest error and the cheapest run within 10 % of it; what is not valid below."""
+    """The table with a line for each model: its smallest error and the cheapest run within 10 % of it; then doubts."""
     width = max(len(line.label) for line in chart.lines)
     reference = f"{chart.reference.plots[0].name} of {chart.name}, against {chart.reference.source}"
     if chart.reference.error is not None:
@@ -53,7 +53,7 @@ def cheapest(line: Line) -> Point:
 
 
 def accuracy_csv(chart: LadderChart) -> str:
-    """A row for each run."""
+    """The CSV text with a row for each run."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -108,7 +108,7 @@ def accuracy_data(chart: LadderChart) -> dict[str, Any]:
 
 
 def _run(run: Candidate | None) -> dict[str, Any] | None:
-    """A run of the headline."""
+    """A run of the headline as plain data."""
     if run is None:
         return None
     return {

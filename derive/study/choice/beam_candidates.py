@@ -1,8 +1,8 @@
 """The models that a beam is tried with, from cheap to dear, and which of them are worth a trial.
 
 Shapes that cannot have the bending moment of a beam at its ends are wrong by a fifth or more where the beam bends: half
-sine waves where an end is held against rotation, modes of a clamped beam where the left end is not clamped alone, and
-polynomials whose curvature is linear at most where the moment vanishes. They come last.
+sine waves where joints prevent the rotation of an end, modes of a clamped beam where not just the left end is clamped,
+and polynomials whose curvature is linear at most where the moment vanishes. They come last.
 """
 
 from __future__ import annotations
@@ -16,26 +16,26 @@ from derive.study.accuracy.models import FAMILIES, LadderModel, Shapes
 from derive.study.accuracy.predicted_cost import PredictedCost, beam_coordinates, beam_rate
 
 MOST = {Shapes.SINES: 5, Shapes.CLAMPED_FREE: 4, Shapes.POLYNOMIALS: 5}
-"""Shapes of a beam in one piece, at most, by their kind."""
+"""The largest number of shapes of a beam in one piece, by their kind."""
 PIECES = ((2, 2), (2, 3), (3, 2))
-"""Pieces, and polynomials of each of them."""
+"""The numbers of pieces, and of polynomials of each piece."""
 LINEAR = 2
-"""Polynomials, from the second degree on, up to which the curvature is constant or linear."""
+"""The number of polynomials, from the second degree on, up to which the curvature is constant or linear."""
 FULL = 2.0
-"""Operations of a model in which nothing is truncated over those of a truncated one, about."""
+"""The approximate operations of a full model relative to those of a truncated one."""
 STAGNANT = 0.7
-"""The error over that with two shapes less of the same kind, from which on more of them are not tried."""
+"""More shapes of a kind are not tried if two more have not reduced the error below this part of it."""
 HOPELESS = 1.5
-"""The error of a model over the one that is asked for, from which on the same with fewer shapes is not tried."""
+"""Fewer shapes of a kind are not tried if a model has more than this times the requested error."""
 
 Errors = Mapping[LadderModel, float]
 
 
 def beam_candidates(scene: Scene, beam: BeamBody, cost: PredictedCost) -> tuple[LadderModel, ...]:
-    """The models of second order of a beam: those that suit its ends from cheap to dear, then the others, likewise.
+    """The models of second order of a beam from cheap to dear: first those that suit its ends, then the others.
 
-    The rigid beam is the first. First order comes later, where second order is good, and models in which nothing is
-    truncated where truncation is what limits the error, see the search.
+    The rigid beam is the first. The search adds models of first order where second order is good, and full models,
+    in which nothing is truncated, where truncation limits the error.
     """
     models = [LadderModel(Shapes.RIGID)]
     for shapes, most in MOST.items():
@@ -46,7 +46,7 @@ def beam_candidates(scene: Scene, beam: BeamBody, cost: PredictedCost) -> tuple[
 
 
 def candidate_order(scene: Scene, beam: BeamBody, cost: PredictedCost) -> Callable[[LadderModel], tuple[float, ...]]:
-    """The key of models in that order."""
+    """The key that sorts the models of a beam in the order of `beam_candidates`."""
     held = frozenset(int(marker.at) for marker in held_ends(scene, beam))
 
     def key(model: LadderModel) -> tuple[float, ...]:
@@ -58,7 +58,7 @@ def candidate_order(scene: Scene, beam: BeamBody, cost: PredictedCost) -> Callab
 
 
 def suits(model: LadderModel, held: frozenset[int]) -> bool:
-    """Whether the shapes of a model can have the moments at the ends of a beam, of which these are held, -1 and 1."""
+    """Whether the shapes of a model can have the bending moments of a beam at its ends `held`, of -1 and 1."""
     match model.shapes:
         case Shapes.SINES:
             return not held
@@ -73,8 +73,8 @@ def suits(model: LadderModel, held: frozenset[int]) -> bool:
 def cannot_do(model: LadderModel, errors: Errors, error: float) -> bool:
     """Whether models of its kind that have run show that a model is not within an error.
 
-    One with more shapes is far from it, or two shapes more have not helped: one alone may be odd where an even one is
-    missing.
+    A model with more shapes has a far larger error, or two more shapes have not reduced it: a single one may be odd
+    where an even one is missing.
     """
     kind = sorted((other.count, of) for other, of in errors.items() if other.kind == model.kind)
     more = [of for count, of in kind if count > model.count]

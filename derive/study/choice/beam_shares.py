@@ -1,7 +1,7 @@
-"""What each beam adds to the error of a scene: one beam at a time is coarsened, and all others stay fine.
+"""The share of each beam in the error of a scene: one beam at a time is coarsened, and all others stay fine.
 
 Rigid beams come first, see `rigid_shares`: their shares show which beams matter, and how much of the error is left for
-those. Shares of independent errors add up as squares; what combinations do in truth is measured, see `combinations`.
+those. Shares of independent errors add up as squares; the errors of combinations are measured, see `combinations`.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from derive.study.choice.beam_candidates import beam_candidates, cannot_do
 from derive.study.choice.model_runs import ModelRuns
 
 TOLERANCE = 1e-6
-"""That of the runs that are compared."""
+"""The tolerance of the runs that are compared."""
 SMALL = 3.0
-"""The error that is asked for over the share of a rigid beam and the root of the number of beams, if it stays rigid."""
+"""A beam stays rigid if its share is below the requested error over this and over the root of the number of beams."""
 
 Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class BeamShare:
-    """How far the plots change, rms over the peak, if one beam is modelled so; None where it cannot be, see failure."""
+    """The change of the plots, rms over the peak, if one beam has this model; None where it cannot run, see failure."""
 
     beam: str
     model: LadderModel
@@ -42,7 +42,7 @@ class BeamShare:
 class BeamShares:
     """The shares of the beams in the error, as they are measured; the others are those of the model `base`.
 
-    rigid: the shares that are known already. report: takes what came of a measurement. Raises TisserandError where the
+    rigid: the shares that are known already. report: takes a line on each measurement. Raises TisserandError where the
     base cannot be run.
     """
 
@@ -69,7 +69,7 @@ class BeamShares:
         return tuple(self._left)
 
     def of(self, beam: str) -> list[BeamShare]:
-        """The shares of a beam that have been measured, and can be."""
+        """The shares of a beam that have been measured successfully."""
         return [share for share in self.known if share.beam == beam and share.share is not None]
 
     def exhausted(self, beam: str) -> bool:
@@ -77,7 +77,7 @@ class BeamShares:
         return not self._left[beam]
 
     def targets(self, error: float) -> dict[str, float]:
-        """What each beam may add to an error, by its share as a rigid body, which is measured if it is not known."""
+        """The share in an error that each beam may have, from its share as a rigid body, measured if not known."""
         for beam in set(self.beams) - {of.beam for of in self.known}:
             self._try_next(beam)
         rigid = {share.beam: share.share for share in self.known if share.model.shapes is Shapes.RIGID}
@@ -115,5 +115,5 @@ class BeamShares:
 
 
 def replaced(scene: Scene, base: LadderModel, models: dict[str, LadderModel]) -> LadderModel:
-    """The model in which some beams are modelled otherwise."""
+    """The model `base` of a scene with other models of some beams."""
     return mixed({beam.name: models.get(beam.name) or base.of(beam.name) for beam in beam_bodies(scene)})

@@ -1,4 +1,4 @@
-"""The result of a search, in words and as plain data: what was tried, what it costs, and what the next steps would."""
+"""The result of a search, as text and as plain data: the models tried, their cost, and the cost of the next steps."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from derive.study.choice.search import Choice
 from derive.study.choice.trials import accurate, implied_error
 
 STEPS = 2
-"""Cheaper and more accurate models beside the chosen one."""
+"""The largest number of cheaper, and of more accurate, models beside the chosen one."""
 GAIN = 0.9
-"""The error of a finer run of the chosen model over that of the chosen run, at most, if it is a step up."""
+"""A finer run of the chosen model is a step up if its error is at most this part of that of the chosen run."""
 
 
 def choice_text(name: str, plots: Sequence[str], screened: Sequence[Screening], choice: Choice) -> str:
@@ -36,7 +36,7 @@ def choice_text(name: str, plots: Sequence[str], screened: Sequence[Screening], 
 
 
 def _shares(choice: Choice) -> list[str]:
-    """What each beam adds to the error if it is coarsened alone: a line for each model of it."""
+    """The lines on the share of each beam in the error if it is coarsened alone, one for each model of it."""
     if choice.base is None:
         return []
     width = max(len(of.model.label) for of in choice.shares)

@@ -2,8 +2,8 @@
 
 Shares of independent errors add up as squares. A run costs as many operations as follow from the fastest vibration of
 any beam and from the sum of all coordinates, so that, below each limit of the vibrations, the combinations with the
-least error for their coordinates follow from one beam after the other: the work is proportional to the number of beams,
-where that of going through all combinations is a power of it.
+least error for their coordinates follow from one beam after the other. The work is proportional to the number of beams,
+whereas that of trying all combinations is exponential in it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from derive.study.choice.beam_shares import BeamShare
 
 @dataclass(frozen=True)
 class BeamCombination:
-    """A model whose beams are modelled each on its own, and the error and the operations that it should have."""
+    """A model whose beams have models of their own, and the error and the operations that are predicted for it."""
 
     model: LadderModel
     error: float
@@ -45,7 +45,7 @@ def combinations(
 ) -> tuple[BeamCombination, ...]:
     """The combinations whose error should be within a budget, from cheap to dear, each with less error than all before.
 
-    shares: those of the models that each beam may have, by its name.
+    shares: those of the models that each beam may have, by the name of the beam.
     """
     beams = {beam.name: beam for beam in beam_bodies(scene)}
     options = {
@@ -76,7 +76,7 @@ def combinations(
 class _Table:
     """The least sum of the squares of shares (inf where there is none) by the sum of the coordinates of the beams.
 
-    options: those of each beam; picks: by beam, the option that the least sum has, likewise by the coordinates so far.
+    options: those of each beam; picks: for each beam, the option of the least sum, by the coordinates so far.
     """
 
     least: NDArray[np.float64]
@@ -94,7 +94,7 @@ class _Table:
 
 
 def _table(options: Sequence[Sequence[_Option]]) -> _Table:
-    """The least sums, from one beam after the other."""
+    """The table of the least sums, computed one beam after the other."""
     if not all(options):
         return _Table(np.zeros(0), options, ())
     least, picks = np.zeros(1), list[NDArray[np.intp]]()

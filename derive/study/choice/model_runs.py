@@ -1,4 +1,4 @@
-"""The models that a search derives and runs: each of them once, whatever asks for it."""
+"""The models that a search derives and runs, each of them once, whichever part of the search needs it."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, bare_plots, curves_of
 
 FLEXIBLE = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED)
-"""The flexible model that is looked at first, and that references need as well."""
+"""The flexible model that is examined first, and that references need as well."""
 
 SHORT = 1e9
-"""Predicted operations of a run from which on it is worth while to optimise the code of a model that is not timed."""
+"""Predicted operations of a run below which the code of a model that is not timed is compiled without optimisation."""
 
 Progress = Callable[[str], None]
 
@@ -27,7 +27,7 @@ class ModelRuns:
     """The models of a scene, compiled, and the curves of its plots in their runs.
 
     scene: with the plots that are compared; bare: a plot for each curve of them. ready: the models with monitors.
-    progress: takes what is being done.
+    progress: takes a line on each task.
     """
 
     def __init__(self, scene: Scene, plots: Sequence[Plot], progress: Progress) -> None:
@@ -56,7 +56,7 @@ class ModelRuns:
         return self._unwatched[model]
 
     def curves(self, model: LadderModel, tolerance: float, monitored: bool = False) -> Curves:
-        """The curves of a run of a model, likewise; its time is kept."""
+        """The curves of a run of a model, see `compiled`; its time is kept."""
         if (model, tolerance) not in self._curves:
             moved = motion(self.compiled(model, monitored), tolerance)
             self._seconds[model] = moved.solution.cost.seconds

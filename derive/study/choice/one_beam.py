@@ -12,17 +12,17 @@ from derive.study.choice.beam_candidates import Errors, beam_candidates, candida
 from derive.study.choice.trials import Trials, usable
 
 NEAR = 1.5
-"""Predicted operations over those of a model that is good, up to which a model may yet be cheaper."""
+"""A model may be cheaper than a good one if its predicted operations are below this times those of the good one."""
 SIMPLER = 0.5
-"""The operations of a model of first order over those of second order, at least."""
+"""The least ratio of the operations of a model of first order to those of second order."""
 BEYOND = 2
-"""Models that are accurate enough and tried beyond the first one: what more accuracy would cost."""
+"""The number of accurate models that are tried beyond the first one, to show the cost of more accuracy."""
 
 
 def try_one_beam(trials: Trials) -> None:
     """Run models of second order until one is accurate enough, then those of first order that may be cheaper.
 
-    What the runs for the reference have shown to be too far from it is left out.
+    Models that the runs for the reference have shown to be too far from it are left out.
     """
     (beam,) = beam_bodies(trials.runs.scene)
     errors = dict(trials.known.errors)
@@ -40,9 +40,9 @@ def try_one_beam(trials: Trials) -> None:
 
 
 def try_more_accurate(trials: Trials) -> None:
-    """Run models that the reference has needed and that are more accurate than the good ones: what that costs.
+    """Run models of the reference that are more accurate than the good ones, to show the cost of more accuracy.
 
-    They are compiled already.
+    These models are compiled already.
     """
     errors, good = dict(trials.known.errors), trials.good
     least = min((line.best for line in good), default=0.0)
@@ -52,13 +52,13 @@ def try_more_accurate(trials: Trials) -> None:
 
 
 def _is_worth_it(model: LadderModel, errors: Errors, trials: Trials) -> bool:
-    """Whether a model has not been tried, and no run shows that it is not accurate enough."""
+    """Whether a model is untried, and no run shows that it is not accurate enough."""
     too_far = model in errors and errors[model] > trials.budget
     return not (model in trials or too_far or cannot_do(model, errors, trials.budget))
 
 
 def _with_all_terms(errors: Errors, trials: Trials) -> list[LadderModel]:
-    """The models in one piece whose error truncation may be the reason of, with nothing truncated."""
+    """The full variants of the models in one piece whose error may come from truncation."""
     limited = [m for m, error in errors.items() if m.pieces == 1 and m.size and trials.is_limited(error)]
     return [replace(m, order=DisplacementOrder.FULL) for m in limited if m.order is DisplacementOrder.TRUNCATED]
 

@@ -1,6 +1,6 @@
-"""Which beams of a scene matter: they are made rigid in a model with few shapes, before anything finer is derived.
+"""The beams of a scene that matter: beams are made rigid in a model with few shapes, before finer models are derived.
 
-Beams that hardly matter are rigid in references, whose error has their shares, and in what is chosen.
+Beams that hardly matter are rigid in references, whose error includes their shares, and in the chosen model.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from derive.study.choice.beam_shares import TOLERANCE, BeamShare, replaced
 from derive.study.choice.model_runs import FLEXIBLE, ModelRuns
 
 MATTERS = 15.0
-"""The error that is asked for over the shares of all beams together that are rigid in references."""
+"""The least ratio of the requested error to the shares of all beams together that are rigid in references."""
 GROUPED = 4
-"""Beams from which on groups of them are made rigid at once, and divided where that matters."""
+"""The number of beams from which on groups of them are made rigid at once, and divided where that matters."""
 RIGID = LadderModel(Shapes.RIGID)
 
 Progress = Callable[[str], None]
@@ -29,7 +29,7 @@ Progress = Callable[[str], None]
 def rigid_shares(runs: ModelRuns, error: float, report: Progress) -> tuple[BeamShare, ...]:
     """The shares of the beams as rigid bodies; beams of a group that hardly matters get equal parts of its share.
 
-    Empty of a lone beam, and where the model with few shapes cannot be run.
+    The result is empty for a lone beam, and where the model with few shapes cannot be run.
     """
     names = tuple(beam.name for beam in beam_bodies(runs.scene))
     if runs.lone:

@@ -1,9 +1,9 @@
-"""What two cheap runs say about the beams of a scene: how near loads come to what beams resist with.
+"""Screening of the beams of a scene by two cheap runs: the loads on beams relative to their resistance.
 
 The beams are taken as rigid. Their accelerations a across the axis, less those of free fall, are the inertia loads that
 would bend them; a beam whose lowest frequency w is high against those of its loads bends by about 4/pi a/w^2, as half a
-sine wave does. The frequency is that of the beam as its joints hold it. The axial force, in the shape of that
-vibration, is what the monitors of a run with three polynomials have seen.
+sine wave does. The frequency is that of the beam with its joints. The axial force, in the shape of that vibration, is
+the one that the monitors of a run with three polynomials report.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.choice.model_runs import FLEXIBLE, ModelRuns
 
 TOLERANCE = 1e-6
-"""That of the runs that are looked at."""
+"""The tolerance of the runs."""
 SPEEDS = 1001
-"""The times of a simulation at which the largest speed of a drive is looked for."""
+"""The number of times of a simulation at which the speeds of drives are evaluated."""
 MODAL = 4 / np.pi
 """The part of a uniform load that bends a beam into half a sine wave, as an amplitude."""
 
 
 @dataclass(frozen=True)
 class Screening:
-    """What a beam has to bear; None where it is not known.
+    """The loads on a beam; None where a number is not known.
 
-    frequency: the lowest of the beam as its joints hold it, rad/s. driving, spin: the largest speed of a drive that
+    frequency: the lowest of the beam with its joints, rad/s. driving, spin: the largest speed of a drive that
     rotates and the largest rate of rotation of the beam, rad/s. deflection: about, over the length. axial: the largest
     axial force over the load under which the beam buckles.
     """
@@ -56,7 +56,7 @@ class Screening:
 
     @property
     def text(self) -> str:
-        """The numbers in a line."""
+        """The line of text with the numbers."""
         if self.frequency is None:
             return f"{self.beam}: no natural frequency is known"
         parts = [f"lowest natural frequency {self.frequency:.4g} rad/s as its joints hold it"]
@@ -71,7 +71,7 @@ class Screening:
 
 
 def screening(runs: ModelRuns) -> tuple[Screening, ...]:
-    """What each beam has to bear."""
+    """The screening of each beam of a scene."""
     scene = runs.scene
     beams = [body for body in scene.bodies if isinstance(body, BeamBody)]
     frequencies, axial = _flexible(runs, beams)
@@ -90,8 +90,8 @@ def screening(runs: ModelRuns) -> tuple[Screening, ...]:
 
 
 def _flexible(runs: ModelRuns, beams: list[BeamBody]) -> tuple[dict[str, float], dict[str, float]]:
-    """By the names of beams, of three polynomials: the lowest frequencies, rad/s, and the axial forces over the loads
-    under which they buckle; without those that are not found."""
+    """The lowest frequencies, rad/s, and the axial forces over the buckling loads, with three polynomials, by the names
+    of beams; without those that cannot be computed."""
     try:
         flexible = runs.compiled(FLEXIBLE)
     except TisserandError:
@@ -116,8 +116,8 @@ def _driving(scene: Scene) -> float | None:
 
 
 def _accelerations(scene: Scene, beams: list[BeamBody]) -> dict[str, tuple[float, float]]:
-    """By the names of beams with two markers, in a run with rigid beams: the largest rate of rotation (rad/s), and the
-    largest acceleration across the axis less that of free fall (m/s^2), root mean square over the length."""
+    """The largest rate of rotation (rad/s), and the largest acceleration across the axis less that of free fall (m/s^2,
+    root mean square over the length), in a run with rigid beams, by the names of beams with two markers."""
     pairs = {}
     for beam in beams:
         places = sorted(beam.markers, key=lambda m: m.at)

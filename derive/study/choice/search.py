@@ -1,10 +1,10 @@
 """The search for the cheapest model of a scene that is accurate enough.
 
-First a reference is made that can be trusted. A scene with one beam is then tried with models from cheap to dear. Of
-several beams each gets a model of its own: its share in the error is measured, see `beam_shares`, and combinations are
-run from cheap to dear. Whatever is chosen has been run and compared with the reference, and none of its monitors
-implies a larger error. If nothing is accurate enough, models follow in which nothing is truncated, where truncation may
-be the reason, and those that made the reference.
+First a reference is made that can be trusted. A scene with one beam is then tried with models from cheap to dear. In
+a scene with several beams each gets a model of its own: its share in the error is measured, see `beam_shares`, and
+combinations are run from cheap to dear. The chosen model has been run and compared with the reference, and none of its
+monitors implies a larger error. If no model is accurate enough, full models follow, where truncation may be the
+reason, and those that made the reference.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Progress = Callable[[str], None]
 class Choice:
     """The result of a search for an error: its reference, and the models in the order in which they were tried.
 
-    shares: those of the beams in the error of a scene with several, measured against the model `base`.
+    shares: those of the beams in the error of a scene with several beams, measured against the model `base`.
     """
 
     error: float
@@ -68,7 +68,7 @@ def quiet(_: str) -> None:
 def choose(runs: ModelRuns, error: float, report: Progress = quiet) -> Choice:
     """The cheapest model of a scene whose plots have at most an error, rms over the peak; see the text of this module.
 
-    report: takes what came of each model, a line.
+    report: takes a line on each model.
 
     Raises NotConverged, SpecError, SimulationError, CompilerError.
     """
@@ -90,12 +90,12 @@ def choose(runs: ModelRuns, error: float, report: Progress = quiet) -> Choice:
 
 
 def _base(known: TrustedReference, cost: PredictedCost, error: float) -> LadderModel:
-    """The cheapest model of the reference whose own error is small against the one that is asked for."""
+    """The cheapest model of the reference whose own error is small against the requested one."""
     good = [model for model, of in known.errors if usable(model) and of <= SHARE * error]
     return min(good, key=cost.operations, default=known.model)
 
 
 def _with_all_terms(trials: Trials) -> list[LadderModel]:
-    """The models whose error truncation may be the reason of, with nothing truncated."""
+    """The full variants of the models whose error may come from truncation."""
     models = [line.model for line in trials.lines if line.points and trials.is_limited(line.best)]
     return [trials.with_order(m, DisplacementOrder.FULL, names) for m in models if (names := trials.flexible(m))]

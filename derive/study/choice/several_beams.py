@@ -11,17 +11,17 @@ from derive.study.choice.combinations import combinations
 from derive.study.choice.trials import Trials, implied_error
 
 COMBINED = 8
-"""Combinations that are run without success, at most."""
+"""The largest number of combinations that are run without success."""
 ROUNDS = (1.0, 1 / 3, 1 / 10)
-"""What a beam may add to the error over its part of it, in one round of measurements of shares after the other."""
+"""The share that a beam may have, relative to its part of the error, in successive rounds of measurements of shares."""
 BEYOND = 1
-"""Combinations that are run beyond the first good one: what more accuracy would cost."""
+"""The number of combinations that are run beyond the first good one, to show the cost of more accuracy."""
 
 
 def try_several_beams(trials: Trials, base: LadderModel, rigid: Sequence[BeamShare] = ()) -> tuple[BeamShare, ...]:
     """Run combinations until some are good, then with first order; returns the shares of the beams in the error.
 
-    base: the model of the beams whose shares are not measured. It is taken for a beam where nothing else will do.
+    base: the model of the beams whose shares are not measured, and of a beam for which no other model is good.
     rigid: the shares of rigid beams.
     """
     shares = BeamShares(trials.runs, base, trials.cost, rigid, trials.report)
@@ -48,11 +48,11 @@ class _Combined:
 
     @property
     def enough(self) -> bool:
-        """Whether a combination is good, or too many are not."""
+        """Whether a combination is good, or too many combinations have failed."""
         return bool(self._trials.good) or self._failures >= COMBINED
 
     def refine(self, targets: dict[str, float]) -> None:
-        """Measure shares until each beam has a model within its target, and run what follows."""
+        """Measure shares until each beam has a model within its target, and run the combinations of these models."""
         while not self.enough:
             for beam, target in targets.items():
                 self._shares.refine(beam, target, [model for name, model in self._doubtful if name == beam])
@@ -71,7 +71,7 @@ class _Combined:
             self._trials.run(base)
 
     def _run_next(self, options: dict[str, list[BeamShare]]) -> bool:
-        """Run the cheapest combination that has not been; False if there is none."""
+        """Run the cheapest combination that has not been run; False if there is none."""
         trials = self._trials
         for combination in combinations(trials.runs.scene, options, trials.budget, trials.cost):
             model = combination.model
@@ -92,7 +92,7 @@ class _Combined:
 
 
 def _try_first_order(trials: Trials) -> None:
-    """Make the beams of the cheapest good model first-order ones: all of them, and else one after the other."""
+    """Try the cheapest good model with beams of first order: all of them, or else one after the other."""
     best = trials.good[0].model
     second = trials.flexible(best)
     if not second:

@@ -17,15 +17,15 @@ from derive.study.choice.trusted_reference import TrustedReference
 
 TOLERANCES = (1e-3, 1e-5, 1e-7)
 LIMITED = 2.0
-"""The error of a model over what truncation changes, up to which truncation may be the reason of the error."""
+"""Truncation may be the reason of an error of up to this times the change that truncation makes."""
 RUNS = 5
-"""Measurements of the time of each run."""
+"""The number of measurements of the time of each run."""
 
 Progress = Callable[[str], None]
 
 
 def accurate(line: Line, point: Point, error: float, of_reference: float) -> bool:
-    """Whether a run is within an error, that of the reference included, and its monitors imply no larger one."""
+    """Whether the error of a run with that of the reference is within `error`, and its monitors imply no larger one."""
     return not line.failure and point.rms + of_reference <= error and implied_error(line) <= error
 
 
@@ -35,14 +35,14 @@ def implied_error(line: Line) -> float:
 
 
 def usable(model: LadderModel) -> bool:
-    """Whether a model of the reference is one to work with: a model in which nothing is truncated costs far more."""
+    """Whether a model of the reference is usable otherwise: a full model, in which nothing is truncated, costs more."""
     return all(of.order is not DisplacementOrder.FULL for of in (model, *dict(model.beams).values()))
 
 
 class Trials:
-    """The models that have been tried, for an error that is asked for.
+    """The models that have been tried for a requested error.
 
-    budget: the error that a model may have beside that of the reference. report: takes what came of each model.
+    budget: the error that a model may have beside that of the reference. report: takes a line on each model.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Trials:
         return self._point(line) is not None
 
     def run(self, model: LadderModel) -> Line:
-        """The line of a model, which is derived and run unless it has been."""
+        """The line of a model, which is derived and run if it has not been before."""
         if model not in self._lines:
             self._lines[model] = line = self._line(model)
             self.cost.add(line)

@@ -1,8 +1,8 @@
 """The reference of a search: a model of second order, refined until it agrees with others in each direction.
 
 The directions are fewer beams, fewer shapes, nothing truncated, and larger steps: agreement within one family would
-prove nothing. Which direction is refined depends on the differences alone, and not on the error that is asked for, so
-that a search for a larger error goes through the same models and ends with one of them.
+prove nothing. The direction of refinement depends on the differences alone, and not on the requested error, so that a
+search for a larger error goes through the same models and ends with one of them.
 """
 
 from __future__ import annotations
@@ -33,24 +33,24 @@ from derive.terminal import duration_text
 FINE, COARSE = 1e-10, 1e-8
 """Tolerances of the reference, and of the run that shows the error of its steps."""
 SHARE = 1 / 3
-"""The error of a reference over the error that is asked for, at most."""
+"""The largest error of a reference relative to the requested error."""
 FIRST = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED, "mean", 2)
 """The reference that is tried first."""
 MOST_BEAMS, MOST_SHAPES = 5, 5
-"""Beams of each rod, and shapes of each beam, of the finest references."""
+"""The largest numbers of pieces of each beam, and of shapes of each piece, of references."""
 CHEAPER = 1.5
 """The difference with fewer beams over that with fewer shapes above which beams are added: shapes are cheaper."""
 FULL_SHAPES = 2
-"""Shapes of the models in which nothing is truncated: what truncation leaves out is in the lowest shapes."""
+"""The number of shapes of full models: the terms that truncation drops are largest in the lowest shapes."""
 LONGEST = 120.0
-"""Seconds of a run of a finer reference, about, at most."""
+"""The longest time (s) that may be predicted for a run of a finer reference."""
 
 Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """How far the reference differs from a coarser model, rms over the peak: in the direction that `label` names."""
+    """The difference of the reference from a coarser model, rms over the peak, in the direction that `label` names."""
 
     label: str
     difference: float
@@ -61,7 +61,7 @@ class TrustedReference:
     """Plots with the curves of the finest model, and how far coarser models differ from it; `model` is that model.
 
     agreements: with fewer beams, fewer shapes, nothing truncated, beams that are rigid here, and larger steps.
-    truncation: what truncation changes in models with one beam. errors: those of the models that have run, rms over
+    truncation: the change by truncation in models with one beam. errors: those of the models that have run, rms over
     the peak, in the order in which they did.
     """
 
@@ -78,7 +78,7 @@ class TrustedReference:
 
 
 class NotConverged(TisserandError):
-    """No reference agrees with coarser models closely enough for the error that is asked for."""
+    """No reference agrees with coarser models closely enough for the requested error."""
 
 
 def trusted_reference(
@@ -111,7 +111,7 @@ def trusted_reference(
 
 
 def _without_reference(references: _References, error: float, further: str) -> str:
-    """Why there is no reference, and the least error for which there is one, of those that have been made."""
+    """The text on why no reference is good enough, with the least error for which one of those made is."""
     best = references.best
     worst = max(best.agreements, key=lambda a: a.difference)
     possible = rounded_up(best.error / references.share)
@@ -145,7 +145,7 @@ class _References:
         self.made: list[TrustedReference] = []
 
     def add(self, model: LadderModel) -> TrustedReference:
-        """A model as the reference, without a comparison with larger steps, which tell no direction."""
+        """Add a model as the reference, without a comparison with larger steps, which gives no direction to refine."""
         fewer_beams = replace(model, pieces=model.pieces - 1)
         fewer_shapes = replace(model, count=model.count - 1)
         agreements = [self._agreement(model, "fewer beams", fewer_beams)]
@@ -170,7 +170,7 @@ class _References:
 
     @property
     def share(self) -> float:
-        """The error of a reference over a larger one that may be asked for: more beams may be rigid then.
+        """The error of a reference over a larger one that may be requested: more beams may be rigid then.
 
         Each difference of two models changes by twice their share at most.
         """
@@ -195,14 +195,14 @@ class _References:
         return next((m for m in finer if m.pieces <= MOST_BEAMS and m.count <= MOST_SHAPES), None)
 
     def predicted_seconds(self, model: LadderModel) -> float:
-        """How long a run of a model takes, about, from that of the finest that is known."""
+        """The approximate time (s) of a run of a model, from that of the finest reference so far."""
         known, cost = self.made[-1].model, self._cost
         return self._runs.seconds(known) * cost.operations(self._mixture(model)) / cost.operations(known)
 
     def _full(self, model: LadderModel, enough: float) -> Agreement:
-        """How much truncation leaves out: it is largest where there are few beams, which are tried first.
+        """The error of truncation: it is largest with few beams, which are tried first.
 
-        More of them, which take long to derive, are tried where the difference is larger than one in another direction.
+        More beams, which take long to derive, are tried where the difference is larger than in other directions.
         """
         for pieces in range(1, model.pieces):
             if pieces not in self._truncation:
@@ -218,7 +218,7 @@ class _References:
         return self._truncation[pieces]
 
     def _mixture(self, model: LadderModel) -> LadderModel:
-        """The model with the beams that hardly matter rigid."""
+        """A model in which the beams that hardly matter are rigid."""
         return mixed({beam.name: self._rigid.get(beam.name, model) for beam in beam_bodies(self._runs.scene)})
 
     def _curves(self, runs: ModelRuns, model: LadderModel, tolerance: float) -> Curves:
@@ -247,7 +247,7 @@ class _References:
 
 
 def _without_rotary_inertia(scene: Scene) -> Scene:
-    """The scene without what a full model cannot have: rotary inertia of masses attached to a beam that stretches."""
+    """The scene without rotary inertia of masses attached to a beam that stretches, which full models do not have."""
     return replace(scene, bodies=tuple(_lean(body) if isinstance(body, BeamBody) else body for body in scene.bodies))
 
 

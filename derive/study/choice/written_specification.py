@@ -36,7 +36,7 @@ SCHEMA = "#:schema"
 
 @dataclass(frozen=True)
 class WrittenSpecification:
-    """A specification as TOML, and a line on each thing that it has no longer, or approximately."""
+    """A specification as TOML, and a line on each part that is left out or approximate."""
 
     text: str
     notes: tuple[str, ...]
@@ -45,7 +45,7 @@ class WrittenSpecification:
 def chosen_specification(
     text: str, source: Path, target: Path, scene: Scene, model: LadderModel, tolerance: float
 ) -> WrittenSpecification:
-    """The TOML text with the beams modelled so and the tolerance of the simulation; files are found from `target`."""
+    """The TOML text with the keys of a model and the tolerance; paths are relative to the folder of `target`."""
     document = tomlkit.parse(text)
     name = f"{scene.name}_chosen"
     document["name"] = name
@@ -92,7 +92,7 @@ def _without_sections(document: MutableMapping[str, Any], scene: Scene, model: L
 
 
 def _headed(text: str, source: Path, target: Path, model: LadderModel) -> str:
-    """The text with a comment that says what it is, behind the schema that editors look for in the first line."""
+    """The text with a comment on its origin, behind the schema that editors expect in the first line."""
     comment = f"# Chosen by tisserand choose: {model.label}. Other comments are those of {source.name}.\n"
     first, _, rest = text.partition("\n")
     if not first.startswith(SCHEMA):
@@ -126,7 +126,7 @@ def _model_beam(table: MutableMapping[str, Any], beam: BeamBody, model: LadderMo
 
 
 def _carry_loads(document: MutableMapping[str, Any], beam: BeamBody) -> None:
-    """Forces on a rigid body in place of the loads on a beam, whose factors are written as they were."""
+    """Write forces on a rigid body in place of the loads on a beam, and keep the texts of their factors."""
     loads = document["bodies"][beam.name].pop("loads", {})
     for force, of in zip(rigid_loads(beam), resultants(replace(beam, pieces=1), 0), strict=True):
         total = float(of.density.integral() / 2) * si_value(beam.beam.length)
@@ -140,7 +140,7 @@ def _carry_loads(document: MutableMapping[str, Any], beam: BeamBody) -> None:
 
 
 def _make_rigid(table: MutableMapping[str, Any], body: RigidBody) -> None:
-    """The keys of a rigid body in place of those of a beam."""
+    """Write the keys of a rigid body in place of those of a beam."""
     for key in ("length", "bending_stiffness", "damping", "axial", "masses"):
         table.pop(key, None)
     assert body.mass is not None and body.inertia is not None
@@ -164,7 +164,7 @@ def _make_rigid(table: MutableMapping[str, Any], body: RigidBody) -> None:
 
 
 def _relocate(table: Any, source: Path, target: Path) -> None:
-    """Names of files beside the source, as they are called from the folder of the target."""
+    """Rewrite the relative paths of files, from the folder of the source to the folder of the target."""
     if isinstance(table, MutableMapping):
         for key, value in table.items():
             if key == "file" and isinstance(value, str) and not Path(value).is_absolute():

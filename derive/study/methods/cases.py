@@ -9,11 +9,11 @@ from derive.spec.toml.read import parse
 
 SOURCE = "a scene of this study"
 ANGLE, SPEED = 0.5, 1.0
-"""The crank angle at the start, rad, and what the drive moves in a second, rad or m."""
+"""The crank angle at the start, rad, and the speed of the drive, rad/s or m/s."""
 
 
 class Driven(Enum):
-    """What drives a crank-slider."""
+    """The body of a crank-slider that is driven."""
 
     CRANK = "crank"
     SLIDER = "slider"
@@ -59,7 +59,7 @@ motion = "{motion}"
 duration = 6
 output = 0.01
 """
-"""A crank of length 1 m, a rod and a slider without offset, all of them rigid."""
+"""The specification of a crank of length 1 m, a rod and a slider without offset, all of them rigid."""
 
 
 def crank_slider(rod: float = 2.0, driven: Driven = Driven.CRANK) -> Scene:

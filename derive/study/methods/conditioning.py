@@ -17,8 +17,8 @@ from derive.study.states import State
 
 @dataclass(frozen=True, eq=False)
 class Conditioning:
-    """Along the motion, t (n,) in s: the condition numbers of M and of the KKT matrix in SI units, and the smallest
-    singular value of G, whose columns are in the metric of M and whose rows have a typical length of 1.
+    """The condition along the motion, t (n,) in s: the condition numbers of M and of the KKT matrix in SI units, and
+    the smallest singular value of G, whose columns are in the metric of M and whose rows have a typical length of 1.
 
     weakest: the multipliers with a share in the smallest value of all.
     """

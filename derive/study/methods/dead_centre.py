@@ -50,7 +50,10 @@ class DeadCentre:
 
 
 def dead_centres() -> tuple[DeadCentre, ...]:
-    """Crank driven with a long rod and with one as long as the crank, and slider driven. Raises CompilerError."""
+    """The cases of a driven crank with a long rod and with one as long as the crank, and of a driven slider.
+
+    Raises CompilerError.
+    """
     return tuple(_dead_centre(*case) for case in ((Driven.CRANK, 2.0), (Driven.CRANK, 1.0), (Driven.SLIDER, 2.0)))
 
 

@@ -24,19 +24,19 @@ from derive.study.states import State
 from derive.terminal import magnitude
 
 POINTS = 240
-"""The times of a run in which its drift is looked at."""
+"""The largest number of times of a run at which its drift is evaluated."""
 ENDLESS = 1e30
-"""A run in which a number becomes larger diverges."""
+"""A run in which a number becomes larger than this diverges."""
 CONSERVED = 1e-5
 """Power that drives do not account for, relative to that of all parts, above which the energy is no measure."""
 ORDER_STEPS = 10_000
-"""The steps of the run that shows the order of the drift: fewer would drift by rounding errors."""
+"""The number of steps of the run that shows the order of the drift: fewer would drift by rounding errors."""
 ROUNDED = 1e-13
-"""Drift below this, relative to the size of the scene, may be rounding errors of that many steps."""
+"""Drift below this, relative to the size of the scene, may be rounding errors of ORDER_STEPS steps."""
 FAR = 0.01
 """Drift above this, relative to the size of the scene, is not a small error any more."""
 FEWEST = 6
-"""The steps that the spline of the power needs."""
+"""The least number of steps for the spline of the power."""
 LATE, FITTED = 0.3, 3
 """The part of the time of a run after which exponents of growth are fitted, and the least number of points for that."""
 
@@ -44,9 +44,9 @@ LATE, FITTED = 0.3, 3
 @dataclass(frozen=True, eq=False)
 class DriftRun:
     """The drift of a run: t (n,) in s, the largest |g| (m, rad) and |gdot| (m/s, rad/s) up to then, and |E - E0 - W|
-    up to then over the largest kinetic energy; energy is empty where energy is not conserved or was not looked at.
+    up to then over the largest kinetic energy; energy is empty where energy is not conserved or not evaluated.
 
-    steps: those that were taken. failure: why the run ended early, if it did.
+    steps: their number. failure: why the run ended early, if it did.
     """
 
     method: Method
@@ -61,7 +61,7 @@ class DriftRun:
 
     @property
     def label(self) -> str:
-        """The method in words."""
+        """The text of the method."""
         if self.method in IMPLICIT:
             return f"{self.method.value}, index 3"
         return f"{self.method.value}, {'projected' if self.projected else 'not projected'}"
@@ -78,7 +78,7 @@ def drift_runs(
 ) -> list[DriftRun]:
     """Runs of `steps` steps of h (s); the adaptive method covers the same time with the tolerance of the scene.
 
-    energy: whether that of the scene is conserved, and looked at.
+    energy: whether the energy of the scene is conserved, and evaluated.
     """
     result = []
     for method, projected in KINDS:
@@ -89,7 +89,7 @@ def drift_runs(
 
 
 def drift_run(of: MethodScene, method: Method, projected: bool, h: float, steps: int, energy: bool = True) -> DriftRun:
-    """The drift of one run; energy: whether that of the scene is conserved, and looked at."""
+    """The drift of one run; energy: whether the energy of the scene is conserved, and evaluated."""
     none, failure = np.zeros(0), ""
     try:
         if method is Method.ADAPTIVE:
@@ -120,7 +120,7 @@ def drift_run(of: MethodScene, method: Method, projected: bool, h: float, steps:
 
 
 def energy_error(of: MethodScene, run: MethodRun, chosen: NDArray[np.intp]) -> Vector:
-    """|E - E0 - W| in some rows of a run, whose indices increase, over the largest kinetic energy of these."""
+    """The energy error |E - E0 - W| in some rows of a run, of increasing index, over their largest kinetic energy."""
     parts = np.array([of.native.energy(run.q[i], run.v[i], of.k) for i in (0, *chosen)])
     work = np.zeros(len(chosen))
     if of.scene.drives:
@@ -132,7 +132,7 @@ def energy_error(of: MethodScene, run: MethodRun, chosen: NDArray[np.intp]) -> V
 
 
 def conserves(of: MethodScene, states: Sequence[State]) -> bool:
-    """Whether the work of drives is all that changes the energy, in some states of the motion."""
+    """Whether the work of drives alone changes the energy, in some states of the motion."""
     native, k = of.native, of.k
     for t, q, v in states:
         vdot, lam = native.solve(t, q, v, k)
@@ -152,8 +152,8 @@ def _power(of: MethodScene, t: float, q: Vector, lam: Vector) -> float:
 
 @dataclass(frozen=True)
 class DriftOrder:
-    """How the constraints drift under RK4 without projection, over `steps` steps: the largest |g| (m, rad), and the
-    powers of the time and of the step that it grows with."""
+    """The drift of the constraints under RK4 without projection, over `steps` steps: the largest |g| (m, rad), and the
+    powers of the time and of the step with which it grows."""
 
     steps: int
     position: float

@@ -1,4 +1,4 @@
-"""Where methods fail: a line for each failure, with its criterion, what theory predicts, and what has been measured."""
+"""The failures of methods: a line for each one, with its criterion, the prediction of theory, and the measurement."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ ORDER = 0.7
 NEAR = 0.05
 """A measured value agrees with a predicted one within this part."""
 UNSAFE, SAFE = 100, 3
-"""An error so many times as large as its estimate is not controlled; one that is less than SAFE times as large is."""
+"""An error of UNSAFE times its estimate or more is not controlled; one of less than SAFE times its estimate is."""
 DEGREE = pi / 180
 
 
 @dataclass(frozen=True)
 class MethodFailure:
-    """A way in which methods fail: the criterion by theory, what was measured, and whether that agrees.
+    """A failure of methods: the criterion by theory, the measurement as text, and whether they agree.
 
     agrees: None where the theory does not apply to the scene, as `measured` says.
     """
@@ -39,12 +39,12 @@ class MethodFailure:
 
     @property
     def verdict(self) -> str:
-        """The verdict in words."""
+        """The text of the verdict."""
         return {True: "agrees", False: "DIFFERS", None: "does not apply"}[self.agrees]
 
 
 def failures(study: MethodStudy) -> tuple[MethodFailure, ...]:
-    """The failures of methods, each with what this study has measured."""
+    """The failures of methods, each with the measurements of this study."""
     lines = [_step_limit(study), _step_control(study), _drift(study), _dead_centre(study), *_trapezoidal(study)]
     return (*(line for line in lines if line), _gimbal_lock(study), _monomials(study), _rigid_motion(study))
 

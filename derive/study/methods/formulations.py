@@ -1,7 +1,7 @@
 """The forms of index 3, 2 and 1 of one scene under one implicit rule: drift, ringing of multipliers, conditioning.
 
-Index 3 holds g = 0, the stabilised form of index 2 (Gear, Gupta & Leimkuhler 1985) g = 0 and gdot = 0, index 1 the
-second derivative of g alone. Rows and columns of the iteration matrix dF/dy + dF/dydot / h are scaled to largest
+Index 3 enforces g = 0, the stabilised form of index 2 (Gear, Gupta & Leimkuhler 1985) g = 0 and gdot = 0, index 1 only
+the second derivative of g. Rows and columns of the iteration matrix dF/dy + dF/dydot / h are scaled to largest
 entries of 1, so that its condition number does not depend on units.
 """
 
@@ -20,19 +20,19 @@ from derive.study.methods.implicit_steps import Rule, initial_values, march
 from derive.study.methods.scene_methods import MethodScene
 
 FORM_NAMES = {"index3": "index 3: g = 0", "ggl": "index 2, stabilised: g = 0, gdot = 0", "index1": "index 1: gddot = 0"}
-"""The forms of a scene in words."""
+"""The texts of the forms of a scene."""
 
 STEPS = 400
-"""The steps of a run."""
+"""The number of steps of a run."""
 REFINED = (1.0, 0.1, 0.01)
-"""The steps at which iteration matrices are conditioned, divided by that of the run."""
+"""The steps for which the condition numbers of iteration matrices are computed, divided by that of the run."""
 SCALINGS = 10
-"""The sweeps of the scaling of rows and columns."""
+"""The number of sweeps of the scaling of rows and columns."""
 
 
 @dataclass(frozen=True)
 class FormRun:
-    """One form under one rule with steps of h (s).
+    """A run of one form under one rule with steps of h (s).
 
     position (m, rad), velocity (m/s, rad/s): the largest |g| and |gdot|. early, late: the part of the multipliers that
     alternates from step to step, over their largest value, in the first and in the last tenth of the run. iterations:
@@ -53,12 +53,12 @@ class FormRun:
 
     @property
     def exponent(self) -> float:
-        """p of the condition number ~ h^p."""
+        """The exponent p of the condition number ~ h^p."""
         return float(np.polyfit(np.log(REFINED), np.log(self.conditions), 1)[0])
 
 
 def form_runs(of: MethodScene, h: float, progress: Callable[[str], None], steps: int = STEPS) -> list[FormRun]:
-    """All forms of a scene under the trapezoidal rule and the BDF of order 2, with steps of h (s)."""
+    """The runs of all forms of a scene under the trapezoidal rule and the BDF of order 2, with steps of h (s)."""
     result = []
     for name in FORM_NAMES:
         for rule in (Rule.TRAPEZOIDAL, Rule.BDF2):
@@ -68,7 +68,7 @@ def form_runs(of: MethodScene, h: float, progress: Callable[[str], None], steps:
 
 
 def form_run(of: MethodScene, name: str, rule: Rule, h: float, steps: int = STEPS) -> FormRun:
-    """One form, a key of `FORM_NAMES`, under a rule."""
+    """The run of one form, a key of `FORM_NAMES`, under a rule with steps of h (s)."""
     native, k, form = of.native, of.k, of.native.dae[name]
     y, ydot = initial_values(native, form, k, 0.0, of.q, of.v)
     conditions = tuple(condition(form, k, y, ydot, h * part) for part in REFINED)

@@ -20,7 +20,7 @@ from derive.study.methods.implicit_steps import Rule, initial_values, march
 from derive.study.states import start_state
 
 PRODUCTS = (1.0, 3.0, 10.0)
-"""The step times the first natural frequency."""
+"""The steps times the first natural frequency."""
 STEPS = 200
 FIRST = sqrt(720.0)
 """The first natural frequency of a beam with the shape P2 and m = l = EI = 1, rad/s."""
@@ -31,7 +31,7 @@ AMPLITUDE = 2 / 3 * 0.29
 @dataclass(frozen=True)
 class MomentumDrift:
     """The largest change of the angular momentum over its initial value, with steps of `product` over the first natural
-    frequency. small: the theory of the trapezoidal rule, for small ones."""
+    frequency. small: the theory of the trapezoidal rule, for small steps."""
 
     rule: Rule
     product: float

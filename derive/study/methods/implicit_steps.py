@@ -22,7 +22,7 @@ ITERATIONS, REACHED, ROUNDING = 50, 1e-12, 4e-15
 
 
 class Rule(Enum):
-    """How ydot follows from y at the ends of a step of length h."""
+    """The rule by which ydot follows from y at the ends of a step of length h."""
 
     TRAPEZOIDAL = "trapezoidal rule"
     """(ydot_0 + ydot_1) / 2 = (y_1 - y_0) / h, with F = 0 at the end of the step."""
@@ -38,7 +38,8 @@ class StepFailed(TisserandError):
 
 @dataclass(frozen=True, eq=False)
 class ImplicitRun:
-    """t (n,) in s and y (n, size) of a form, at the start and after each step; iterations: those of all steps."""
+    """The result of a run of a form: t (n,) in s and y (n, size) at the start and after each step, and the number of
+    iterations of all steps."""
 
     t: Vector
     y: Matrix
@@ -46,7 +47,7 @@ class ImplicitRun:
 
 
 def initial_values(native: NativeScene, form: Dae, k: Vector, t: float, q: Vector, v: Vector) -> tuple[Vector, Vector]:
-    """y = [q; v; lambda; ...] and ydot (size,) of a form in a consistent state. Raises ModelError."""
+    """The initial y = [q; v; lambda; ...] and ydot (size,) of a form in a consistent state. Raises ModelError."""
     vdot, lam = native.solve(t, q, v, k)
     y, ydot = np.zeros(form.size), np.zeros(form.size)
     n, m = native.nq, native.nq + native.nv
@@ -58,7 +59,7 @@ def initial_values(native: NativeScene, form: Dae, k: Vector, t: float, q: Vecto
 def march(
     form: Dae, k: Vector, t: float, y: Vector, ydot: Vector, h: float, steps: int, rule: Rule, nq: int
 ) -> ImplicitRun:
-    """`steps` steps of h (s) from y, ydot (size,) at t (s).
+    """Integrate a form by `steps` steps of h (s) from y, ydot (size,) at t (s).
 
     The first step of the BDF is one of the trapezoidal rule. Raises StepFailed.
     """
@@ -77,7 +78,7 @@ def march(
 def _step(
     form: Dae, k: Vector, t: float, before: Vector | None, y: Vector, ydot: Vector, h: float, rule: Rule, nq: int
 ) -> tuple[Vector, Vector, int]:
-    """y and ydot after a step, and the number of iterations."""
+    """The values of y and ydot after a step, and the number of iterations."""
     match rule:
         case Rule.TRAPEZOIDAL:
             cj, rest, part = 2 / h, -2 / h * y - ydot, 1.0

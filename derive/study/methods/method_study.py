@@ -27,11 +27,11 @@ HALF = 0.5
 
 @dataclass(frozen=True, eq=False)
 class MethodStudy:
-    """What a study of methods has found; `along` says what the states are taken from, which lasts `period` (s); `h` (s)
-    is the step of long runs.
+    """The results of a study of methods; `along` names the motion of `period` (s) from which the states are taken; `h`
+    (s) is the step of long runs.
 
-    conserved: whether the work of drives is all that changes the energy. order: None of a scene without constraints,
-    and where it cannot be measured. notes: what could not be done, and why.
+    conserved: whether the work of drives alone changes the energy. order: None for a scene without constraints, and
+    where it cannot be measured. notes: the parts that could not be done, and why.
     """
 
     name: str
@@ -57,7 +57,7 @@ class MethodStudy:
 
     @property
     def missing_energies(self) -> str:
-        """Why runs have no energy, in a sentence; empty if all have."""
+        """The text on why runs have no energies; empty if all have."""
         if self.drifts and not self.conserved:
             return "no energies: damping or loads change the energy of this scene as well"
         if any(len(run.t) and not len(run.energy) for run in self.drifts):
@@ -70,7 +70,7 @@ MEMORY = 2e9
 
 
 def check_memory(of: MethodScene, steps: int) -> None:
-    """Raise SimulationError if the rows of a run of so many steps do not fit into `MEMORY`."""
+    """Raise SimulationError if the rows of a run of `steps` steps do not fit into `MEMORY`."""
     needed = 8.0 * steps * (of.native.nq + of.native.nv + of.native.nlambda)
     if needed > MEMORY:
         most = int(steps * MEMORY / needed)

@@ -1,4 +1,4 @@
-"""The picture of a study of methods: six panels, each with the failure that it shows and what avoids it."""
+"""The picture of a study of methods: six panels, each with the failure that it shows and its remedy."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WIDTH, HEIGHT, COLUMNS = 11.2, 7.6, 3
-"""The size of the picture, inches, and the panels of a row."""
+"""The size of the picture, inches, and the number of panels of a row."""
 LEFT, RIGHT, GAP, HEAD, FOOT, ABOVE = 0.62, 0.12, 0.72, 0.3, 0.55, 0.62
-"""Margins, the gap between columns, and what is above each row of panels for its title, inches."""
+"""Margins, the gap between columns, and the height above each row of panels for its title, inches."""
 EMPTY = 36
-"""Characters of a line of an empty panel."""
+"""The number of characters of a line of an empty panel."""
 FLOOR, FAILED = 1e-17, 1e-3
-"""Zeros on logarithmic axes; errors of failed runs above which there is room for a label."""
+"""The value that stands for zero on logarithmic axes; the error of failed runs above which a label has room."""
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 ORANGE, PURPLE, BLUE, PINK, GREEN, BROWN = style.COLOURS
 METHODS = {
@@ -144,7 +144,7 @@ def _logarithmic(axes: Axes) -> None:
 
 
 def _powers(axis: Any) -> None:
-    """Ticks at powers of ten, as text that needs no mathematics."""
+    """Label ticks at powers of ten as text, without the mathematics of matplotlib."""
     axis.set_major_formatter(lambda value, _: f"10{str(round(np.log10(value))).translate(SUPERSCRIPTS)}")
     axis.set_minor_formatter("")
 

@@ -1,4 +1,4 @@
-"""The page of a study of methods: its picture, the failures, and all tables; nothing is loaded from elsewhere."""
+"""The page of a study of methods: its picture, the failures, and all tables; it loads no other files."""
 
 from __future__ import annotations
 

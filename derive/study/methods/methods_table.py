@@ -50,7 +50,7 @@ def tables(study: MethodStudy) -> tuple[StudyTable, ...]:
 
 
 def methods_text(study: MethodStudy) -> str:
-    """The tables, and the failures with what has been measured of each."""
+    """The text of the tables, and of the failures with the measurements of each."""
     lines = [f"{study.name}: stability of methods"]
     for one in tables(study):
         lines += ["", one.title, *table([one.head, *one.rows], one.left), *wrapped(one.notes, "  ")]
@@ -62,7 +62,7 @@ def methods_text(study: MethodStudy) -> str:
 
 
 def methods_csv(study: MethodStudy) -> str:
-    """A row for each failure."""
+    """The CSV text with a row for each failure."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow([field.name for field in fields(MethodFailure)])
@@ -113,7 +113,7 @@ def _limits(study: MethodStudy) -> StudyTable:
 
 
 def _bdf_note() -> str:
-    """What theory says of the formulas of IDA, which have no fixed step that could be tried."""
+    """The note on the theory of the formulas of IDA, which have no fixed step that could be tried."""
     last = {order: last_growth(bdf(order)) for order in range(1, 6)}
     growing = ", ".join(f"{y:.2f} (order {order})" for order, y in last.items() if y)
     return f"ida and c_ida choose steps and orders by their tolerance: vibrations grow with omega h up to {growing}"

@@ -1,6 +1,6 @@
-"""The ringing of multipliers: what is left of it by the generalised-alpha method, on a rigid crank-slider.
+"""The ringing of multipliers and its decay under the generalised-alpha method, on a rigid crank-slider.
 
-A rigid mechanism has no vibrations, so that whatever alternates from step to step is an error of the method. On a form
+A rigid mechanism has no vibrations, so that an alternation from step to step is an error of the method. On a form
 of index 3 the error of the multipliers after n steps is proportional to a power of n times rho^n (Cardona & Geradin
 1989; Arnold & Bruels 2007): it decays unless rho = 1, as in the trapezoidal rule, where it grows.
 """
@@ -19,9 +19,9 @@ from derive.study.methods.scene_methods import method_scene
 RHOS = (1.0, 0.9, 0.8, 0.5)
 """The spectral radii at infinite frequency."""
 STEP, STEPS, ORDER = 0.02, 160, 6
-"""The step (rad of the crank), their number, and the order of the differences that leave what alternates."""
+"""The step (rad of the crank), the number of steps, and the order of the differences that leave the alternation."""
 FIRST = 6
-"""Steps after which the ringing has the form c n^p rho^n."""
+"""The number of steps after which the ringing has the form c n^p rho^n."""
 ROUNDING = 1e-8
 """Ringing below this, relative to the multipliers, is a rounding error of the differences, or motion."""
 
@@ -49,7 +49,7 @@ def ringing() -> tuple[Ringing, ...]:
 
 
 def decay(amplitude: Vector) -> float:
-    """rho of the best fit of c n^p rho^n to an amplitude, as far as it is above rounding errors."""
+    """The factor rho of the best fit of c n^p rho^n to the part of an amplitude (n,) above rounding errors."""
     n = np.arange(1, len(amplitude) + 1)
     good = (amplitude > ROUNDING) & (n > FIRST)
     terms = np.column_stack([np.ones(good.sum()), np.log(n[good]), n[good]])

@@ -27,14 +27,14 @@ from derive.spec.model.scene_functions import breaks
 from derive.study.states import State, period, start_state
 
 DAMPED = 0.8
-"""What the generalised-alpha method leaves of infinite frequencies per step, as `simulate` uses it."""
+"""The spectral radius at infinite frequency of the generalised-alpha method, as `simulate` uses it."""
 
 LOOSE = 1e9
 """A tolerance with which adaptive methods take the longest step that they may."""
 
 
 STEPS_PER_ROW = 20
-"""The mean number of steps between rows of an adaptive run that are a step of a fixed method apart, at most."""
+"""The largest mean number of adaptive steps between rows that are one step of a fixed-step method apart."""
 
 
 class Method(Enum):
@@ -53,7 +53,7 @@ IMPLICIT = (Method.GENERALISED_ALPHA, Method.TRAPEZOIDAL)
 
 @dataclass(frozen=True, eq=False)
 class MethodRun:
-    """t (n,) in s, q (n, nq), v (n, nv), multipliers lam (n, nlambda), and the number of steps."""
+    """The rows of a run: t (n,) in s, q (n, nq), v (n, nv), multipliers lam (n, nlambda); and the number of steps."""
 
     t: Vector
     q: Matrix
@@ -66,7 +66,8 @@ class MethodRun:
 class MethodScene:
     """A compiled scene, its consistent start q (nq,), v (nv,), and its integrators.
 
-    period (s), along: what one cycle of the motion is. alpha: None without the library KLU, which `missing` says.
+    period (s), along: the duration and the description of one cycle of the motion. alpha: None without the library KLU,
+    on which `missing` is the text.
     """
 
     scene: Scene
@@ -94,9 +95,9 @@ class MethodScene:
     def run(
         self, method: Method, h: float, steps: int, projected: bool = True, start: State | None = None
     ) -> MethodRun:
-        """A run of `steps` steps of h (s) with a row after each; adaptive ones are limited by h alone.
+        """A run of `steps` steps of h (s) with a row after each; steps of adaptive methods are limited by h alone.
 
-        projected: whether explicit methods project onto the constraints. start: where it begins, at t = 0 by default.
+        projected: whether explicit methods project onto the constraints. start: the initial state, at t = 0 by default.
         Raises TisserandError where it fails.
         """
         t0, q, v = start or self.start
@@ -140,7 +141,7 @@ class MethodScene:
         start: State | None = None,
         per_row: int = STEPS_PER_ROW,
     ) -> MethodRun:
-        """The adaptive method with rows at `times` (n,), s, steps of at most `longest` (s) unless that is 0.
+        """A run of the adaptive method with rows at `times` (n,), s; steps of at most `longest` (s), unless that is 0.
 
         per_row: the largest mean number of steps for each row. Raises AdaptiveError.
         """

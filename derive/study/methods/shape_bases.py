@@ -29,7 +29,7 @@ DIGITS = 40
 
 @dataclass(frozen=True)
 class BasisCondition:
-    """c8 of `count` monomials in the point frame, and of Legendre polynomials in the mean frame.
+    """The condition of c8 of `count` monomials in the point frame, and of Legendre polynomials in the mean frame.
 
     monomials, legendre: condition numbers. error_monomials, error_legendre: the largest relative error of a solution of
     c8 x = b by the Cholesky factorisation in double precision, where x is all ones; infinite if c8 is not definite.
@@ -99,8 +99,8 @@ class RigidMotionLeft:
 
     rank, fields: of the exact Gram matrix of translation, rotation and the shapes, and their number. unknowns: the size
     of M. at_rest, deformed: the numerical rank of M undeformed, and with both xi^2 and xi^3 deformed by alpha. slope:
-    the smallest eigenvalue of the deformed M that is not zero, over m alpha^2, with alpha over the length. error: what
-    is said of such shapes.
+    the smallest eigenvalue of the deformed M that is not zero, over m alpha^2, with alpha over the length. error: the
+    message of the error for such shapes.
     """
 
     rank: int
@@ -113,7 +113,7 @@ class RigidMotionLeft:
 
 
 def rigid_motion_left() -> RigidMotionLeft:
-    """A beam with m = l = 1 whose shapes are 1, xi, xi^2, xi^3."""
+    """The ranks and the message for a beam with m = l = 1 whose shapes are 1, xi, xi^2, xi^3."""
     ansatz = monomials(3)
     fields = (ONE, XI, *map(polynomial, ansatz))
     exact = sp.Matrix([[sp.Rational(x.numerator, x.denominator) for x in row] for row in gram(fields)])
@@ -136,7 +136,7 @@ def rigid_motion_left() -> RigidMotionLeft:
 
 
 def four_monomials_mass(alpha: float) -> Matrix:
-    """M (7, 7) of c1, c2, phi and four amplitudes for a beam with m = l = 1 and v = alpha (xi^2 + xi^3)."""
+    """The mass matrix (7, 7) of c1, c2, phi and four amplitudes, for m = l = 1 and v = alpha (xi^2 + xi^3)."""
     v = alpha * (NODES**2 + NODES**3)
     none = np.zeros((4, len(NODES)))
     along = np.vstack([np.ones_like(v), 0 * v, -v, none])  # the velocity of a point: (c1' - phi' v, c2' + phi' X + ...)

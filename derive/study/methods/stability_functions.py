@@ -20,13 +20,13 @@ Growth = Callable[[float], float]
 """The spectral radius of a step as a function of y = omega h."""
 
 GRID = np.linspace(0.0, 20.0, 2001)[1:]
-"""The y at which growth is looked for first."""
+"""The y at which growth is evaluated first."""
 
 VISIBLE = 1e-9
 """Growth per step above this counts: eigenvalues that are double have an error of the root of that of rounding."""
 
 RK4_STAGES: tuple[Matrix, Vector] = (np.diag([0.5, 0.5, 1.0], -1), np.array([1, 2, 2, 1]) / 6)
-"""A and b of the classical Runge-Kutta method."""
+"""The coefficients A and b of the classical Runge-Kutta method."""
 
 
 def runge_kutta(A: Matrix, b: Vector) -> Growth:
@@ -50,13 +50,13 @@ def dormand_prince_8() -> Growth:
 
 
 def dormand_prince_5() -> Growth:
-    """The growth of the method of Dormand and Prince of order 5, likewise."""
+    """The growth of the method of Dormand and Prince of order 5, with the coefficients of SciPy."""
     stages = RK45.n_stages
     return runge_kutta(np.pad(RK45.A, ((0, 0), (0, stages - RK45.A.shape[1]))), RK45.B)
 
 
 def generalised_alpha(rho: float) -> Growth:
-    """The growth of the generalised-alpha method that leaves `rho` of infinite frequencies; 1: the trapezoidal rule."""
+    """The growth of the generalised-alpha method with the spectral radius `rho`; it is the trapezoidal rule for 1."""
     alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
     gamma = 0.5 + alpha_f - alpha_m
     beta = (gamma + 0.5) ** 2 / 4
@@ -86,7 +86,7 @@ def bdf(order: int) -> Growth:
 
 
 def step_limit(growth: Growth) -> float:
-    """The largest y = omega h up to which no step grows; infinite if none does, 0 if the smallest ones do."""
+    """The largest y = omega h up to which no step grows; infinite if no step does, 0 if the smallest ones do."""
     sizes = np.array([growth(y) for y in GRID]) - 1 - VISIBLE
     if not np.any(sizes > 0):
         return float("inf")
@@ -97,6 +97,6 @@ def step_limit(growth: Growth) -> float:
 
 
 def last_growth(growth: Growth) -> float:
-    """The largest y at which steps grow, of methods that are stable beyond it; 0 if none does."""
+    """The largest y at which steps grow, of methods that are stable beyond it; 0 if no step does."""
     growing = [y for y in GRID if growth(y) > 1 + VISIBLE]
     return float(growing[-1]) if growing else 0.0

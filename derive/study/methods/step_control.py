@@ -1,4 +1,4 @@
-"""The control of explicit steps: what an estimate makes of the error of a fast vibration, at every phase of it.
+"""The control of explicit steps: the error estimate of a fast vibration beside its error, at every phase of it.
 
 A step of ydot = i omega y multiplies y by the stability function R(i omega h) instead of exp(i omega h). The
 generalised velocity of a mode is the real part of y, and the estimate of its error is that of another complex number.
@@ -22,7 +22,7 @@ PRODUCTS = (3.0, 4.0, 5.0, 5.96, 7.0)
 PHASES = np.linspace(0.0, np.pi, 60, endpoint=False)
 """The phases of the vibration at the begin of the step, rad; half a period is enough."""
 PARTS = np.linspace(0.0, 1.0, 51)
-"""The parts of a step at which its interpolant is looked at."""
+"""The parts of a step at which its interpolant is evaluated."""
 OMEGA, SMALL = 1e4, 1e-3
 """The frequency, rad/s, and the amplitude of the velocity; the tolerance is 1, so that every step is accepted."""
 ROOT = np.sqrt(2.0)
@@ -58,7 +58,7 @@ def _ratios(product: float, phase: float) -> tuple[float, float, float, float]:
     solver.step()
     interpolant = solver.dense_output()
     errors = interpolant(PARTS * h).T - _exact(phase + PARTS * product)
-    end = np.hypot(OMEGA * errors[-1, 0], errors[-1, 1])  # of the vibration, which goes on
+    end = np.hypot(OMEGA * errors[-1, 0], errors[-1, 1])  # of the vibration, which continues
     within = np.abs(errors).max()  # of a row
     classical = DOP853._estimate_error_norm(solver, solver.K, h, allowed)
     own = solver._estimate_error_norm(solver.K, h, allowed)
@@ -71,6 +71,6 @@ def _vibration(t: float, y: Vector) -> Vector:
 
 
 def _exact(angles: Vector | float) -> Vector:
-    """[q, v] (n, 2) at angles omega t."""
+    """The exact states [q, v] (n, 2) at angles omega t."""
     angles = np.atleast_1d(angles)
     return SMALL * np.column_stack([np.sin(angles) / OMEGA, np.cos(angles)])

@@ -25,17 +25,17 @@ GROWTH: dict[Method, Callable[[], theory.Growth]] = {
 """The stability function of each method."""
 
 STEPS = 100
-"""The steps of a run that shows growth or its absence."""
+"""The number of steps of a run that shows growth or its absence."""
 SAFE = 0.25
 """The shortest step of the bisection, divided by the limit of theory."""
 DISTURBED = 1e-6
 """The velocity of a disturbance, relative to the largest of the motion, both in the metric of the mass matrix."""
 GROWN = 10.0
-"""A disturbance that becomes larger by this factor grows."""
+"""A disturbance counts as growing if it becomes larger by this factor."""
 CLOSE = 0.002
 """The relative width at which the bisection ends."""
 LONGEST = 20
-"""Steps of a period that the longest step of an experiment divides it into, which has to resolve the motion."""
+"""The number of longest steps of an experiment in a period, since they have to resolve the motion."""
 LARGE = (300.0, 100.0, 30.0, 10.0, 3.0)
 """The omega h at which methods without a limit are tried."""
 
@@ -66,9 +66,9 @@ class StepLimit:
 
 @dataclass(frozen=True, eq=False)
 class HighestFrequency:
-    """The highest natural frequency (rad/s): undeformed at rest at the start, and the largest along the motion.
+    """The highest natural frequency (rad/s): at rest in the initial configuration, and the largest along the motion.
 
-    worst: the state of that. speed: the largest speed of the motion, sqrt(v . M v).
+    worst: the state of the largest. speed: the largest speed of the motion, sqrt(v . M v).
     """
 
     unloaded: float
@@ -124,8 +124,8 @@ def _unlimited(of: MethodScene, method: Method, frequency: HighestFrequency) -> 
 def disturbance_growth(of: MethodScene, method: Method, h: float, frequency: HighestFrequency) -> float:
     """The factor by which a small disturbance of the velocities grows within `STEPS` steps of h (s).
 
-    Two runs start in the state with the highest frequency, one of them disturbed in the mode that has it; what differs
-    is compared in the metric of the mass matrix there. Infinite if a run fails.
+    Two runs start in the state with the highest frequency, one of them disturbed in the mode that has it; their
+    difference is measured in the metric of the mass matrix there. Infinite if a run fails.
     """
     native, k = of.native, of.k
     t, q, v = frequency.worst

@@ -1,4 +1,4 @@
-"""The picture of the stability of models: where each is stable, and below it the frequencies and the growth rates."""
+"""The picture of the stability of models: the stable ranges of each, and below them frequencies and growth rates."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ STABLE, UNSTABLE, WRONG_STABLE, WRONG_UNSTABLE = style.LIGHT, "#5b6670", "#f0a8a
 SOLID, OTHER_FRAME, SEVERAL = (None, None), (2.0, 1.4), (6.0, 2.0)
 Dashes = tuple[None, None] | tuple[float, float]
 LANE = 165
-"""Characters of a line of the head."""
+"""The number of characters of a line of the head."""
 
 
 def stability_svg(of: LadderStability) -> str:
@@ -78,7 +78,7 @@ def drawn(of: LadderStability) -> tuple[ModelPath, ...]:
 
 
 def _bars(axes: Axes, of: LadderStability, paths: Sequence[ModelPath], titles: dict[str, str]) -> None:
-    """A bar for the truth and for each model: where it is stable, where it is not, and where that is wrong."""
+    """Draw a bar for the truth and for each model, with its stable, its unstable and its wrong parts."""
     axes.grid(visible=False)
     axes.set_ylim(len(paths) + 0.5, -0.5)
     axes.set_yticks([])
@@ -99,7 +99,7 @@ def _bars(axes: Axes, of: LadderStability, paths: Sequence[ModelPath], titles: d
 
 
 def _row(axes: Axes, y: int, known: Sequence[Interval], wrong: Sequence[Interval]) -> list[str]:
-    """A bar, in whose wrong parts the verdict of the model stands if there is room; the identifiers of its parts."""
+    """Draw a bar, with the verdict in wrong parts if there is room; returns the identifiers of its parts."""
     coloured = [(i, STABLE if i.stable else UNSTABLE) for i in known if i.stable is not None]
     coloured += [(i, WRONG_STABLE if i.stable else WRONG_UNSTABLE) for i in wrong]
     low, high = axes.get_xlim()
@@ -115,7 +115,7 @@ def _row(axes: Axes, y: int, known: Sequence[Interval], wrong: Sequence[Interval
 
 
 def _names(axes: Axes, y: int, label: str, number: str, ink: str, bold: bool = False) -> None:
-    """The name of a row at its left, and where stability is lost at its right."""
+    """Draw the name of a row on its left, and the value at which stability is lost on its right."""
     shown: dict[str, Any] = {"va": "center", "fontsize": 8.5, "color": ink, "transform": axes.get_yaxis_transform()}
     shown |= {"fontweight": "bold"} if bold else {}
     axes.text(-0.015, y, label, ha="right", **shown)
@@ -125,7 +125,7 @@ def _names(axes: Axes, y: int, label: str, number: str, ink: str, bold: bool = F
 def _lines(
     frequencies: Axes, growth: Axes, of: LadderStability, paths: Sequence[ModelPath], titles: dict[str, str]
 ) -> None:
-    """The lowest frequencies and the largest growth rates, the reference as a broad line behind the others."""
+    """Draw the lowest frequencies and the largest growth rates, the reference as a broad line behind the others."""
     frequencies.set_ylabel("two lowest\nfrequencies, rad/s")
     growth.set_ylabel("growth rate,\n1/s")
     top = 0.0
@@ -147,14 +147,14 @@ def _lines(
 
 
 def _dashes(path: ModelPath) -> Dashes:
-    """Solid lines for one beam in the mean frame, and dashes for others."""
+    """The dashes of a model: a solid line for one beam in the mean frame, dashes for others."""
     if path.model.pieces > 1:
         return SEVERAL
     return SOLID if path.model.frame == "mean" else OTHER_FRAME
 
 
 def _legend(axes: Axes, of: LadderStability, paths: Sequence[ModelPath]) -> None:
-    """What colours and dashes mean, to the right of the frequencies."""
+    """Draw the legend of colours and dashes, to the right of the frequencies."""
     from matplotlib.lines import Line2D
 
     broad = Line2D([], [], color=style.REFERENCE, linewidth=5, alpha=0.55, label="the richest model")
@@ -167,7 +167,7 @@ def _legend(axes: Axes, of: LadderStability, paths: Sequence[ModelPath]) -> None
 
 
 def frequency_line(path: ModelPath, k: int) -> tuple[list[float], list[float]]:
-    """The frequency that is number k, from 0 for the lowest, at the first value; it ends where it becomes zero."""
+    """The curve of the frequency with number k at the first value, from 0 for the lowest, until it becomes zero."""
     known = [(p.value, p.eigenvalues.frequencies) for p in path.points if p.eigenvalues is not None]
     most = len(known[0][1])
     rows = [(x, float(f[k - most + len(f)])) for x, f in known if most - len(f) <= k < most]
@@ -183,7 +183,7 @@ def growth_line(path: ModelPath) -> tuple[list[float], list[float]]:
 
 
 def bar_title(path: ModelPath, wrong: Sequence[Interval]) -> str:
-    """A bar in words."""
+    """The text of a bar."""
     changes = [f"{c.before} -> {c.after} growing modes at {c.value:.7g}" for c in path.thresholds]
     verdicts = [f"wrong: {verdict_text(interval)}" for interval in wrong]
     return "\n".join([f"{path.model.label}, {path.coordinates} coordinates", *changes, *verdicts])
@@ -209,7 +209,7 @@ def _head(figure: Figure, of: LadderStability, height: float) -> None:
 
 
 def _description(of: LadderStability) -> str:
-    """The picture in a sentence."""
+    """The description of the picture in a sentence."""
     return f"{of.name}: stability of {len(of.paths)} models over {of.range.name}; {_wrong_count(of)}"
 
 

@@ -1,4 +1,4 @@
-"""Eigenvalues of a linearisation with the rounding error of each, which tells growth from rounding."""
+"""Eigenvalues of a linearisation with the rounding error of each, which distinguishes growth from rounding."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scipy.linalg import eig
 from derive.runtime.native_call import Matrix
 
 ROUNDING = 1e-13
-"""The rounding error of the elements of a matrix, relative to its norm: a stiffness that is zero has that of others."""
+"""The rounding error of the elements of a matrix relative to its norm, which applies to elements of zero as well."""
 COINCIDENT = 1e-5
 """Eigenvalues this close to 0 or to the spin, relative to the largest, belong to rigid motions in rotating axes."""
 
@@ -29,7 +29,7 @@ class Eigenvalues:
 
     @property
     def grows(self) -> NDArray[np.bool_]:
-        """Whether each mode grows, by more than rounding errors."""
+        """The mask (n,) of modes that grow by more than rounding errors."""
         return np.asarray(self.values.real > self.errors)
 
     @property

@@ -28,7 +28,7 @@ class LadderStability:
     """The models of a ladder of `name` over a parameter.
 
     reference: the richest model. before: the next coarser one, whose difference is the error of the reference. known:
-    what a user states. motion: that about which the models are linearised, in words.
+    the value that a user gives. motion: the text on the motion about which the models are linearised.
     """
 
     name: str
@@ -65,7 +65,7 @@ class LadderStability:
 
     @property
     def truth(self) -> tuple[Interval, ...]:
-        """Where the truth is stable: below the known value, or where the richest model is."""
+        """The intervals in which the truth is stable or not: from the known value, or those of the richest model."""
         if self.known is None:
             return self.reference.intervals
         low, high, at = self.range.low, self.range.high, self.known.value
@@ -81,7 +81,7 @@ class LadderStability:
         return self.reference.loss if self.known is None else self.known.value
 
     def wrong(self, path: ModelPath) -> tuple[Interval, ...]:
-        """Where a model is stable and the truth is not, and vice versa, beyond the error of the reference.
+        """The intervals where a model is stable and the truth is not, or vice versa, beyond the error of the reference.
 
         Nothing is wrong while the truth is not known: then the verdict is undecided.
         """

@@ -1,4 +1,4 @@
-"""A model of a ladder over the parameter: the eigenvalues of its steady motions, and where it loses its stability."""
+"""A model of a ladder over the parameter: the eigenvalues of its steady motions, and its thresholds of stability."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from derive.study.stability.parameter import StudiedParameter
 from derive.study.stability.thresholds import Interval, Threshold, intervals, loss, thresholds
 
 FLAGS = ("-std=c99", "-O0", "-ffp-contract=off", WITHOUT_BATCHES)
-"""A study calls a model a hundred times: compiling with -O2 would take longer, and gives the same bits."""
+"""Compiler options: a study calls a model a hundred times, so that -O2 would take longer; it gives the same bits."""
 
 
 @dataclass(frozen=True, eq=False)
 class PathPoint:
     """A value of the parameter with the eigenvalues there, and the coordinates (nq,) of the steady motion.
 
-    failure: the reason why there is none; empty if there is one.
+    failure: the reason why there is no steady motion; empty if there is one.
     """
 
     value: float
@@ -39,7 +39,7 @@ class PathPoint:
 
 @dataclass(frozen=True, eq=False)
 class ModelPath:
-    """A model over the parameter. failure: why it has no points; empty if it has."""
+    """A model over the parameter. failure: the reason why it has no points; empty if it has some."""
 
     model: LadderModel
     coordinates: int = 0
@@ -87,7 +87,7 @@ def _growing(point: PathPoint) -> int | None:
 def _compiled(
     parameter: StudiedParameter, model: LadderModel
 ) -> tuple[Callable[[float, Vector | None], PathPoint], NativeScene, str]:
-    """The function of the parameter that a model is, its compiled code, and the unit of the parameter."""
+    """The function that evaluates a model at a value of the parameter, its compiled code, and the parameter's unit."""
     first = model_scene(parameter.scene_at(parameter.range.low), model)
     code, files = generated(first)
     native = load_scene(files, FLAGS)

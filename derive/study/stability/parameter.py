@@ -1,4 +1,4 @@
-"""The parameter of a study of stability: a name as that of `--set`, and the values that it takes."""
+"""The parameter of a study of stability: a name as for `--set`, and its values."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class ParameterRange:
 class StudiedParameter:
     """A parameter of a scene whose values need no other compiled model.
 
-    symbol: the run-time parameter of the model that it is; None of an initial value, such as a spin. functions: what
-    becomes of the functions of time of the scene.
+    symbol: that of the run-time parameter of the model; None for an initial value, such as a spin. functions: the
+    functions of time of the scene that settle.
     """
 
     scene: Scene
@@ -47,7 +47,7 @@ class StudiedParameter:
 
     @property
     def motion(self) -> str:
-        """The motion about which models are linearised, in words."""
+        """The text on the motion about which models are linearised."""
         text = "each model is linearised about its equilibrium or steady rotation at each value of the parameter"
         return f"{text}, with {self.functions}" if self.functions.settled else text
 
@@ -67,7 +67,7 @@ def studied(scene: Scene, limits: ParameterRange) -> StudiedParameter:
 
 
 def _with(scene: Scene, name: str, value: float) -> tuple[Scene, str | None]:
-    """The scene with a value, and the symbol of the run-time parameter that it is."""
+    """The scene with a value of the parameter, and its symbol if it is a run-time parameter."""
     try:
         changed, (change, *_) = with_values(scene, {name: repr(value)})
     except SpecError as error:

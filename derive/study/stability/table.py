@@ -20,7 +20,7 @@ COLUMNS = (
 
 
 def stability_text(of: LadderStability) -> str:
-    """A line for each model: where it loses its stability, how far that is from the truth, and its wrong verdicts."""
+    """The table of the models: where each loses its stability, how far that is from the truth, and wrong verdicts."""
     truth = "exact" if of.known else "reference"
     rows = [["model", "loses stability at", f"from the {truth}", "further changes at", "wrong verdict"]]
     rows += [_row(of, path) for path in _listed(of) if not path.failure]
@@ -31,7 +31,7 @@ def stability_text(of: LadderStability) -> str:
 
 
 def head(of: LadderStability) -> str:
-    """What is studied."""
+    """The heading: the studied scene, the parameter, its range and the number of its values."""
     return f"{of.name}: stability of models over {of.range.name} = {_range(of)}, {of.range.count} values"
 
 
@@ -40,7 +40,7 @@ def _range(of: LadderStability) -> str:
 
 
 def truth_sentences(of: LadderStability) -> list[str]:
-    """What the verdicts are compared with, and how sure that is."""
+    """The sentences on the truth with which the verdicts are compared, and on its certainty."""
     richest = f"the reference is the richest model, {of.reference.model.label}"
     result = []
     if of.known is not None:
@@ -61,7 +61,7 @@ def truth_sentences(of: LadderStability) -> list[str]:
 
 
 def _difference(of: LadderStability) -> str:
-    """Why the reference has not converged."""
+    """The text on why the reference has not converged."""
     before = of.before.model.label
     if of.before.failure:
         return f"{before} fails: {of.before.failure}"
@@ -89,7 +89,7 @@ def _row(of: LadderStability, path: ModelPath) -> list[str]:
 
 
 def loss_text(path: ModelPath) -> str:
-    """Where a model loses its stability; "not found" where it has no steady motion at some values."""
+    """The text of the value at which stability is lost; "not found" if some values have no steady motion."""
     if path.loss is not None:
         return f"{path.loss:.7g}"
     return "not found" if path.gaps else "not lost"
@@ -101,12 +101,12 @@ def further(path: ModelPath) -> tuple[Threshold, ...]:
 
 
 def verdict_text(wrong: Interval) -> str:
-    """A wrong verdict: what the model is, and where."""
+    """The text of a wrong verdict: that of the model, and its interval."""
     return f"{'stable' if wrong.stable else 'unstable'} from {wrong.low:.7g} to {wrong.high:.7g}"
 
 
 def gap_text(path: ModelPath) -> str:
-    """Where a model has no steady motion, and why."""
+    """The text on where a model has no steady motion, and why."""
     first, last = path.gaps[0], path.gaps[-1]
     where = (
         f"at {first.value:g}" if first is last else f"at {len(path.gaps)} values from {first.value:g} to {last.value:g}"
@@ -115,7 +115,7 @@ def gap_text(path: ModelPath) -> str:
 
 
 def stability_csv(of: LadderStability) -> str:
-    """A row for each mode of each model at each value of the parameter; of a conjugate pair one."""
+    """The CSV text: a row for each mode of each model at each value of the parameter; one for a conjugate pair."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(COLUMNS)

@@ -1,4 +1,4 @@
-"""Where the number of growing modes changes along a parameter, and where a model is stable: by bracketing."""
+"""The thresholds of a parameter at which the number of growing modes changes, by bracketing, and stable intervals."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ BRACKET = 2e-7
 """A threshold is bracketed to this part of its value."""
 
 MOST = 200
-"""Values that are looked at between two given ones; counts that keep changing are no thresholds worth more."""
+"""The largest number of values that are evaluated between two given ones, if counts keep changing."""
 
 Count = Callable[[float], int | None]
 """The number of growing modes at a value of the parameter; None where there is no steady motion."""
@@ -18,7 +18,7 @@ Count = Callable[[float], int | None]
 
 @dataclass(frozen=True)
 class Threshold:
-    """Between `low` and `high` the number of growing modes changes from `before` to `after`."""
+    """A threshold, between `low` and `high`, where the number of growing modes changes from `before` to `after`."""
 
     low: float
     high: float
@@ -41,7 +41,7 @@ class Interval:
 
 
 def thresholds(count: Count, values: Sequence[float], counts: Sequence[int | None]) -> tuple[Threshold, ...]:
-    """All thresholds that rising values, with their numbers of growing modes, enclose."""
+    """All thresholds between rising values, given their numbers of growing modes."""
     ends = list(zip(values, counts, strict=True))
     return tuple(
         threshold
@@ -52,7 +52,7 @@ def thresholds(count: Count, values: Sequence[float], counts: Sequence[int | Non
 
 
 def _limited(count: Count) -> Count:
-    """The function, which gives no more numbers after MOST of them."""
+    """The function `count`, limited to MOST calls; further calls return None."""
     left = iter(range(MOST))
 
     def limited(value: float) -> int | None:
@@ -62,7 +62,7 @@ def _limited(count: Count) -> Count:
 
 
 def _between(count: Count, low: float, before: int, high: float, after: int) -> Iterator[Threshold]:
-    """The thresholds between two values; those that one bracket holds are one."""
+    """The thresholds between two values; those within one bracket count as one."""
     if before == after:
         return
     middle = (low + high) / 2
@@ -77,7 +77,7 @@ def _between(count: Count, low: float, before: int, high: float, after: int) -> 
 def intervals(
     values: Sequence[float], counts: Sequence[int | None], changes: Sequence[Threshold]
 ) -> tuple[Interval, ...]:
-    """Where a model is stable, from the first value to the last: adjacent intervals that differ."""
+    """The intervals in which a model is stable or not, from the first value to the last; adjacent ones differ."""
     pieces: list[Interval] = []
     ends = list(zip(values, counts, strict=True))
     for (low, before), (high, after) in pairwise(ends):
@@ -90,7 +90,7 @@ def intervals(
 
 
 def _joined(pieces: Sequence[Interval]) -> tuple[Interval, ...]:
-    """The same intervals, those side by side that agree as one."""
+    """The intervals with adjacent ones that agree joined into one."""
     result: list[Interval] = []
     for piece in pieces:
         if result and result[-1].stable == piece.stable:
@@ -106,9 +106,9 @@ def loss(of: Sequence[Interval]) -> float | None:
 
 
 def wrong_intervals(of: Sequence[Interval], truth: Sequence[Interval], least: float = 0.0) -> tuple[Interval, ...]:
-    """Where a model is stable and the truth is not, and vice versa; stable: what the model says.
+    """The intervals where a model is stable and the truth is not, or vice versa; stable: the verdict of the model.
 
-    Intervals that are not wider than `least`, the error of what is taken as the truth, are left out.
+    Intervals that are not wider than `least`, the error of the truth, are left out.
     """
     overlaps = (
         Interval(max(a.low, b.low), min(a.high, b.high), a.stable)

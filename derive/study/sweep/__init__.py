@@ -1,1 +1,1 @@
-"""Sweeps: many runs of one model with other values of its parameters, and what each run comes to."""
+"""Sweeps: many runs of one model with other values of its parameters, and a few numbers as the result of each run."""

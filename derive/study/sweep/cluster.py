@@ -10,7 +10,7 @@ from importlib import import_module
 from derive.errors import TisserandError
 
 SECONDS = 20
-"""How long a scheduler may take to answer."""
+"""The time in which a scheduler must answer."""
 
 
 class DistributedMissing(TisserandError):

@@ -1,4 +1,4 @@
-"""Which parameters the initial state of a scene depends on: it is computed once for all values of the others."""
+"""The parameters on which the initial state of a scene depends: it is computed once for all values of the others."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from derive.spec.model.scene import BeamBody, Scene, SceneBody
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
 
 KERNELS = ("mass", "constraints", "constraint_rates", "constraint_jacobian", "poses")
-"""The functions of a model that `initial_state` calls, unless it looks for a static equilibrium."""
+"""The functions of a model that `initial_state` calls, unless it computes a static equilibrium."""
 
 T = TypeVar("T")
 
@@ -24,7 +24,7 @@ def initial_parameters(scene: Scene, model: Model) -> frozenset[str]:
     """The symbols of the parameters that the initial state, the size and the breaks of a scene may depend on.
 
     A parameter is left out only if none of the compiled functions that compute the initial state reads it, and if it
-    stands nowhere in the scene but in bending stiffnesses, damping, forces and gravity, which nothing else looks at.
+    stands nowhere in the scene but in bending stiffnesses, damping, forces and gravity, which nothing else reads.
     """
     if scene.start is not None:  # a static equilibrium depends on all forces
         return frozenset(parameter.name for parameter in model.parameters)

@@ -24,10 +24,10 @@ from derive.study.sweep.plan import Plan
 from derive.study.sweep.worker import Outcome, Sample, failed, run_chunk
 
 LOSSES = 2
-"""Times that a chunk may lose its worker before it runs alone, and that a single sample may before it fails."""
+"""The number of workers that a chunk may lose before it runs alone, and that a single sample may before it fails."""
 LARGEST_CHUNK, CHUNKS_PER_WORKER = 100, 8
 KILLS = "its worker ended abruptly each time that this sample ran (killed, or out of memory)"
-"""What is said of a sample that ends its workers."""
+"""The reason of failure of a sample that ends its workers."""
 
 
 class ExecutorLost(TisserandError):
@@ -115,8 +115,8 @@ def _losses() -> tuple[type[BaseException], ...]:
 
 
 class _Processes:
-    """Processes of this machine. window: the chunks that are submitted at a time, so that those which may have ended a
-    worker are known; breaks: whether the end of one worker ends all; blames: whether a lost chunk is to blame alone."""
+    """Processes of this machine. window: the number of chunks submitted at a time, so that those which may have ended a
+    worker are known; breaks: whether the end of one worker ends all; blames: whether a lost chunk is the cause."""
 
     breaks, blames = True, False
 
@@ -136,10 +136,10 @@ class _Processes:
             return self._pool.submit(run_chunk, plan.chunk(part.runs))
 
     def check(self, error: BaseException) -> None:
-        """A broken pool is no error."""
+        """Accept any error: a broken pool is renewed."""
 
     def renew(self) -> None:
-        """New processes in place of broken ones."""
+        """Start new processes in place of broken ones."""
         self.end()
         self._pool = self._new()
 
@@ -177,10 +177,10 @@ class _Given:
             ) from error
 
     def renew(self) -> None:
-        """An executor of the caller is not replaced."""
+        """Do nothing: an executor of the caller is not replaced."""
 
     def end(self) -> None:
-        """Cancel what has not begun."""
+        """Cancel the chunks that have not begun."""
         for future in self._futures:
             future.cancel()
 

@@ -1,4 +1,4 @@
-"""The files of a sweep that is finished: what `--resume` finds where nothing is left to compute."""
+"""The files of a finished sweep, from which `--resume` takes the result where no samples are left to compute."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from derive.study.sweep.plan import Plan
 from derive.study.sweep.result import SweepResult
 
 IDENTITY = "identity"
-"""The key of the record for all that the results depend on, by a name for each part."""
+"""The key of the record for everything on which the results depend, by a name for each part."""
 
 
 def finished_sweep(folder: Path, name: str, plan: Plan) -> tuple[SweepResult, dict[str, Any]] | None:
@@ -54,7 +54,7 @@ def finished_sweep(folder: Path, name: str, plan: Plan) -> tuple[SweepResult, di
 
 
 def _record(path: Path) -> dict[str, Any]:
-    """The record of a sweep; empty if there is none of ours."""
+    """The record of a sweep; empty if there is none that this program wrote."""
     try:
         content = path.read_bytes()
         record = json.loads(content) if MARK.encode() in content[:1000] else {}

@@ -22,7 +22,7 @@ from derive.spec.model.scene import Scene
 
 
 class Statistic(Enum):
-    """What a curve y(t) comes to: the largest |y|, the root mean square over time (trapezoidal), or the last value."""
+    """A statistic of a curve y(t): the largest |y|, the root mean square over time (trapezoidal), or the last value."""
 
     PEAK = "peak"
     RMS = "rms"
@@ -59,7 +59,7 @@ class SweepOutput:
 
     @property
     def text(self) -> str:
-        """The output in words."""
+        """The text of the output: "peak of slider_s"."""
         words = {Statistic.PEAK: "peak", Statistic.RMS: "rms", Statistic.FINAL: "final value"}[self.statistic]
         return f"{words} of {self.name}"
 

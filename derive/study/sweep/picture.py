@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 LINE_HEIGHT, MAP_HEIGHT = 2.6, 4.4
 """The heights of a panel with a line or a map, in inches."""
 LINE_RIGHT, MAP_RIGHT = 0.3, 1.15
-"""What is left on the right of a panel; of a map there is the bar of its colours."""
+"""The margins on the right of a panel with a line or a map, in inches; that of a map has the bar of its colours."""
 MARKED_VALUES = 40
-"""Lines with at most so many values have a point for each."""
+"""Lines with at most this number of values have a point for each."""
 LEVELS = 8
-"""About how many contour lines a map has."""
+"""The approximate number of contour lines of a map."""
 WIDE = 30
 """Positive values whose ratio is larger have a logarithmic scale of colours."""
 SHADE = "#202020"
-"""What is behind white marks on a map, so that they are seen on any colour."""
+"""The colour behind white marks on a map, so that they are visible on any colour."""
 RESOLUTION = 200
 """Dots per inch of the cells of a map."""
 
@@ -72,7 +72,7 @@ def _with_unit(text: str, unit: str) -> str:
 
 
 def _is_logarithmic(values: Vector) -> bool:
-    """Whether values are spaced with a constant ratio of more than 1 %, and not evenly."""
+    """Whether positive values are spaced with a constant ratio of more than 1 %."""
     ordered = np.sort(values)
     if len(ordered) < 3 or ordered[0] <= 0:
         return False
@@ -81,7 +81,7 @@ def _is_logarithmic(values: Vector) -> bool:
 
 
 def _line(axes: Axes, result: SweepResult, output: SweepOutput, number: int) -> None:
-    """An output over one name: a line through the values of a grid, points of random samples."""
+    """Draw an output over one name: a line through the values of a grid, points of random samples."""
     (name,) = result.samples.varying
     x, y = result.samples.values[:, result.samples.names.index(name)], result.column(output.label)
     order = np.argsort(x, kind="stable")
@@ -101,7 +101,7 @@ def _line(axes: Axes, result: SweepResult, output: SweepOutput, number: int) -> 
 
 
 def _map(axes: Axes, beside: Axes, result: SweepResult, output: SweepOutput) -> None:
-    """An output over two names: cells of a grid with contour lines, or coloured points; its extremes are marked."""
+    """Draw an output over two names: cells of a grid with contour lines, or coloured points; mark its extremes."""
     samples, names = result.samples, result.samples.varying
     x, y = (samples.values[:, samples.names.index(name)] for name in names)
     z = result.column(output.label)
@@ -154,7 +154,7 @@ def _plain(value: float) -> str:
 
 
 def _plain_ticks(axes: Axes) -> None:
-    """Ticks of logarithmic axes as plain numbers: 1, 2, 5, 10, ..."""
+    """Label the ticks of logarithmic axes with plain numbers: 1, 2, 3, 5, 10, ..."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     for axis, scale in ((axes.xaxis, axes.get_xscale()), (axes.yaxis, axes.get_yscale())):
@@ -165,7 +165,7 @@ def _plain_ticks(axes: Axes) -> None:
 
 
 def _mark(axes: Axes, x: Vector, y: Vector, z: Vector) -> None:
-    """Circles around the smallest and the largest value, with their numbers."""
+    """Draw circles around the smallest and the largest value, with their numbers."""
     from matplotlib.patheffects import withStroke
 
     for index, text in ((int(np.nanargmin(z)), "least"), (int(np.nanargmax(z)), "largest")):

@@ -28,10 +28,10 @@ from derive.study.sweep.worker import Case, Chunk, ModelCode, Sample
 from derive.version import VERSION
 
 MOST_MODELS = 64
-"""Models that a sweep compiles at most."""
+"""The largest number of models that a sweep compiles."""
 
 SCENES = "a sweep runs scenes and single beams; for a body in space, call derive.simulate in a loop"
-"""What is said of other specifications."""
+"""The message of the error for other specifications."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +48,10 @@ class RunOptions:
 class Plan:
     """A sweep that is ready to run.
 
-    units: those of the names that are parameters. changes: what is set, with the first values. parameters: the names
-    whose values are parameters of the compiled code; the others, `remaining`, make several cases, and models where
-    equations depend on them. initial_states: how many are computed. identity: all that the results depend on, by a name
-    for each part.
+    units: those of the names that are parameters. changes: the keys that are set, with the first values. parameters:
+    the names whose values are parameters of the compiled code; the others, `remaining`, make several cases, and models
+    where equations depend on them. initial_states: their number. identity: everything on which the results depend, by a
+    name for each part.
     """
 
     name: str
@@ -68,7 +68,7 @@ class Plan:
     identity: Mapping[str, str]
 
     def chunk(self, runs: Sequence[Sample]) -> Chunk:
-        """These runs with what a worker needs for them."""
+        """The chunk of these runs, with the cases and models that a worker needs for them."""
         cases = {run.case: self.cases[run.case] for run in runs}
         models = {case.model: self.models[case.model] for case in cases.values()}
         return Chunk(models, cases, self.symbols, self.outputs, tuple(runs))
@@ -87,7 +87,7 @@ def make_plan(
     options: RunOptions,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Plan:
-    """Check a sweep, and compile its models. progress: called with what is being done.
+    """Check a sweep, and compile its models. progress: called with a line on each task.
 
     Raises SpecError, SamplesError, UnknownNameError, OutputError, CompilerError.
     """
@@ -99,7 +99,7 @@ def make_plan(
     parameters = tuple(name for name in samples.names if symbols[name] is not None)
     remaining = tuple(name for name in samples.names if symbols[name] is None)
     _check_symbols(symbols)
-    for name in parameters:  # what is wrong with an extreme value is reported before the first run
+    for name in parameters:  # errors of extreme values are reported before the first run
         for value in (samples.axis(name).min(), samples.axis(name).max()):
             with_values(spec, {**firsts, name: number_text(float(value))})
     keys = [_part(row, samples, remaining) for row in samples.values.tolist()]
@@ -142,9 +142,9 @@ def make_plan(
 
 
 def _defaults(changes: Sequence[SetValue], samples: Samples) -> dict[str, str]:
-    """Values that make parameters of keys: their numbers, so that the model does not depend on samples.
+    """The values that turn keys into parameters: their numbers, so that the model does not depend on samples.
 
-    What is a function of time in the specification gets the first value.
+    A key with a function of time in the specification gets the first value.
     """
     added = (change for change in changes if change.symbol is not None and change.symbol not in samples.names)
     return {change.key: change.old if _is_number(change.old) else change.new for change in added}
@@ -208,7 +208,7 @@ def _simulated(spec: Scene | PlanarBeam, options: RunOptions) -> Scene:
 
 
 def _symbol(name: str, changes: Sequence[SetValue]) -> str | None:
-    """The symbol of the parameter that a name sets; None of another key."""
+    """The symbol of the parameter that a name sets; None for another key."""
     return next((change.symbol for change in changes if name in (change.key, change.symbol)), None)
 
 
@@ -246,7 +246,7 @@ def _part(row: Sequence[float], samples: Samples, names: Sequence[str]) -> tuple
 
 
 def number_text(value: float) -> str:
-    """A number as TOML has it: whole numbers as integers, which some keys require."""
+    """The text of a number in TOML: whole numbers as integers, which some keys require."""
     return str(int(value)) if value == int(value) and abs(value) < 2.0**53 else repr(value)
 
 

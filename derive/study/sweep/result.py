@@ -1,4 +1,4 @@
-"""The result of a sweep: the values of all outputs in all samples, and what happened to those without any."""
+"""The result of a sweep: the values of all outputs in all samples, and the failures of those without values."""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ from derive.study.sweep.samples import Samples
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SweepResult:
-    """values (n, outputs): NaN of samples that failed, for the reason in `failures` by the number of the sample.
+    """The result of a sweep. values (n, outputs): NaN for failed samples, whose reasons `failures` has by number.
 
     `result["peak_slider_s"]` is the output of that name: (n,), or for a grid an array with an axis for each name.
-    notes: what runs did otherwise than specified, by the number of the sample. warnings: what the monitors of beams
-    warn of, likewise, in the samples with the largest amount of each output; the others are not monitored. models,
-    initial_states: those that were computed. units: those of the names that are parameters. resumed: the samples that
-    an earlier run had finished. damaged: the lines of its store that are left out, whose samples are computed again.
+    notes: the deviations of runs from the specification, by the number of the sample. warnings: those of the monitors
+    of beams, by the number of the sample, in the samples with the largest amount of each output; others are not
+    monitored. models, initial_states: those that were computed. units: those of the names that are parameters. resumed:
+    the samples that an earlier run had finished. damaged: the lines of its store that are left out, whose samples are
+    computed again.
     """
 
     name: str
@@ -67,7 +68,7 @@ class SweepResult:
         yield from _counted({number: (text,) for number, text in self.failures.items()})
 
     def remarks(self) -> Iterator[tuple[str, int, int]]:
-        """The notes likewise."""
+        """The notes, the most frequent first: the text, how often, and the first sample with it."""
         yield from _counted(self.notes)
 
 

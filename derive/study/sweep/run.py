@@ -1,4 +1,4 @@
-"""A sweep from its samples to its result: planned, run on an executor, stored as far as it is finished."""
+"""A sweep from its samples to its result: it is planned, run on an executor, and its finished samples are stored."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from derive.study.sweep.store import SampleStore
 from derive.study.sweep.worker import Outcome, monitored
 
 UNKNOWN_WORKERS = 8
-"""The workers for which samples are divided where their number is not known."""
+"""The number of workers for which samples are divided where it is not known."""
 
 Progress = Callable[[int, int], None]
-"""Called with the number of finished samples, and that of all."""
+"""A function that is called with the number of finished samples, and that of all."""
 
 
 class SweepFailed(TisserandError):
@@ -49,7 +49,7 @@ def sweep(
 
     samples: `grid`, `listed` or `random_samples` of parameters or keys, as `--set` knows them. outputs: such as
     "peak:slider_s", "rms:deflection" or "final:rod_phi", of a column or of a plot. duration, interval: the time, and
-    that between rows, in which peaks are looked for, s; tolerance, until: as for `simulate`. executor: any of
+    that between rows, in which peaks are determined, s; tolerance, until: as for `simulate`. executor: any of
     `concurrent.futures`, such as that of a Dask client; by default `workers` processes of this machine, one for each
     processor. chunk: the samples that a worker gets at a time, on which no result depends. store: a file that keeps
     finished samples if the sweep is interrupted; with `resume` it is continued. progress: called when samples finish.
@@ -93,7 +93,7 @@ def run_plan(
 
 
 def processors() -> int:
-    """The processors that this process may use."""
+    """The number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

@@ -18,11 +18,11 @@ from derive.errors import TisserandError
 from derive.runtime.native_call import Matrix, Vector
 
 MOST_SAMPLES = 1_000_000
-"""Samples that a sweep takes at most: more of them need hours and gigabytes."""
+"""The largest number of samples of a sweep: more of them need hours and gigabytes."""
 
 
 class SamplesError(TisserandError):
-    """Samples that make no sense."""
+    """The samples of a sweep are not valid."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,24 +67,24 @@ class Random:
 
 
 def constant(value: float) -> Random:
-    """The same number each time."""
+    """The distribution that gives the same number each time."""
     return Random(lambda _: value)
 
 
 def uniform(low: float, high: float) -> Random:
-    """Numbers between two bounds, all alike."""
+    """The uniform distribution of numbers between two bounds."""
     return Random(lambda u: low + (high - low) * u)
 
 
 def log_uniform(low: float, high: float) -> Random:
-    """Numbers between two positive bounds whose logarithms are uniform."""
+    """The distribution of numbers between two positive bounds whose logarithms are uniform."""
     if not 0.0 < low <= high:
         raise SamplesError(f"loguniform({low:g}, {high:g}): 0 < low <= high is needed")
     return Random(lambda u: math.exp(math.log(low) + (math.log(high) - math.log(low)) * u))
 
 
 def normal(mean: float, deviation: float) -> Random:
-    """Gaussian numbers with a mean and a standard deviation."""
+    """The normal distribution with a mean and a standard deviation."""
     if not deviation > 0.0:
         raise SamplesError(f"normal({mean:g}, {deviation:g}): a positive standard deviation is needed")
     return Random(NormalDist(mean, deviation).inv_cdf)

@@ -1,8 +1,8 @@
-"""The store of a sweep: a file to which finished samples are appended, from which an interrupted sweep goes on.
+"""The store of a sweep: a file to which finished samples are appended, from which an interrupted sweep continues.
 
-Its first line states what the results depend on; a line for each sample follows, whose numbers are hexadecimal, so that
-they are exact. Each line ends with its checksum. A process that is killed leaves an incomplete last line at most, which
-is cut off; other lines that are damaged are left out, and their samples computed again.
+Its first line has everything on which the results depend; a line for each sample follows, with hexadecimal numbers,
+which are exact. Each line ends with its checksum. A process that is killed leaves an incomplete last line at most,
+which is cut off; other lines that are damaged are left out, and their samples computed again.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ class StaleStore(TisserandError):
 
 
 class SampleStore:
-    """Finished samples in a file; identity: all that their values depend on, by a name for each part.
+    """Finished samples in a file; identity: everything on which their values depend, by a name for each part.
 
     resume: whether the file of an earlier run of the same sweep is continued. damaged: the lines of it that are left
-    out. Raises StaleStore if it is of another sweep, or if there is one which is not to be continued; nothing is
+    out. Raises StaleStore if the file is of another sweep, or if it exists and is not to be continued; it is not
     changed then.
     """
 
@@ -96,7 +96,7 @@ class SampleStore:
         self._file.flush()
 
     def close(self) -> None:
-        """Leave the file, from which the sweep may go on."""
+        """Close the file, from which the sweep may continue."""
         self._file.close()
 
     def remove(self) -> None:

@@ -17,11 +17,11 @@ from derive.study.sweep.samples import Samples
 from derive.terminal import table
 
 SHOWN = 5
-"""The reasons and notes that are printed."""
+"""The largest numbers of reasons and of notes that are printed."""
 
 
 def sweep_csv(result: SweepResult) -> str:
-    """A row for each sample: its values, its outputs with all digits, and why it failed, if it has."""
+    """The CSV text with a row for each sample: its values, its outputs with all digits, and its failure, if any."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow([*result.samples.names, *result.labels, "failure"])
@@ -31,7 +31,7 @@ def sweep_csv(result: SweepResult) -> str:
 
 
 def sweep_npz(result: SweepResult) -> bytes:
-    """The arrays `names` and `samples` (n, names), `outputs` and `values` (n, outputs), `shape` of a grid, `failures`.
+    """The NPZ file: `names`, `samples` (n, names), `outputs`, `values` (n, outputs), `shape` of a grid, `failures`.
 
     They are read by `numpy.load(path)`; `values[:, 0].reshape(shape)` is the first output on a grid.
     """
@@ -143,7 +143,7 @@ def _texts(listed: Sequence[dict[str, Any]], samples: Samples) -> list[str]:
 
 
 def sample_text(sample: dict[str, float], samples: Samples) -> str:
-    """A sample by the names that vary, which are shortened to their last part where that is unique."""
+    """The text of a sample: its values by the names that vary, shortened to their last part where that is unique."""
     short = short_names(samples)
     return ", ".join(f"{short[name]} = {sample[name]:.6g}" for name in samples.varying or samples.names)
 

@@ -1,7 +1,7 @@
-"""What a worker does: it runs samples of a compiled model, one after the other, with as little Python as possible.
+"""The worker of a sweep: it runs samples of a compiled model, one after the other, with as little Python as possible.
 
 A chunk of samples comes with everything that it needs, so that it can run in any process on any machine of the same
-kind. What a worker keeps from one chunk to the next, libraries and initial states, follows from the chunk alone: the
+kind. The libraries and initial states that a worker keeps from one chunk to the next follow from the chunk alone: the
 results are the same to the bit however samples are divided into chunks.
 """
 
@@ -33,7 +33,7 @@ from derive.study.sweep.dependence import with_defaults
 from derive.study.sweep.outputs import SweepOutput, evaluate
 
 KEPT_STARTS, KEPT_MODELS = 256, 16
-"""Initial states and loaded libraries that a worker keeps."""
+"""The largest numbers of initial states and of loaded libraries that a worker keeps."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class ModelCode:
 class Case:
     """A scene as it is simulated, with its `simulation`, but for the values of parameters; model: its code by number.
 
-    key: the hash of the scene, by which workers tell cases apart.
+    key: the hash of the scene, by which workers distinguish cases.
     """
 
     scene: Scene = field(compare=False)
@@ -84,9 +84,9 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the sample of a number comes to: values of the outputs, NaN with the reason in `failure` if it has none.
+    """The outcome of a sample by its number: values of the outputs, NaN with the reason in `failure` if it has none.
 
-    notes: what the run does otherwise than specified, such as an initial value that is corrected.
+    notes: the deviations of the run from the specification, such as an initial value that is corrected.
     """
 
     number: int
@@ -97,7 +97,7 @@ class Outcome:
 
 @dataclass(frozen=True, eq=False)
 class _Start:
-    """An initial state of a scene with the values of its parameters, and what else follows from them."""
+    """An initial state of a scene with the values of its parameters, its size, its breaks and its notes."""
 
     scene: Scene
     q: Vector
@@ -110,7 +110,7 @@ class _Start:
 def run_chunk(chunk: Chunk, losses: int = 0) -> tuple[Outcome, ...]:
     """Run the samples of a chunk. A sample that cannot be run has NaN as its values. Raises CompilerError, OSError.
 
-    losses: the workers that it has lost before, so that executors which remember calls do not take it for the same one.
+    losses: the workers that it has lost before, so that executors which cache calls do not reuse an earlier call.
     """
     return tuple(_outcome(chunk, sample) for sample in chunk.samples)
 
@@ -133,7 +133,7 @@ def _outcome(chunk: Chunk, sample: Sample) -> Outcome:
 
 
 def monitored(chunk: Chunk) -> dict[int, tuple[str, ...]]:
-    """What the monitors of beams warn of in the samples of a chunk, by their numbers: each is run once more for it."""
+    """The warnings of the monitors of beams in the samples of a chunk, by their numbers; runs each sample once more."""
     result: dict[int, tuple[str, ...]] = {}
     for sample in chunk.samples:
         try:
@@ -158,12 +158,12 @@ def _warnings(chunk: Chunk, sample: Sample) -> tuple[str, ...]:
 
 
 def failed(outputs: Sequence[SweepOutput], sample: Sample, text: str) -> Outcome:
-    """A sample that has no values, for this reason."""
+    """The outcome of a sample that has no values, with the reason `text`."""
     return Outcome(sample.number, (float("nan"),) * len(outputs), text)
 
 
 def reason(error: Exception) -> str:
-    """An error on one line."""
+    """The text of an error on one line."""
     text = "; ".join(problem.message for problem in error.problems) if isinstance(error, SpecError) else str(error)
     return " ".join(text.split()) or type(error).__name__
 
