@@ -109,7 +109,7 @@ def _errors(scene: CorpusScene, out: Path) -> Iterator[Any]:
     """Measured and implied errors of the models of `study accuracy`."""
     for file in out.rglob("accuracy.json"):
         study = json.loads(file.read_text())
-        plot = scene.tables["plots"][study["plot"]].get("deflection", "")
+        plot = scene.tables.get("plots", {}).get(study["plot"], {}).get("deflection", "")  # or that of a study
         for model in study["models"]:
             if model["runs"]:
                 warning = model["warning"] or {}
