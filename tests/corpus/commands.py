@@ -3,8 +3,8 @@
 `build` and `simulate` run on every scene, and `simulate` once more with one of the other integrators in turn. Each
 scene gets one of the light commands (`LIGHT` and an export), each fourth one of the `HEAVY` ones, and each with an odd
 seed `modes`, in rotation over the seeds: 300 scenes run each other integrator 43 times, each light command about 14
-times, each heavy one 12 times, with options that make it short, and `modes` 150 times. Studies get what they need, see
-`studied_scenes.py`.
+times (exports for all platforms, which compile for ten seconds, three times), each heavy one 12 times, with options
+that make it short, and `modes` 150 times. Studies get what they need, see `studied_scenes.py`.
 """
 
 from __future__ import annotations
@@ -74,8 +74,10 @@ def arguments_of(scene: CorpusScene, path: Path, folder: Path) -> Iterator[Argum
         moving = "drives" in scene.tables or (seed % 3 == 0 and "bodies" in scene.tables)
         state = ["--at", f"{_duration(scene) / 3:.6g}"] if moving else []
         yield ["modes", spec, "--out", str(folder / "modes"), *state]
-    light = [*LIGHT, *(_export(kind) for kind in INTERFACES)]
-    yield light[seed % len(light)](scene, spec, folder)
+    turn, which = divmod(seed, len(LIGHT) + len(INTERFACES))
+    interfaces = (kind if turn % 4 == 0 else kind.removesuffix("-all") for kind in INTERFACES)
+    light = [*LIGHT, *map(_export, interfaces)]
+    yield light[which](scene, spec, folder)
     if seed % 4 == 0:
         yield HEAVY[seed // 4 % len(HEAVY)](scene, spec, folder)
 

@@ -9,12 +9,12 @@ import pytest
 
 from conftest import ROOT
 
-NAMES = ("struck_1_4_1_1", "pendulum_10", "step_0_5", "column_m2_0", "spinning_up_6", "slider_150")
+NAMES = ("struck_1_4_1_1", "step_0_5", "column_m2_0", "slider_150")
 
 
 @pytest.mark.long
 def test_estimates_are_within_a_factor_of_the_truth(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Median within 2, and 90 % within 4, of models of six scenes of different kinds."""
+    """The median and 80 % within 2, and 90 % within 4, of models of four scenes of different kinds."""
     monkeypatch.syspath_prepend(str(ROOT / "bench"))
     import monitor_scenes
     import monitors
@@ -29,7 +29,8 @@ def test_estimates_are_within_a_factor_of_the_truth(monkeypatch: pytest.MonkeyPa
                 ]
         assert len(ratios) > 40
         assert 0.5 < np.median(ratios) < 2
-        assert np.mean(np.abs(np.log(ratios)) < np.log(4)) > 0.9
+        off = np.abs(np.log(ratios))
+        assert np.mean(off < np.log(2)) > 0.8 and np.mean(off < np.log(4)) > 0.9
     finally:
         for name in ("monitor_scenes", "monitors"):
             sys.modules.pop(name, None)
