@@ -13,7 +13,7 @@ from programs import program, run
 
 import derive
 from derive import cache
-from derive.export import fmi_binaries
+from derive.export.fmi import binaries
 from derive.export.fmi.binaries import PLATFORMS, CompilerError, Platform, compiled, this_platform
 from derive.export.registry import exported
 from derive.spec.toml.read import parse
@@ -98,7 +98,7 @@ def test_zig_makes_equal_bytes_in_every_folder() -> None:
 
 @pytest.mark.hosts
 def test_without_zig_a_message_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fmi_binaries, "find_spec", lambda name: None)
+    monkeypatch.setattr(binaries, "find_spec", lambda name: None)
     other = next(platform for platform in PLATFORMS.values() if platform != this_platform())
     with pytest.raises(CompilerError, match=r"need Zig: `pip install tisserand\[compiler\]`"):
         compiled("unit", {"unit.c": ""}, other)
