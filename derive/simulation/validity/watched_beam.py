@@ -180,7 +180,10 @@ class _BeamForms:
         )
 
     def vibration(self, mode: HeldMode, bent: Matrix, energies: Matrix) -> WatchedVibration:
-        """Modes are orthogonal with respect to the strain energy, of which the loads of the vibration show the rest."""
+        """The quantities of a vibration, and the share of its strain energy that the shapes miss.
+
+        The motion is divided among the vibrations by the strain energy, with respect to which they are orthogonal.
+        """
         amplitudes = mode.motion[self.amplitudes]
         forces = (amplitudes @ self.shapes.stiffness).ravel()
         kept = float(forces @ amplitudes.ravel()) / 2

@@ -65,9 +65,6 @@ def reference(
     return _own(scene, plot, progress, report)
 
 
-VANISHES = "it vanishes all the time, so that no error of it is known; choose another by --plot"
-
-
 def _own(scene: Scene, plot: Plot, progress: Progress, report: Progress) -> Reference:
     """The reference from the finest of ever finer models; its error is its difference from the one before."""
     bare = bare_plots(plot)
@@ -80,7 +77,8 @@ def _own(scene: Scene, plot: Plot, progress: Progress, report: Progress) -> Refe
         report(f"reference: {label}: {1e3 * moved.solution.cost.seconds:.3g} ms")
     difference = rms_difference(finest, before)
     if difference is None:
-        raise SpecError((Problem(f"plots.{plot.name}", VANISHES),))
+        text = "it vanishes all the time, so that no error of it is known; choose another by --plot"
+        raise SpecError((Problem(f"plots.{plot.name}", text),))
     return Reference(reference_plots(bare, label, finest, report), f"own run, {label}", difference)
 
 
