@@ -16,6 +16,7 @@ from scipy.integrate import solve_ivp
 
 import derive
 from derive.extensions import (
+    NORMAL_TO_AXIS,
     BodyType,
     Constant,
     Drawing,
@@ -55,6 +56,13 @@ class Distance(JointType):
     doc = "the distance of the markers is constant"
     removes = (RelativeRow("tension", "{markers} keep their distance", "m", stretched, (LENGTH,)),)
     drawing = Drawing(lines=(((-1, -2), (1, 2)),))
+
+
+def test_rows_of_a_joint_are_along_its_axes():
+    with pytest.raises(TypeError, match="Slot: normal: along other axes than INERTIAL"):
+
+        class Slot(JointType):
+            removes = (NORMAL_TO_AXIS,)
 
 
 class Disc(BodyType):

@@ -81,6 +81,13 @@ class JointType:
     driven: ClassVar[RelativeRow | None] = None
     drawing: ClassVar[Drawing]
 
+    def __init_subclass__(cls) -> None:
+        """Raise TypeError for a row along other axes than those of the joint, which would silently mean another one."""
+        own = (*getattr(cls, "removes", ()), cls.driven)
+        foreign = [row.label for axes in Axes if axes is not cls.axes for row in axes.value if row in own]
+        if foreign:
+            raise TypeError(f"{cls.__name__}: {', '.join(foreign)}: along other axes than {cls.axes.name}")
+
     @property
     def keys(self) -> tuple[Key, ...]:
         """The keys of the table of a joint besides `kind` and `between`."""
