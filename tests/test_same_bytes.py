@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import shutil
 import subprocess
@@ -77,6 +78,24 @@ def test_check_shows_what_differs(tmp_path: Path, capsys: pytest.CaptureFixture[
     said_of_all = capsys.readouterr().out
     assert "old.c: no specification gives this file" in said_of_all and "notes.txt" not in said_of_all
     assert f"to accept these differences: tisserand build {scene} --out {out}" in said
+
+
+def test_a_manifest_alone_is_compared_by_its_hashes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene, out = str(ROOT / "scenes/free_beam_mean.toml"), tmp_path / "generated"
+    assert main(["build", scene, "--out", str(out)]) == 0
+    for ending in ("c", "h", "py"):
+        (out / f"free_beam_mean/free_beam_mean.{ending}").unlink()
+    capsys.readouterr()
+    assert main(["check", scene, "--out", str(out)]) == 0
+    assert "4 generated files are up to date, 3 of them by the hashes in their manifests" in capsys.readouterr().out
+    manifest = out / "free_beam_mean/manifest.json"
+    digest = json.loads(manifest.read_text())["files"]["free_beam_mean/free_beam_mean.c"]
+    manifest.write_text(manifest.read_text().replace(digest, "0" * 64))
+    assert main(["check", scene, "--out", str(out)]) == 1
+    assert digest in capsys.readouterr().out
+    manifest.unlink()
+    assert main(["check", scene, "--out", str(out)]) == 1
+    assert capsys.readouterr().out.count(": missing") == 4
 
 
 def test_python_and_toml_give_the_same_files() -> None:

@@ -1,12 +1,16 @@
-"""`tisserand check`: compare the generated files with the ones that the specifications give now."""
+"""`tisserand check`: compare the generated files with the ones that the specifications give now.
+
+Of a model whose folder holds its manifest alone, the texts are compared by the hashes that are in the manifest.
+"""
 
 from __future__ import annotations
 
 import argparse
 import shlex
 import sys
+from collections.abc import Sequence
 from difflib import unified_diff
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from derive.artifacts import MARK, File, settle
 from derive.cli.specifications import build_all
@@ -28,9 +32,11 @@ def run(options: argparse.Namespace) -> int:
     if not specs:
         print(f"{options.scenes}: this folder holds no specification (*.toml); name another one", file=sys.stderr)
         return 2
-    files = [file for built in build_all(specs) for file in built.files]
+    built = build_all(specs)
+    files = [file for model in built for file in model.files]
     settle(options.out)
-    reports = [report for file in files if (report := _difference(file, options.out))]
+    hashed = [file for model in built for file in _by_hash(model.files, options.out)]
+    reports = [report for file in files if file not in hashed and (report := _difference(file, options.out))]
     if options.scenes.is_dir():
         reports += _obsolete(files, options.out)
     if reports:
@@ -38,8 +44,16 @@ def run(options: argparse.Namespace) -> int:
         accept = shlex.join(["tisserand", "build", *map(str, specs), "--out", str(options.out)])
         print(f"\nto accept these differences: {accept}")
         return 1
-    print(f"{len(files)} generated files are up to date")
+    hashes = f", {len(hashed)} of them by the hashes in their manifests" if hashed else ""
+    print(f"{len(files)} generated files are up to date{hashes}")
     return 0
+
+
+def _by_hash(files: Sequence[File], out: Path) -> list[File]:
+    """The files of a model that the comparison of its manifest covers, since the folder holds nothing else of it."""
+    texts = [file for file in files if PurePosixPath(file.path).name != "manifest.json"]
+    present = {file.path for file in files if (out / file.path).exists()}
+    return texts if present and present.isdisjoint(file.path for file in texts) else []
 
 
 def _difference(file: File, out: Path) -> str:

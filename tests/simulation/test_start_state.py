@@ -78,8 +78,6 @@ def test_the_generated_function_returns_it() -> None:
     doubles = ctypes.POINTER(ctypes.c_double)
     assert compiled.function("start")(q.ctypes.data_as(doubles), v.ctypes.data_as(doubles)) == 0
     assert (tuple(q), tuple(v)) == (start("crank_slider_3").q, start("crank_slider_3").v)
-    header = (ROOT / "generated/crank_slider_3/crank_slider_3.h").read_text()
-    assert "int crank_slider_3_start(\n    double *q,\n    double *v);\n" in header
 
 
 def test_files_made_in_python_are_those_of_build() -> None:
@@ -87,7 +85,8 @@ def test_files_made_in_python_are_those_of_build() -> None:
     made, path = scene("four_bar"), ROOT / "scenes/four_bar.toml"
     files = derive.model_files(made.model, made.spec)
     assert files == build(path).files
-    assert "int four_bar_start(" in next(file.text for file in files if file.path.endswith(".h"))
+    header = next(file.text for file in files if file.path.endswith(".h"))
+    assert "int four_bar_start(\n    double *q,\n    double *v);\n" in header
 
 
 def test_a_body_has_none() -> None:
