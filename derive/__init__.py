@@ -19,7 +19,7 @@ The public interface, by stages:
                     Joint, Drive, Force, Torque, Spring, Bushing, DistributedLoad, TimeFunction, time_function, Plot,
                     Deflection, ReferenceCurve
                     both: Frame, Marker, Parameter, Simulation; SpatialStart of a body in space
-                    registries: JOINTS, BODIES, FORCES; CustomJoint, CustomBody, CustomForce
+                    registries: JOINTS, BODIES, FORCES, OUTPUTS; CustomJoint, CustomBody, CustomForce
     equations       derive, modal, derive_modal, parameters; ModalBody; Equations of a body, or for a scene a
                     Mechanism, which keeps the equations once for each kind of body
     kernels         lower, interpret; Model
@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from derive.mechanics.multibody.forces.registry import FORCES
     from derive.mechanics.multibody.joints.registry import JOINTS
     from derive.mechanics.multibody.mechanism import Mechanism
+    from derive.mechanics.multibody.outputs.registry import OUTPUTS
     from derive.pipeline import model_files
     from derive.registry import UnknownNameError
     from derive.roles import Role
@@ -148,6 +149,7 @@ _MODULES = {
     "derive.mechanics.multibody.forces.registry": ("FORCES",),
     "derive.mechanics.multibody.joints.registry": ("JOINTS",),
     "derive.mechanics.multibody.mechanism": ("Mechanism",),
+    "derive.mechanics.multibody.outputs.registry": ("OUTPUTS",),
     "derive.pipeline": ("model_files",),
     "derive.registry": ("UnknownNameError",),
     "derive.roles": ("Role",),
@@ -259,6 +261,7 @@ __all__ = [
     "FORCES",
     "INTEGRATORS",
     "JOINTS",
+    "OUTPUTS",
     "AttachedMass",
     "BeamBody",
     "BeamDamping",

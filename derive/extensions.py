@@ -1,10 +1,11 @@
-"""The classes with which a joint, a body or a force is defined outside the package.
+"""The classes with which a joint, a body, a force or an output is defined outside the package.
 
 A joint is a subclass of JointType, which `derive.JOINTS.register("name", MyJoint())` adds to the kinds that a
-specification may choose; bodies and forces likewise with BodyType and `derive.BODIES`, ForceType and `derive.FORCES`.
+specification may choose; bodies, forces and outputs likewise with BodyType and `derive.BODIES`, ForceType and
+`derive.FORCES`, OutputType and `derive.OUTPUTS`.
 A joint names the rows that it removes, or has RelativeRows of its own: functions of the displacement and the rotation
 of its second marker relative to the first, as SymPy expressions, whose time derivatives follow. Forces are formulated
-with the RelativeMotion between markers.
+with the RelativeMotion between markers, outputs with the SceneMechanics of all bodies.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ from derive.mechanics.multibody.joints.relative_rows import (
     RelativeRow,
 )
 from derive.mechanics.multibody.keys import Key, KeyType
+from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
+from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.quantity import value as quantity_expression
 
 __all__ = [
@@ -46,9 +49,13 @@ __all__ = [
     "JointType",
     "Key",
     "KeyType",
+    "OutputComponent",
+    "OutputComponents",
+    "OutputType",
     "PointMotion",
     "RelativeMotion",
     "RelativeRow",
+    "SceneMechanics",
     "define",
     "force_terms",
     "marker_constants",

@@ -22,14 +22,14 @@ _CACHES = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
 os.environ.setdefault("MPLCONFIGDIR", str(_CACHES / "matplotlib"))  # matplotlib would search for all fonts again
 # Zig would build the libraries of other systems again, which takes minutes.
 os.environ.setdefault("ZIG_GLOBAL_CACHE_DIR", str(_CACHES / "zig"))
-CACHE = tempfile.TemporaryDirectory(prefix="tisserand-cache-")
-os.environ["XDG_CACHE_HOME"] = (
-    CACHE.name
-)  # that of the user is neither read nor written, nor by programs that tests run
+CACHE = None if "PYTEST_XDIST_WORKER" in os.environ else tempfile.TemporaryDirectory(prefix="tisserand-cache-")
+if CACHE:  # that of the user is neither read nor written, nor by programs that tests run; workers share it
+    os.environ["XDG_CACHE_HOME"] = CACHE.name
 
 
 def pytest_unconfigure() -> None:
-    CACHE.cleanup()
+    if CACHE:
+        CACHE.cleanup()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

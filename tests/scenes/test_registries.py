@@ -1,8 +1,8 @@
-"""Joints, bodies and forces from outside the package: registered, read from TOML, compiled, and compared with physics.
+"""Joints, bodies, forces and outputs from outside the package: read from TOML, compiled, and compared with physics.
 
 The toys know nothing of the rest but the types that they derive from: a rod without mass that keeps the distance of two
 markers, a disc that is described by its radius, a spring with a cubic law, a force that turns with the body it acts on,
-and a torque that brakes.
+a torque that brakes, and the speed of a marker.
 """
 
 from __future__ import annotations
@@ -25,6 +25,9 @@ from derive.extensions import (
     JointType,
     Key,
     KeyType,
+    OutputComponent,
+    OutputComponents,
+    OutputType,
     RelativeMotion,
     RelativeRow,
     force_terms,
@@ -138,6 +141,17 @@ class Viscous(ForceType):
         return GeneralisedForce(terms)
 
 
+class Speed(OutputType):
+    """The absolute value of the velocity of a marker."""
+
+    doc = "the speed of a marker"
+    keys = (Key("marker", KeyType.MARKER, "", "The marker.", required=True),)
+
+    def components(self, name, values, scene):
+        velocity = scene.point(values["marker"]).velocity
+        return OutputComponents((OutputComponent("", "m/s", "speed", sp.sqrt(velocity.dot(velocity))),))
+
+
 FORCES = {"cubic": CubicSpring(), "follower": Follower(), "viscous": Viscous()}
 
 
@@ -147,7 +161,9 @@ def toys():
     derive.BODIES.register("disc", Disc())
     for kind, force_type in FORCES.items():
         derive.FORCES.register(kind, force_type)
+    derive.OUTPUTS.register("speed", Speed())
     yield
+    derive.OUTPUTS.unregister("speed")
     derive.JOINTS.unregister("distance")
     derive.BODIES.unregister("disc")
     for kind in FORCES:
@@ -225,6 +241,13 @@ drag = { symbol = "D", default = 1.5 }
 """
 
 
+FAST = """
+[outputs.fast]
+kind = "speed"
+marker = "wheel.hub"
+"""
+
+
 def solution(derivative, start, times):
     """An accurate solution of an ordinary differential equation at the times."""
     tolerances = {"rtol": 1e-12, "atol": 1e-12}
@@ -292,6 +315,12 @@ def test_a_torque_against_the_angular_velocity(toys):
     found = derive.simulate(scene)
     np.testing.assert_allclose(found["wheel_phidot"], 8 * np.exp(-1.5 / 0.5 * found.t), atol=1e-8)
     assert derive.scene("two", bodies=[*scene.bodies], torques=[*scene.torques], ground={"pivot": [0, 0]}).torques
+
+
+def test_an_output_of_the_speed_of_a_marker(toys):
+    scene = parse(HEAD + ROLLED.replace("rim =", "hub = [0, 0], rim =") + FAST + RUN)
+    found = derive.simulate(scene)
+    np.testing.assert_allclose(found["fast"], 0.2 * np.abs(found["wheel_phidot"]), rtol=1e-12)
 
 
 def refused(text: str) -> str:
