@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 
 import derive
 from conftest import QUICK
-from derive.backends.model_files import model_files
 from derive.derivation import lowered_form
+from derive.generated_models import generated
 from derive.runtime.compiled_model import Native
 
 FRAMES: dict[str, Any] = {
@@ -46,9 +46,13 @@ class Made:
     """A beam, or another body, through all stages."""
 
     spec: Any
-    equations: Any
     model: derive.Model
     files: tuple[derive.File, ...]
+
+    @cached_property
+    def equations(self) -> Any:
+        """The equations in the form that the model was lowered from; many tests do not need them."""
+        return lowered_form(derive.derive(self.spec), self.model)
 
 
 @cache
@@ -58,11 +62,8 @@ def made(frame: str = "mean", n: int = 2) -> Made:
 
 
 def build(spec: Any) -> Made:
-    """All stages of one specification."""
-    derived = derive.derive(spec)
-    model = derive.lower(derived)
-    equations = lowered_form(derived, model)
-    return Made(spec, equations, model, model_files(model, spec))
+    """All stages of one specification, through the cache that the workers share."""
+    return Made(spec, *generated(spec))
 
 
 @cache

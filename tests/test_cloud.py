@@ -23,7 +23,7 @@ from derive.mechanics.bodies.spatial_body import parameters
 from derive.mechanics.bodies.spatial_tables import symbolic_tables
 from derive.runtime.compiled_model import Native
 
-SHAPES = (0, 1, 3, 5)
+SHAPES = (0, 1, pytest.param(3, marks=pytest.mark.long), 5)
 KINDS = ("numbers flat", "numbers table", "parameters flat", "parameters table")
 POINTS = 10
 GRAVITY = (0.7, -0.3, -9.81)

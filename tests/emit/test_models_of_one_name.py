@@ -14,6 +14,7 @@ import derive
 from derive.artifacts import File
 from derive.export.casadi.loading import casadi_function
 from derive.export.host_model import host_model
+from derive.generated_models import generated
 from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import compile_shared
 from derive.runtime.loading import load
@@ -38,7 +39,7 @@ MASSES = (1, 3)
 
 def files(mass: int) -> Sequence[File]:
     scene = parse(ARM.format(mass))
-    return derive.model_files(derive.lower(derive.derive(scene)), scene)
+    return generated(scene)[1]
 
 
 def exact(mass: int) -> float:

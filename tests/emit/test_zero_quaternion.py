@@ -12,6 +12,7 @@ import pytest
 import derive
 from beams import run_module
 from conftest import QUICK
+from derive.generated_models import generated
 from derive.runtime.compiled_model import Native
 from derive.runtime.native_call import ModelError
 
@@ -33,7 +34,7 @@ def body(lowering: str, frame: str, heavy: bool) -> tuple[Native, dict[str, Any]
     spec = derive.nodal_body(
         f"{frame}_{lowering}", nodes, units="SI", frame=frame, lowering=lowering, markers={"tip": 0}, **gravity
     )
-    files = derive.model_files(derive.lower(derive.derive(spec)), spec)
+    files = generated(spec)[1]
     return derive.load(files, QUICK), run_module(files)
 
 
@@ -146,7 +147,7 @@ def test_batches_of_c_have_nan_for_that_state_alone(lowering: str) -> None:
 
 def test_the_header_says_what_a_quaternion_has_to_be() -> None:
     spec = derive.symbolic_body("attitude", 1, frame="given")
-    (header,) = (f.text for f in derive.model_files(derive.lower(derive.derive(spec)), spec) if f.path.endswith(".h"))
+    (header,) = (f.text for f in generated(spec)[1] if f.path.endswith(".h"))
     text = " ".join(header.split())
     assert "The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times" in text
     assert "Functions that read it return 2 where it is zero or NaN, before they check anything else." in text
@@ -155,5 +156,5 @@ def test_the_header_says_what_a_quaternion_has_to_be() -> None:
         in text
     )
     beam = derive.planar_beam("flat_beam")
-    (header,) = (f.text for f in derive.model_files(derive.lower(derive.derive(beam)), beam) if f.path.endswith(".h"))
+    (header,) = (f.text for f in generated(beam)[1] if f.path.endswith(".h"))
     assert "quaternion" not in header and "accel_batch gives NaN" in " ".join(header.split())

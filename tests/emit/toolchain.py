@@ -91,7 +91,7 @@ SPECIAL: Mapping[str, dict[str, object]] = {
         "markers": {"mass": -1, "k": 1, "t1": "1/2"},
     },
 }
-SHAPES = (1, 2, 5, 8)
+SHAPES = {"mean": (1, 2, 5, 8), "point": (1, 2, 8), "point_off_centre": (2, 5), "chord": (2,), "tangent": (2, 5)}
 
 BODIES: Mapping[str, dict[str, object]] = {
     "rigid_table": {"modes": 0, "frame": "given", "lowering": "table"},
@@ -125,7 +125,7 @@ def block(lowering: str) -> beams.Made:
 
 
 MODELS: dict[str, Callable[[], beams.Made]] = {
-    **{f"{frame}_{n}": lambda frame=frame, n=n: beams.made(frame, n) for frame in beams.FRAMES for n in SHAPES},
+    **{f"{frame}_{n}": lambda frame=frame, n=n: beams.made(frame, n) for frame, of in SHAPES.items() for n in of},
     **{name: lambda name=name: special(name) for name in SPECIAL},
     **{name: lambda name=name: body(name) for name in BODIES},
     "crank_slider_3": lambda: scene("crank_slider_3"),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pendulums import DISTANCE, GRAVITY, LEVEL, MASS, REST, driven, energy, exact, fixed, gap
 
 import derive
+from derive.generated_models import generated
 from derive.runtime.integrators.c_integrator import Integration, IntegratorError
 from derive.runtime.integrators.fixed_step import FixedStep
 
@@ -205,7 +206,7 @@ SPIN = 3.0
 @cache
 def falling_body() -> FixedStep:
     spec = derive.symbolic_body("falling", 1, frame="given", gravity=[0, 0, -9.81], lowering="flat")
-    return FixedStep(derive.model_files(derive.lower(derive.derive(spec)), spec))
+    return FixedStep(generated(spec)[1])
 
 
 def fall_from(e: NDArray[np.float64], steps: int = 2000) -> Integration:

@@ -11,6 +11,7 @@ from toolchain import block
 
 import derive
 from conftest import ROOT
+from derive.generated_models import generated
 from derive.runtime.integrators.c_integrator import CIntegrator, Integration, IntegratorError
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
@@ -25,7 +26,7 @@ FAST = ["-O1"]  # to compile
 @cache
 def files() -> tuple[derive.File, ...]:
     scene = derive.read(ROOT / "scenes" / "crank_slider_3.toml")
-    return derive.model_files(derive.lower(derive.derive(scene)), scene)
+    return generated(scene)[1]
 
 
 def start(host: CIntegrator) -> tuple[object, object]:

@@ -9,6 +9,7 @@ import pytest
 from pendulums import FILES, LEVEL, REST, driven, exact, fixed, gap, ida
 
 import derive
+from derive.generated_models import generated
 from derive.runtime.integrators import compilation
 from derive.runtime.integrators.c_integrator import IntegratorError
 from derive.runtime.integrators.compilation import LibraryMissing
@@ -130,7 +131,7 @@ def test_numbers_that_are_not_finite_are_refused() -> None:
 
 def test_a_quaternion_is_normalised_at_the_start_and_zero_is_refused() -> None:
     spec = derive.symbolic_body("falling", 1, frame="given", gravity=[0, 0, -9.81], lowering="flat")
-    host = Ida(derive.model_files(derive.lower(derive.derive(spec)), spec))
+    host = Ida(generated(spec)[1])
     q, v = np.zeros(8), np.zeros(7)
     q[3], v[5] = 5.0, 3.0
     found = host.run(q, v, interval=0.5, rows=3, form=None, rtol=1e-9)

@@ -16,6 +16,7 @@ from toolchain import C99, CPP11, WARNINGS, run, tool
 import derive
 from conftest import QUICK, ROOT
 from derive.backends.model_files import model_files
+from derive.generated_models import generated
 from derive.runtime.integrators.compilation import header_flags, write_sources
 from derive.runtime.loading import native_model, shared_library
 from derive.spec.toml.read import parse
@@ -220,7 +221,7 @@ def test_start_states_stay_consistent() -> None:
 def test_models_without_sensitivities_say_so() -> None:
     spec = SPECS["planar"]()
     ode = made("planar")
-    files = model_files(derive.lower(derive.derive(spec)), spec)
+    files = generated(spec)[1]
     native = derive.load(files, QUICK)
     kept, ode.model = ode.model, ctypes.c_void_p(native.address)
     try:
@@ -233,6 +234,6 @@ def test_models_without_sensitivities_say_so() -> None:
 @pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP11), ("clang", *C99)], ids=["C", "C++", "clang"])
 def test_no_warnings(language: tuple[str, ...], tmp_path: Path) -> None:
     spec = SPECS["planar"]()
-    name, _ = write_sources(model_files(derive.lower(derive.derive(spec)), spec), ["ode"], tmp_path)
+    name, _ = write_sources(generated(spec)[1], ["ode"], tmp_path)
     flags = (*WARNINGS, *header_flags(name, tmp_path))
     run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / "ode.c", "-o", tmp_path / "ode.o")

@@ -11,6 +11,7 @@ import pytest
 
 import derive
 from conftest import QUICK, ROOT
+from derive.generated_models import generated
 from derive.lowering.cost_model import estimate_costs
 from derive.lowering.flat.graph import Graph, LoweringError
 from derive.lowering.flat.setup_constants import Constants
@@ -75,7 +76,7 @@ def bars() -> NativeScene:
     from derive.spec.toml.read import parse
 
     spec = parse(BARS)
-    return load_scene(derive.model_files(derive.lower(derive.derive(spec)), spec), QUICK)
+    return load_scene(generated(spec)[1], QUICK)
 
 
 def test_every_result_of_a_scene_is_checked() -> None:

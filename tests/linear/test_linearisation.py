@@ -7,7 +7,8 @@ import pytest
 from linear_scenes import GRAVITY, chart, derivative
 
 import derive
-from conftest import ROOT
+from conftest import QUICK, ROOT
+from derive.generated_models import generated
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.constraints.projection import project
 from derive.simulation.linear.linearisation import linearise
@@ -51,7 +52,7 @@ def test_a_driven_mechanism_in_motion() -> None:
             "far": {"kind": "distance", "between": ["ground.wall", "bob.pin"]},
         },
     )
-    native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
+    native = derive.load_scene(generated(scene)[1], QUICK)
     t, random = 0.3, np.random.default_rng(0)
     u = np.array([*input_values(scene, t)[0], 0.7, -0.4])
     np.testing.assert_allclose(u[:3], [0.5 * np.sin(0.9), 1.5 * np.cos(0.9), -4.5 * np.sin(0.9)], rtol=1e-15)
@@ -75,7 +76,7 @@ def test_a_driven_mechanism_in_motion() -> None:
 
 def test_a_rigid_body_that_spins_in_space() -> None:
     body = derive.nodal_body("rigid_block", str(ROOT / "scenes/block.npz"), units="SI", modes=0, frame="mean")
-    native = derive.load(derive.model_files(derive.lower(derive.derive(body)), body))
+    native = derive.load(generated(body)[1], QUICK)
     k, spin = native.setup(), 3.0
     turned = np.array([0.8, 0.0, 0.36, 0.48])
     q, v = np.concatenate([np.zeros(3), turned]), np.array([0.1, 0.2, 0.3, 0.0, 0.0, spin])
@@ -89,7 +90,7 @@ def test_a_rigid_body_that_spins_in_space() -> None:
 
 def test_forces_and_displacements_of_markers() -> None:
     beam = derive.planar_beam("state_space", frame="mean", mass=2, length=1, bending_stiffness=3, markers={"tip": 1})
-    native = derive.load(derive.model_files(derive.lower(derive.derive(beam)), beam))
+    native = derive.load(generated(beam)[1], QUICK)
     k, q = native.setup(), np.array([0.0, 0.0, 0.7, 0.0, 0.0])
     linear = linearise(native, k, 0.0, q, np.zeros(5))
     assert linear.inputs == ("tip_F1", "tip_F2") and linear.outputs == ("tip_x1", "tip_x2")

@@ -153,8 +153,13 @@ def close(found: sp.Expr, expected: sp.Expr) -> bool:
     return bool(abs(found - expected) <= 10 ** (8 - DIGITS) * max(1, abs(expected)))
 
 
-@pytest.mark.parametrize("terms", ["truncated", "full"])
-@pytest.mark.parametrize("frame", FRAMES)
+CASES = [(frame, "truncated") for frame in FRAMES] + [(frame, "full") for frame in FRAMES]
+SLOW = (("point", "full"), ("chord", "full"))
+
+
+@pytest.mark.parametrize(
+    ("frame", "terms"), [pytest.param(*case, marks=pytest.mark.long if case in SLOW else ()) for case in CASES]
+)
 def test_equations_energies_and_momenta_are_those_of_the_lagrangian_of_the_field(frame: str, terms: str) -> None:
     compare(expanded(beam(frame, terms)), Field(frame, terms))
 
@@ -180,7 +185,9 @@ def compare(equations: Equations, field: Field) -> None:
         assert close(at_state(equations, momentum), field.at_state(expected))
 
 
-@pytest.mark.parametrize("frame", FRAMES)
+@pytest.mark.parametrize(
+    "frame", [pytest.param(f, marks=() if f in ("mean", "tangent") else pytest.mark.long) for f in FRAMES]
+)
 def test_truncated_and_full_differ_from_second_order_on(frame: str) -> None:
     """In the rows of the shapes; the others keep terms of second order, and differ from third order on."""
     truncated, full = (expanded(beam(frame, terms)) for terms in ("truncated", "full"))

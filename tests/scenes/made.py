@@ -13,7 +13,7 @@ import zoo
 import derive
 from beams import run_module
 from conftest import QUICK, ROOT
-from derive.backends.model_files import model_files
+from derive.generated_models import generated
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import InitialState, initial_state
@@ -56,10 +56,9 @@ class Made:
 
 
 def make(spec: Any) -> Made:
-    """All stages."""
+    """All stages, through the cache that the workers share."""
     assert isinstance(spec, Scene)
-    model = derive.lower(derive.derive(spec))
-    files = model_files(model, spec)
+    model, files = generated(spec)
     return Made(spec, model, load_scene(files, QUICK), files)
 
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import derive
+from conftest import QUICK
+from derive.generated_models import generated
 from derive.simulation.observables.default_plots import default_plots
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.toml.read import parse
@@ -144,7 +146,7 @@ def run(request):
 
 
 def compiled(spec):
-    return derive.load_scene(derive.model_files(derive.lower(derive.derive(spec)), spec))
+    return derive.load_scene(generated(spec)[1], QUICK)
 
 
 def rate(run, name):
@@ -430,7 +432,7 @@ def test_a_scene_without_outputs_and_plots_shows_its_coordinates():
 
 def test_the_python_module_has_the_same_inputs_and_outputs():
     spec = parse(DRIVEN)
-    files = derive.model_files(derive.lower(derive.derive(spec)), spec)
+    files = generated(spec)[1]
     (source,) = (file.text for file in files if file.path.endswith(".py"))
     module = {}
     exec(compile(source, "driven.py", "exec"), module)

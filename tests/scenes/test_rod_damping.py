@@ -13,7 +13,7 @@ from scipy.linalg import eigvals, null_space
 
 import derive
 from beams import run_module
-from derive.backends.model_files import model_files
+from derive.generated_models import generated
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
 
@@ -40,7 +40,7 @@ def rod(pieces: int, damping: dict[str, Any] | None, support: str = "free", shap
 
 def python(scene: Scene) -> dict[str, Any]:
     """The names of the generated Python."""
-    return run_module(model_files(derive.lower(derive.derive(scene)), scene))
+    return run_module(generated(scene)[1])
 
 
 def ratios(scene: Scene, count: int) -> np.ndarray:

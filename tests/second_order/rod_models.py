@@ -17,7 +17,7 @@ from numpy.polynomial import Legendre
 from scipy.linalg import eigh
 
 import derive
-from derive.backends.model_files import model_files
+from derive.generated_models import generated
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import initial_state
@@ -46,7 +46,7 @@ TIMES = {"free": np.linspace(0, 0.6, 121), "clamped": np.linspace(0, 3.6, 121)}
 
 def compiled_scene(scene: Scene) -> NativeScene:
     """The compiled C of a scene."""
-    return load_scene(model_files(derive.lower(derive.derive(scene)), scene), FLAGS)
+    return load_scene(generated(scene)[1], FLAGS)
 
 
 @cache

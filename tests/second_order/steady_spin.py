@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 import derive
+from derive.generated_models import generated
 
 FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
 
@@ -28,7 +29,7 @@ def beam_of(shapes: int, frame: Any, order: int, terms: str | None = None) -> de
 def free_beam(shapes: int, frame: Any, order: int, terms: str | None = None) -> derive.Native:
     """The compiled C of `beam_of`."""
     spec = beam_of(shapes, frame, order, terms)
-    return derive.load(derive.model_files(derive.lower(derive.derive(spec)), spec), FLAGS)
+    return derive.load(generated(spec)[1], FLAGS)
 
 
 def eigenvalues(beam: derive.Native, spin: float) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 
 import derive
 from conftest import QUICK, ROOT
-from derive.backends.model_files import model_files
+from derive.generated_models import generated
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -116,5 +116,5 @@ between = ["ground.a", "slider.pin"]
 
 def compiled(scene: object) -> Compiled:
     assert isinstance(scene, Scene)
-    native = load_scene(model_files(derive.lower(derive.derive(scene)), scene), QUICK)
+    native = load_scene(generated(scene)[1], QUICK)
     return Compiled(scene, native, native.setup())

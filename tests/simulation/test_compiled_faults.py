@@ -28,11 +28,9 @@ def in_c(native: NativeScene, k: Vector, q: Vector, v: Vector, times: Vector) ->
     return adaptive(native, NotImplemented).integrate(k, q, v, times, Settings())
 
 
-METHODS = [
-    in_c,
-    integrate,
-    pytest.param(integrate_ida, marks=pytest.mark.skipif(not find_spec("sksundae"), reason="no IDA")),
-]
+NEEDS_IDA = pytest.mark.skipif(not find_spec("sksundae"), reason="no IDA")
+METHODS = [in_c, integrate, pytest.param(integrate_ida, marks=(NEEDS_IDA, pytest.mark.long))]
+"""IDA takes thousands of steps to a dead centre, in Python."""
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -13,6 +13,7 @@ import pytest
 
 import derive
 from conftest import QUICK
+from derive.generated_models import generated
 from derive.runtime.loading import load_scene
 from derive.simulation.linear.displaced import scene_lines
 from derive.simulation.observables.beams import axis_points, beam_bodies, beam_points
@@ -40,7 +41,7 @@ def motion(frame: str, pieces: int = 1, order: int = 2) -> SceneMotion:
         joints={"pin": {"kind": "revolute", "between": ["ground.wall", "rod.left"]}},
         simulation={"duration": 1, "output": 0.5},
     )
-    native = load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene), QUICK)
+    native = load_scene(generated(scene)[1], QUICK)
     q = np.random.default_rng(1).uniform(-0.3, 0.3, (3, native.nq))
     return SceneMotion(scene, native, native.setup(), np.arange(3.0), q, 0 * q)
 

@@ -16,6 +16,7 @@ import derive
 from conftest import QUICK, ROOT
 from derive.cli.main import main
 from derive.cli.specifications import read_scene
+from derive.generated_models import generated
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.linear.linearisation import linearise
 from derive.simulation.linear.settled_functions import settled_functions
@@ -136,7 +137,7 @@ def test_a_mass_on_a_rotating_guide_leaves_where_its_spring_yields() -> None:
         drives={"motor": {"joint": "shaft", "speed": {"symbol": "speed", "default": 3}}},
         springs={"tie": {"kind": "linear", "between": ["hub.centre", "bead.pin"], "stiffness": 50, "rest": 1}},
     )
-    native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
+    native = derive.load_scene(generated(scene)[1], QUICK)
     k = native.setup()
     start = initial_state(scene, native, k)
     steady = steady_motion(native, k, start.q, start.v)
@@ -163,7 +164,7 @@ def whirling(stiffness_y: float) -> tuple[derive.NativeScene, np.ndarray, np.nda
             }
         },
     )
-    native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene), QUICK)
+    native = derive.load_scene(generated(scene)[1], QUICK)
     start = initial_state(scene, native)
     return native, start.q, start.v
 
@@ -182,7 +183,7 @@ def test_positions_are_those_in_axes_that_rotate() -> None:
 def test_a_fall_is_not_steady() -> None:
     disc = {"mass": 2, "inertia": 1, "markers": {"pin": [0, 0]}, "start": {"position": [0, 0]}}
     scene = derive.scene("falling", gravity=[0, -9.81], bodies={"disc": disc})
-    native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene), QUICK)
+    native = derive.load_scene(generated(scene)[1], QUICK)
     start = initial_state(scene, native)
     with pytest.raises(NoSteadyMotion, match="is not steady: the acceleration of disc_c2"):
         steady_motion(native, native.setup(), start.q, start.v)
@@ -190,7 +191,7 @@ def test_a_fall_is_not_steady() -> None:
 
 def test_motions_that_are_not_steady_are_refused() -> None:
     scene = read_scene(SPINNING)
-    native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
+    native = derive.load_scene(generated(scene)[1], QUICK)
     start = initial_state(scene, native)
     with pytest.raises(NoSteadyMotion, match=r"does not find|depends on time or on a direction"):
         steady_motion(native, native.setup(), start.q, start.v)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from conftest import QUICK
-from derive.backends.model_files import model_files
-from derive.derivation import derive, lower
+from derive.generated_models import generated
 from derive.ir.patterns import pattern
 from derive.runtime.loading import load_scene
 from derive.spec.toml.read import parse
@@ -122,7 +121,7 @@ def test_kkt_systems_have_accelerations_and_multipliers_as_solutions() -> None:
         "[bodies.rod]\nmass = 2\ninertia = 1\nkeep_coordinates = true\nmarkers = { end = [-0.5, 0] }\n"
         '[joints.pin]\nkind = "revolute"\nbetween = ["ground.o", "rod.end"]\n'
     )
-    native = load_scene(model_files(lower(derive(scene)), scene), QUICK)
+    native = load_scene(generated(scene)[1], QUICK)
     k, state = native.setup(), (0.0, np.array([0.5, 0.0, 0.0]), np.array([0.0, 1.5, 3.0]))
     A, b = kkt_systems(native, k, [state])
     # A rod on a pin that passes the horizontal: phi'' = -m g r / (J + m r^2), and the pin carries m r omega^2.

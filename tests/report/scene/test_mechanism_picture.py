@@ -52,7 +52,8 @@ def test_a_mechanism_that_cannot_be_closed_is_drawn_as_guessed() -> None:
     spec = scene("four_bar")
     apart = replace(spec, ground=tuple(replace(p, x=5 * p.x) for p in spec.ground))
     guess = {b.name: (*b.start.position, b.start.angle) for b in spec.bodies}
-    assert all(tuple(initial_poses(apart)[name]) == pose for name, pose in guess.items())
+    poses = initial_poses(apart)
+    assert all(tuple(poses[name]) == pose for name, pose in guess.items())
     assert abs(initial_poses(spec)["coupler"][0] - guess["coupler"][0]) > 1e-5
 
 
