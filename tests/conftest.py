@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import tempfile
 from collections.abc import Callable
 from difflib import unified_diff
@@ -23,8 +24,18 @@ os.environ.setdefault("MPLCONFIGDIR", str(_CACHES / "matplotlib"))  # matplotlib
 # Zig would build the libraries of other systems again, which takes minutes.
 os.environ.setdefault("ZIG_GLOBAL_CACHE_DIR", str(_CACHES / "zig"))
 CACHE = None if "PYTEST_XDIST_WORKER" in os.environ else tempfile.TemporaryDirectory(prefix="tisserand-cache-")
+COMPILER = """#!/bin/sh
+case "$*" in *TISSERAND_WITHOUT_*) exec cc "$@" -O0 ;; esac
+exec cc "$@"
+"""
+"""Does not optimise what simulations run, for QUICK's reason; whoever loads a model chooses the flags."""
 if CACHE:  # that of the user is neither read nor written, nor by programs that tests run; workers share it
     os.environ["XDG_CACHE_HOME"] = CACHE.name
+    if shutil.which("cc"):
+        script = Path(CACHE.name) / "cc"
+        script.write_text(COMPILER)
+        script.chmod(0o700)
+        os.environ.setdefault("CC", str(script))
 
 
 def pytest_unconfigure() -> None:
