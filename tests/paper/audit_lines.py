@@ -24,7 +24,7 @@ ARGUMENTS = ("(X, t)", "(xi, t)", "(xi)", "(t)", "(X)", "(P_c)")
 
 def lines(number: str) -> tuple[str, ...]:
     """The true lines of a row, without arguments: v for v(xi, t), w for u at the other point of (2)."""
-    text = "\n".join(ROWS[number].true)
+    text = "\n".join(ROWS[number].lines)
     for argument in ARGUMENTS:
         text = text.replace(argument, "")
     return tuple(text.replace("u(X + dX, t)", "w").split("\n"))

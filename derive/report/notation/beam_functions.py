@@ -2,14 +2,33 @@
 
 from __future__ import annotations
 
-import sympy as sp
+from math import lcm
 
 from derive.mechanics.bodies.beam_functions import BeamFunction, RealTerm
-from derive.report.document.formula import Call, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part, Power
-from derive.report.notation.expressions import DIGITS, polynomial, row
+from derive.report.document.formula import (
+    Call,
+    Fenced,
+    Formula,
+    FormulaRow,
+    Name,
+    NumberToken,
+    OperatorToken,
+    Part,
+    Power,
+    Quotient,
+)
+from derive.report.notation.expressions import DIGITS, join, row
 from derive.spec.model.body import Polynomial
 
 XI = Name("xi")
+
+SHAPE = "\N{GREEK PHI SYMBOL}"
+"""The letter of the shape functions of a beam; its rotation is the other phi."""
+
+
+def shape_name(index: str) -> Name:
+    """A shape function of a beam."""
+    return Name(SHAPE, below=(index,))
 
 
 def beam_function(of: BeamFunction) -> tuple[Part, ...]:
@@ -20,8 +39,25 @@ def beam_function(of: BeamFunction) -> tuple[Part, ...]:
 
 
 def polynomial_of(coefficients: Polynomial) -> tuple[Part, ...]:
-    """A polynomial in xi with ascending powers."""
-    return polynomial([sp.Rational(c) for c in coefficients], XI)
+    """A polynomial in xi with ascending powers, behind its common denominator if it has one: 1/2 (-1 + 3 xi^2)."""
+    shared = lcm(1, *(c.denominator for c in coefficients))
+    parts = []
+    for power, c in enumerate(coefficients):
+        if c:
+            whole = abs(c) * shared
+            factor = [] if whole == 1 and power else [NumberToken(str(whole))]
+            parts.append(Part("-" if c < 0 else "+", row([*factor, *_to_the(power)])))
+    if shared == 1:
+        return tuple(parts)
+    fraction = Quotient(NumberToken("1"), NumberToken(str(shared)))
+    if len(parts) == 1 and parts[0].sign == "+":
+        return (Part("+", row([fraction, parts[0].formula])),)
+    return (Part("+", FormulaRow((fraction, Fenced(join(parts))))),)
+
+
+def _to_the(power: int) -> list[Formula]:
+    """A power of xi; nothing for the power 0."""
+    return [XI if power == 1 else Power(XI, NumberToken(str(power)))] if power else []
 
 
 def _parts(term: RealTerm) -> list[Part]:
@@ -29,7 +65,7 @@ def _parts(term: RealTerm) -> list[Part]:
     result = []
     for factor, wave in ((term.cosine, "cos"), (term.sine, "sin")):
         factors: list[Formula] = [_number(abs(factor))] if abs(factor) != 1 else []
-        factors += [XI if term.power == 1 else Power(XI, NumberToken(str(term.power)))] if term.power else []
+        factors += _to_the(term.power)
         factors += [Power(Name("e"), _times_xi(term.growth))] if term.growth else []
         factors += [Call(wave, _times_xi(term.frequency))] if term.frequency else []
         if factor:

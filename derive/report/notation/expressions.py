@@ -20,6 +20,7 @@ from derive.report.document.formula import (
     Fenced,
     Formula,
     FormulaRow,
+    Matrix,
     Name,
     NumberToken,
     OperatorToken,
@@ -104,6 +105,20 @@ class Notation:
         """An expression as a factor of a product: a sum in brackets."""
         formula = self.formula(expr)
         return Fenced(formula) if isinstance(formula, FormulaRow) else formula
+
+    def matrix(self, entries: sp.Matrix) -> Matrix:
+        """A matrix of expressions, whose zeros are dots."""
+        shown = [[self.formula(e) if e != 0 else None for e in entries.row(k)] for k in range(entries.rows)]
+        return Matrix(tuple(map(tuple, shown)))
+
+    def vector(self, components: sp.Matrix) -> tuple[Part, ...]:
+        """A vector as the sum of its components times base vectors."""
+        parts = []
+        for k, entry in enumerate(components, 1):
+            negative = entry.could_extract_minus_sign()
+            factor = self.factor(-entry if negative else entry)
+            parts += [Part("-" if negative else "+", FormulaRow((factor, base(k))))] if entry != 0 else []
+        return tuple(parts)
 
     def parts(
         self, expr: sp.Expr, anchor: str = "", group: str = "", title: str = "", to: str = ""
@@ -225,27 +240,9 @@ def _has_both(term: sp.Expr) -> bool:
     return any(accelerated) and not all(accelerated)
 
 
-def polynomial(coefficients: Sequence[sp.Rational], variable: Formula) -> tuple[Part, ...]:
-    """A polynomial with ascending powers, behind its common denominator if it has one: 1/2 (-1 + 3 xi^2)."""
-    shared = sp.ilcm(1, *(c.q for c in coefficients))
-    parts = []
-    for power, c in enumerate(coefficients):
-        whole = abs(c) * shared
-        if whole:
-            factor = [] if whole == 1 and power else [NumberToken(str(whole))]
-            parts.append(Part("-" if c < 0 else "+", row([*factor, *_to_the(variable, power)])))
-    if shared == 1:
-        return tuple(parts)
-    fraction = Quotient(NumberToken("1"), NumberToken(str(shared)))
-    if len(parts) == 1 and parts[0].sign == "+":
-        return (Part("+", row([fraction, parts[0].formula])),)
-    return (Part("+", FormulaRow((fraction, Fenced(join(parts))))),)
-
-
-def _to_the(variable: Formula, power: int) -> list[Formula]:
-    if power == 0:
-        return []
-    return [variable if power == 1 else Power(variable, NumberToken(str(power)))]
+def base(k: int) -> Name:
+    """A base vector."""
+    return Name("e", below=(str(k),), style="vector")
 
 
 def row(factors: Sequence[Formula]) -> Formula:

@@ -9,7 +9,7 @@ may have limits; `1/2` with spaces around it is a fraction, other strokes stay i
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Literal
 
 from derive.report.document.formula import (
@@ -26,6 +26,7 @@ from derive.report.document.formula import (
     Quotient,
 )
 from derive.report.notation.glyphs import GREEK
+from derive.report.notation.typeset_names import TENSORS, stem
 
 Style = Literal["scalar", "vector", "tensor", "word"]
 
@@ -40,8 +41,8 @@ _WORDS = {"EI", "tr", "det", "rotation", "for", "and", "each"}
 
 VECTORS = {"x", "X", "c", "u", "b", "n", "q", "e", "v", "w", "p", "d", "r"}
 VECTORS |= {"omega", "pi", "Phi", "Psi", "alpha", "nabla"}
-TENSORS = {"Q", "F", "I", "T", "E", "J", "C", "D", "S", "c8", "K"}
-"""The letters that are bold: VECTORS are vectors and columns, TENSORS are tensors and matrices."""
+MATRICES = {"Q", "F", "I", "T", "E"} | {"".join(stem(family)) for family in TENSORS}
+"""The letters that are bold: VECTORS are vectors and columns, MATRICES are tensors and matrices."""
 
 BOLD = {"Q", "X", "c", "e", "u", "omega", "pi"}
 """The letters that are bold also in formulas of the beam, whose components are scalars."""
@@ -58,8 +59,8 @@ def equation(text: str, scalars: bool = False) -> Equation:
     signs = list(map(text_of, parts))
     at = next((signs.index(sign) for sign in ("=", ":") if sign in signs), None)
     if at is None:
-        return Equation(FormulaRow(()), tuple(_summands(parts)), relation="")
-    return Equation(_plain(parts[:at]), tuple(_summands(parts[at + 1 :])), relation=text_of(parts[at]))
+        return Equation(FormulaRow(()), summands(parts), relation="")
+    return Equation(_plain(parts[:at]), summands(parts[at + 1 :]), relation=text_of(parts[at]))
 
 
 def text_of(part: Formula) -> str:
@@ -168,18 +169,20 @@ class _Reader:
             return "scalar" if text == "EI" else "word"
         if (below and text in ("alpha", "K", *self.indexed)) or (self.scalars and text not in BOLD):
             return "scalar"
-        if text in TENSORS or text + "".join(below)[:1] in TENSORS:
+        if text in MATRICES or text + "".join(below)[:1] in MATRICES:
             return "tensor"
         return "vector" if text in VECTORS else "scalar"
 
 
-def _summands(parts: tuple[Formula, ...]) -> Iterator[Part]:
-    sign, gathered = "+", list[Formula]()
+def summands(parts: Iterable[Formula]) -> tuple[Part, ...]:
+    """The summands of a sum, from its formulas and the signs between them."""
+    result: list[Part] = []
+    sign: Literal["+", "-"] = "+"
+    gathered: list[Formula] = []
     for part in parts:
-        if text_of(part) in ("+", "-"):
-            if gathered:
-                yield Part("-" if sign == "-" else "+", _plain(tuple(gathered)))
-            sign, gathered = text_of(part), []
-        else:
+        if text_of(part) not in ("+", "-"):
             gathered.append(part)
-    yield Part("-" if sign == "-" else "+", _plain(tuple(gathered)))
+            continue
+        result += [Part(sign, _plain(tuple(gathered)))] if gathered else []
+        sign, gathered = "-" if text_of(part) == "-" else "+", []
+    return (*result, Part(sign, _plain(tuple(gathered))))

@@ -10,6 +10,7 @@ from derive.mechanics.symbols import Family, Identity, ShapeIndex, Symbol
 from derive.mechanics.terms import Reason
 from derive.report.document.formula import Formula, FormulaRow, Name, NumberToken, OperatorToken, Power, Quotient
 from derive.report.document.page import Inline, Math, Text
+from derive.report.notation.beam_functions import shape_name
 from derive.report.notation.expressions import Notation
 from derive.report.notation.formula_reader import formula
 from derive.report.notation.typeset_names import index_text, whole
@@ -38,9 +39,6 @@ SECOND_ORDER = {
 
 SYMMETRIC = (Family.C4, Family.C5)
 """Tensors of which a body in space has the symmetric part alone."""
-
-SHAPE = "\N{GREEK PHI SYMBOL}"
-"""The letter of the shape functions of a beam; its rotation is the other phi."""
 
 CROSS = (Family.C6, Family.C7, Family.C10)
 
@@ -72,7 +70,7 @@ def stiffness_formula(shapes: Sequence[ShapeIndex]) -> Formula:
     """An entry of the stiffness of a beam, (22)."""
     second = Power(OperatorToken("d"), NumberToken("2"))
     below = FormulaRow((OperatorToken("d"), Power(Name("x"), NumberToken("2"))))
-    curvatures = (Quotient(FormulaRow((second, Name(SHAPE, below=(index_text(shape),)))), below) for shape in shapes)
+    curvatures = (Quotient(FormulaRow((second, shape_name(index_text(shape)))), below) for shape in shapes)
     return FormulaRow((Name("∫"), Name("EI"), *curvatures, OperatorToken("d"), Name("x")))
 
 

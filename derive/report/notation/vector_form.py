@@ -23,6 +23,7 @@ from derive.mechanics.symbols import MASS, Family, I, ShapeIndex, local, quantit
 from derive.mechanics.symbols import vector as components_of
 from derive.mechanics.tables import AXES, PAIRS
 from derive.report.document.formula import Fenced, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part
+from derive.report.notation.typeset_names import column, indexed, whole
 
 
 @dataclass(frozen=True)
@@ -33,17 +34,17 @@ class Atom:
     components: sp.ImmutableMatrix
 
 
-def _name(text: str, below: str = "", dots: int = 0, tensor: bool = False) -> Name:
-    return Name(text, dots, (below,) if below else (), style="tensor" if tensor else "vector")
-
-
-def _column(dots: int, transposed: bool = False) -> Name:
-    return Name("alpha", dots, above=("T",) if transposed else (), style="vector")
+def _letter(text: str, dots: int = 0, below: tuple[str, ...] = ()) -> Name:
+    return Name(text, dots, below, style="vector")
 
 
 def _sum(dots: int, of: Name) -> FormulaRow:
     """A sum over the shapes with the rates or the accelerations, which has a name in the code alone."""
-    return FormulaRow((_column(dots, transposed=True), of))
+    return FormulaRow((column(dots, transposed=True), of))
+
+
+def _varied(of: Name) -> FormulaRow:
+    return FormulaRow((OperatorToken("δ"), of))
 
 
 def arrow(label: str) -> sp.Matrix:
@@ -68,34 +69,31 @@ DELTA_ALPHA = local("delta_alpha_i")
 def _atoms() -> dict[str, Atom]:
     given: dict[str, tuple[Formula, sp.Matrix]] = {
         "mass": (Name("m"), sp.Matrix([MASS])),
-        "Q": (_name("Q", tensor=True), symbols_of_rotation()),
-        "cddot": (_name("c", dots=2), _vector(Family.TRANSLATION, 2)),
-        "omega": (_name("omega"), _vector(Family.ANGULAR_VELOCITY)),
-        "omegadot": (_name("omega", dots=1), _vector(Family.ANGULAR_VELOCITY, 1)),
-        "c": (_name("c"), _vector(Family.TRANSLATION)),
-        "delta_c": (FormulaRow((OperatorToken("δ"), _name("c"))), arrow("delta_c")),
-        "delta_alpha_i": (FormulaRow((OperatorToken("δ"), Name("alpha", below=("i",)))), sp.Matrix([DELTA_ALPHA])),
-        "delta_pi": (FormulaRow((OperatorToken("δ"), _name("pi"))), arrow("delta_pi")),
-        "e": (_name("e"), arrow("e")),
-        "J": (_name("J", tensor=True), symmetric(Family.INERTIA)),
-        "D2dot": (_sum(1, _name("D", "2", tensor=True)), _second_moment(1)),
-        "D2_i": (_name("D", "2 i", tensor=True), _second_moment(0, I)),
-        "X": (_name("X"), arrow("X")),
-        "r": (_name("r"), arrow("r")),
-        "rdot": (_name("r", dots=1), arrow("rdot")),
-        "rddot": (_name("r", dots=2), arrow("rddot")),
-        "Phi_i": (_name("Phi", "i"), arrow("Phi_i")),
-        "d1": (_name("d", "1"), _vector(Family.D1)),
-        "d1dot": (_sum(1, _name("c", "2")), _vector(Family.D1, 1)),
-        "d1ddot": (_sum(2, _name("c", "2")), _vector(Family.D1, 2)),
-        "d3ddot": (_sum(2, _name("d", "3")), _vector(Family.D3, 2)),
-        "c2_i": (_name("c", "2 i"), _vector(Family.C2, 0, I)),
-        "d3_i": (_name("d", "3 i"), _vector(Family.D3, 0, I)),
-        "c7dot_i": (FormulaRow((_name("c", "7 i"), _column(1))), _vector(Family.C7_SUM, 1, I)),
-        "c8ddot_i": (
-            FormulaRow((_name("c", "8 i", tensor=True), _column(2))),
-            sp.Matrix([C8DDOT]),
-        ),
+        "Q": (Name("Q", style="tensor"), symbols_of_rotation()),
+        "cddot": (_letter("c", 2), _vector(Family.TRANSLATION, 2)),
+        "omega": (_letter("omega"), _vector(Family.ANGULAR_VELOCITY)),
+        "omegadot": (_letter("omega", 1), _vector(Family.ANGULAR_VELOCITY, 1)),
+        "c": (_letter("c"), _vector(Family.TRANSLATION)),
+        "delta_c": (_varied(_letter("c")), arrow("delta_c")),
+        "delta_alpha_i": (_varied(Name("alpha", below=("i",))), sp.Matrix([DELTA_ALPHA])),
+        "delta_pi": (_varied(_letter("pi")), arrow("delta_pi")),
+        "e": (_letter("e"), arrow("e")),
+        "J": (whole(Family.INERTIA), symmetric(Family.INERTIA)),
+        "D2dot": (_sum(1, whole(Family.D2)), _second_moment(1)),
+        "D2_i": (indexed(Family.D2, I), _second_moment(0, I)),
+        "X": (_letter("X"), arrow("X")),
+        "r": (_letter("r"), arrow("r")),
+        "rdot": (_letter("r", 1), arrow("rdot")),
+        "rddot": (_letter("r", 2), arrow("rddot")),
+        "Phi_i": (_letter("Phi", below=("i",)), arrow("Phi_i")),
+        "d1": (whole(Family.D1), _vector(Family.D1)),
+        "d1dot": (_sum(1, whole(Family.C2)), _vector(Family.D1, 1)),
+        "d1ddot": (_sum(2, whole(Family.C2)), _vector(Family.D1, 2)),
+        "d3ddot": (_sum(2, whole(Family.D3)), _vector(Family.D3, 2)),
+        "c2_i": (indexed(Family.C2, I), _vector(Family.C2, 0, I)),
+        "d3_i": (indexed(Family.D3, I), _vector(Family.D3, 0, I)),
+        "c7dot_i": (FormulaRow((indexed(Family.C7, I), column(1))), _vector(Family.C7_SUM, 1, I)),
+        "c8ddot_i": (FormulaRow((indexed(Family.C8, I), column(2))), sp.Matrix([C8DDOT])),
     }
     return {name: Atom(formula, sp.ImmutableMatrix(value)) for name, (formula, value) in given.items()}
 

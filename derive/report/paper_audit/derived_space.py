@@ -19,7 +19,7 @@ from derive.mechanics.sums import IndexedSum
 from derive.mechanics.symbols import Family, I, J, Symbol, quantity
 from derive.mechanics.tables import AXES, INDICES, TableKind
 from derive.mechanics.terms import Term
-from derive.report.document.formula import Equation, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part
+from derive.report.document.formula import Equation, Formula, FormulaRow, Name, NumberToken, Part
 from derive.report.notation.formula_reader import formula
 from derive.report.notation.integral_formulas import SYMMETRIC, integral_formula
 from derive.report.notation.typeset_names import indexed
@@ -57,12 +57,6 @@ def mean_equations_of_motion() -> tuple[Equation, ...]:
     d3 = next(s for s in spatial_moment_sums() if s.symbol == symbol)
     assert left.offset == 0 and left.sums == d3.sums
     return (*_rows(gone), series("d3_i", base=False))
-
-
-def vanished() -> tuple[tuple[str, str, str], ...]:
-    """The terms of (15) that a body in the mean frame loses: row, term, reason; one for each vector."""
-    result = [(VARIED[_row(v.term)], v.term.name, str(v.reason)) for v in _mean().vanished if v.reason]
-    return tuple(dict.fromkeys(result))
 
 
 @cache
@@ -124,11 +118,6 @@ def _written(symbol: Symbol) -> Formula:
     return replace(name, style="scalar") if known.family in (Family.C8, Family.STIFFNESS) else name
 
 
-def moments() -> tuple[Equation, ...]:
-    """d1, d3, J and the symmetric part S of D2."""
-    return tuple(map(series, ("d1", "S_i", "d3_i", "J")))
-
-
 def integral(name: str) -> tuple[Equation, ...]:
     """A shape integral as the derivation defines it."""
     family = INTEGRALS[name]
@@ -144,10 +133,3 @@ def vanishing(name: str) -> Equation:
     """An integral that is zero in the mean frame; the tables of the body say so."""
     assert _mean().table(INTEGRALS[name]).kind is TableKind.ZERO
     return Equation(indexed(INTEGRALS[name], I), (Part("+", NumberToken("0")),))
-
-
-def strain() -> tuple[Equation, ...]:
-    """The first term of (13) for a body of modes."""
-    energy = FormulaRow((OperatorToken("δ"), Name("U")))
-    elastic = FormulaRow((OperatorToken("δ"), Name("alpha", below=("i",)), _elastic().formula))
-    return (Equation(energy, (Part("+", FormulaRow((Name("\u2211", below=("i",)), elastic))),)),)

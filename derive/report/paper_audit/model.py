@@ -15,26 +15,25 @@ text are corrected; `definition`: it defines a name; `assumption`: the paper, or
 Derived = Callable[[], tuple[Equation, ...]]
 """A function that returns the derived equations, called when the page is built."""
 
-Source = Literal["the package", "a test", "the user"]
-"""Who derives, or chooses: the derivation that makes code, a test that the package does not need, the specification."""
-
 
 @dataclass(frozen=True)
 class AuditRow:
     """One equation of the paper, or one line of its appendix.
 
-    `shown` are its lines as the recognised text has them, `holds` the same lines with the faults mended (empty where
-    nothing is to be mended), both in the notation of `reader`. `where` are the places that define it here, each as
-    `file::name`; `tests` the node ids of the tests that compare it.
+    `lines` are those of the paper as `formula_reader` takes them, `scalars` is its option. `misread` are pairs: a part
+    of the lines, and how the recognised text shows it. `derived` returns the equations that the package derives or the
+    user specifies; `stated` are the lines that tests derive where the package does without them. `where` are the places
+    that define it here, `tests` those that compare it in the folder `tests/paper`, each as `file::name`.
     """
 
     number: str
     title: str
-    shown: tuple[str, ...]
-    verdict: Verdict
-    derived: Derived
-    by: Source
-    holds: tuple[str, ...] = ()
+    lines: tuple[str, ...]
+    kind: Literal["equal", "definition", "assumption"] = "equal"
+    derived: Derived | None = None
+    stated: tuple[str, ...] = ()
+    by_user: bool = False
+    misread: tuple[tuple[str, str], ...] = ()
     correction: str = ""
     note: str = ""
     where: tuple[str, ...] = ()
@@ -42,9 +41,22 @@ class AuditRow:
     scalars: bool = False
 
     @property
-    def true(self) -> tuple[str, ...]:
-        """The correct lines."""
-        return self.holds or self.shown
+    def shown(self) -> tuple[str, ...]:
+        """The lines as the recognised text has them."""
+        text = "\n".join(self.lines)
+        for correct, found in self.misread:
+            text = text.replace(correct, found)
+        return tuple(text.split("\n"))
+
+    @property
+    def verdict(self) -> Verdict:
+        """The result of the comparison of the text with the derivation."""
+        return "equal after the correction" if self.misread else self.kind
+
+    @property
+    def source(self) -> str:
+        """Who derives, or chooses: the package, a test that the package does not need, or the specification."""
+        return "specified" if self.by_user else "derived in a test" if self.stated else "derived"
 
     @property
     def anchor(self) -> str:
@@ -92,5 +104,5 @@ class Statement:
 
 
 def tests(file: str, *names: str) -> tuple[str, ...]:
-    """Node ids of tests of the paper."""
-    return tuple(f"tests/paper/{file}::{name}" for name in names)
+    """Tests of a file."""
+    return tuple(f"{file}::{name}" for name in names)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Literal
 
-from derive.report.document.formula import Equation
+from derive.report.document.formula import Equation, Fenced, FormulaRow, OperatorToken, Part
 from derive.report.document.page import (
     Block,
     Cell,
@@ -23,10 +23,15 @@ from derive.report.document.page import (
     TableBlock,
     Text,
 )
-from derive.report.notation.formula_reader import equation, formula
+from derive.report.notation.expressions import row as in_a_row
+from derive.report.notation.formula_reader import equation, formula, summands
+from derive.report.notation.line_breaking import width
+from derive.report.notation.spacing import factors
 from derive.report.notation.spoken_math import words as spoken
-from derive.report.paper_audit.breaking import broken
 from derive.report.paper_audit.model import Assumption, AuditRow, AuditSection, Statement, Verdict
+
+LONG = 18.0
+"""The width (em) above which a bracket is broken."""
 
 Mark = Literal["", "zero", "entry", "good", "bad"]
 
@@ -48,7 +53,6 @@ MARKS: dict[str, Mark] = {
     "holds after the correction": "good",
     "not compared": "bad",
 }
-DERIVED = {"the package": "derived", "a test": "derived in a test", "the user": "specified"}
 
 
 def build(sections: Sequence[AuditSection], statements: Sequence[Statement], assumptions: Sequence[Assumption]) -> Page:
@@ -125,15 +129,15 @@ def name(row: AuditRow) -> str:
 def _record(row: AuditRow) -> Iterator[Block]:
     """The blocks of a row: its description, its formulas below each other, its tests."""
     words = " ".join(part for part in (row.correction, row.note) if part)
-    places = tuple(part for k, where in enumerate(row.where) for part in (", " if k else " Here: ", CodeSpan(where)))
+    places = (" Here: ", *_listed(row.where)) if row.where else ()
     yield Paragraph(
         (Strong(f"{name(row)} {row.title}"), f": {row.verdict}. ", *marked_text(words, row.scalars), *places)
     )
     yield EquationBlock(
         (
             *_numbered(_read(row, row.shown), row.number, row.anchor),
-            *_numbered(_read(row, row.holds), f"{row.number} corrected"),
-            *_numbered(row.derived(), f"{row.number} {DERIVED[row.by]}"),
+            *_numbered(_read(row, row.lines if row.misread else ()), f"{row.number} corrected"),
+            *_numbered(row.derived() if row.derived else map(equation, row.stated), f"{row.number} {row.source}"),
         )
     )
     yield Paragraph(tests(row.tests))
@@ -143,17 +147,41 @@ def _read(row: AuditRow, lines: Sequence[str]) -> tuple[Equation, ...]:
     return tuple(broken(equation(line, row.scalars)) for line in lines)
 
 
-def _numbered(equations: Sequence[Equation], number: str, anchor: str = "") -> Iterator[Equation]:
+def broken(equation: Equation) -> Equation:
+    """An equation whose long brackets are several parts, between which it may break on a narrow page."""
+    return replace(equation, parts=tuple(piece for part in equation.parts for piece in _pieces(part)))
+
+
+def _pieces(part: Part) -> Sequence[Part]:
+    """The summands of the long bracket in a part, if there is one: the first opens the bracket, the last closes it."""
+    items = factors(FormulaRow((part.formula,)))
+    long = [(k, item) for k, item in enumerate(items) if isinstance(item, Fenced) and width(item) > LONG]
+    if len(long) != 1:
+        return (part,)
+    ((at, bracket),) = long
+    first, *others = summands(factors(FormulaRow((bracket.of,))))
+    if not others:
+        return (part,)
+    sign = [OperatorToken("-")] if first.sign == "-" else []
+    opening = in_a_row([*items[:at], OperatorToken(bracket.left), *sign, first.formula])
+    closing = in_a_row([others[-1].formula, OperatorToken(bracket.right), *items[at + 1 :]])
+    return (replace(part, formula=opening), *others[:-1], replace(others[-1], formula=closing))
+
+
+def _numbered(equations: Iterable[Equation], number: str, anchor: str = "") -> Iterator[Equation]:
     """The equations, of which the first gets the number and the anchor."""
     for k, item in enumerate(equations):
         yield item if k else replace(item, number=number, anchor=anchor)
 
 
 def tests(names: Sequence[str]) -> Text:
-    """The node ids of tests, without the folder."""
-    short = [test.removeprefix("tests/paper/") for test in names]
-    result = tuple(part for k, item in enumerate(short) for part in (", " if k else "", CodeSpan(item)) if part)
-    return ("Tests: " if len(short) > 1 else "Test: ", *result) if short else ("No test.",)
+    """The names of tests."""
+    return ("Tests: " if len(names) > 1 else "Test: ", *_listed(names)) if names else ("No test.",)
+
+
+def _listed(words: Sequence[str]) -> Text:
+    """Words of code with commas between them."""
+    return tuple(part for k, item in enumerate(words) for part in (", " if k else "", CodeSpan(item)) if part)
 
 
 def _statements(statements: Sequence[Statement]) -> Iterator[Block]:
@@ -180,20 +208,12 @@ def _assumptions(assumptions: Sequence[Assumption]) -> Iterator[Block]:
         tuple(
             (
                 Cell((*marked_text(a.name), f"; {a.place}. ", *marked_text(a.here))),
-                Cell(_options(a)),
+                Cell(_listed(a.options) or ("none yet",)),
                 Cell(marked_text(a.lifts)),
             )
             for a in assumptions
         ),
         align="lll",
-    )
-
-
-def _options(assumption: Assumption) -> Text:
-    if not assumption.options:
-        return ("none yet",)
-    return tuple(
-        part for k, item in enumerate(assumption.options) for part in (", " if k else "", CodeSpan(item)) if part
     )
 
 

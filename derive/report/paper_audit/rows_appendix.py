@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
 
-from derive.report.document.formula import Equation
 from derive.report.paper_audit import derived_space as derived
-from derive.report.paper_audit.model import AuditRow, AuditSection, tests
+from derive.report.paper_audit.model import AuditRow, AuditSection, Derived, tests
 
 FILE = "test_appendix.py"
 NOTATION = "The text has lost the arrows over the vectors; nothing else."
@@ -25,11 +24,7 @@ INTEGRALS = (
 )
 
 
-def _integral(name: str) -> Callable[[], tuple[Equation, ...]]:
-    return lambda: derived.integral(name)
-
-
-def _series(*names: str) -> Callable[[], tuple[Equation, ...]]:
+def _series(*names: str) -> Derived:
     return lambda: tuple(map(derived.series, names))
 
 
@@ -39,9 +34,7 @@ def _rows() -> tuple[AuditRow, ...]:
             number,
             title,
             (shown,),
-            "equal",
-            _integral(number),
-            "the package",
+            derived=partial(derived.integral, number),
             note=" ".join(part for part in (NOTATION, NODES, more) if part),
             tests=tests(FILE, f"test_{number}"),
         )
@@ -53,11 +46,12 @@ COMPOSED = (
     AuditRow(
         "J",
         "Inertia of the deformed body",
-        ("J = C_3 + alpha^T (C_4 + C_5) + alpha^T C_8 alpha",),
-        "equal after the correction",
-        _series("J", "S_i"),
-        "the package",
-        holds=("J = C_3 + alpha^T (C_4 + C_4^c) + alpha^T C_5 alpha",),
+        ("J = C_3 + alpha^T (C_4 + C_4^c) + alpha^T C_5 alpha",),
+        derived=_series("J", "S_i"),
+        misread=(
+            ("C_4^c", "C_5"),
+            ("alpha^T C_5 alpha", "alpha^T C_8 alpha"),
+        ),
         correction="What the text shows as $C_5$ and $C_8$ is the conjugate of $C_4$, and $C_5$.",
         note="As derived with the symmetric parts of $C_4$ and of $D_2$, which is $S$. It is also the sum over the "
         "nodes in their deformed places.",
@@ -67,9 +61,7 @@ COMPOSED = (
         "d1",
         "First moment of X + u",
         ("d_1 = c_1 + alpha^T c_2",),
-        "equal",
-        _series("d1"),
-        "the package",
+        derived=_series("d1"),
         note=NOTATION,
         tests=tests(FILE, "test_d1"),
     ),
@@ -77,9 +69,7 @@ COMPOSED = (
         "D2",
         "Fields and X + u",
         ("D_2 = C_4 + C_5 alpha",),
-        "equal",
-        _series("S_i", "d3_i"),
-        "the package",
+        derived=_series("S_i", "d3_i"),
         note="As derived in two parts: the symmetric one, $S$, and $d_3$: $D_2 . v = S . v - 1/2 d_3 >< v$.",
         tests=tests(FILE, "test_D2"),
     ),
@@ -87,9 +77,7 @@ COMPOSED = (
         "d3",
         "Moment of the fields about X + u",
         ("d_3 = c_6 - c_7 alpha",),
-        "equal",
-        _series("d3_i"),
-        "the package",
+        derived=_series("d3_i"),
         note=f"{NOTATION} $c_7$ is odd in its two indices.",
         tests=tests(FILE, "test_d3"),
     ),

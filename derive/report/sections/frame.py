@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import assert_never
 
 import sympy as sp
@@ -18,7 +18,7 @@ from derive.mechanics.bodies.reference_conditions import (
 )
 from derive.report.document.formula import Equation, Fenced, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part
 from derive.report.document.page import Block, Content, EquationBlock, Heading, Inline, Math, Paragraph, Text, table
-from derive.report.notation.beam_functions import beam_function, polynomial_of
+from derive.report.notation.beam_functions import beam_function, polynomial_of, shape_name
 from derive.report.notation.expressions import join, number, row
 from derive.report.notation.formula_reader import equation, formula
 from derive.spec.model.body import Ends, FamilyKind, NodalBody, PlanarBeam, Polynomial, ShapeFamily, SymbolicBody
@@ -37,8 +37,7 @@ class PaperNumbers:
 MEAN = PaperNumbers(("35", "37"), ("39", "40"), "38", "41")
 POINT = PaperNumbers(("28", "29"), ("31", "32"), "30", "33")
 
-SHAPE = "\N{GREEK PHI SYMBOL}"
-"""The letter of the shapes; the rotation is the other phi."""
+ZERO = (Part("+", NumberToken("0")),)
 
 LISTED = 3
 """Assumed modes that a subtitle lists."""
@@ -70,6 +69,16 @@ class OnAnsatz:
 
     condition: Condition
     factors: tuple[int, ...]
+
+    @property
+    def equation(self) -> Equation:
+        """The equation for the factors of the ansatz."""
+        parts = tuple(
+            Part("-" if f < 0 else "+", row([*([NumberToken(str(abs(f)))] if abs(f) != 1 else []), _a(j)]))
+            for j, f in enumerate(self.factors)
+            if f
+        )
+        return Equation(join(parts), ZERO)
 
 
 def on_ansatz(spec: PlanarBeam) -> tuple[OnAnsatz, ...]:
@@ -113,28 +122,24 @@ OF_THE_BEAM = (
 def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
     """The blocks of the frame of a beam, from its ansatz to its assumed shapes."""
     numbers = paper_numbers(spec)
-    shapes = assumed_shapes(spec.deflection)
-    lines = (
-        Equation(_phi(k), beam_function(shape), number=numbers.shapes[k - 1] if numbers else "")
-        for k, shape in enumerate(shapes, 1)
-    )
+    lines = shape_equations(spec)
+    shapes = len(lines)
     if isinstance(spec.ansatz, ShapeFamily):
-        fulfilled = EquationBlock(tuple(_asked(condition) for condition in conditions(spec.frame)))
+        fulfilled = EquationBlock(tuple(map(condition_equation, conditions(spec.frame))))
         return (
             Heading("The frame and its shape functions", "frame"),
             Paragraph((FRAMES[spec.frame.kind], FAMILIES[spec.ansatz.kind])),
             *((Paragraph(("They fulfil the conditions of the frame:",)), fulfilled) if fulfilled.rows else ()),
-            Paragraph((f"With {len(shapes)} of them, from that of the lowest frequency on, the deflection is",)),
+            Paragraph((f"With {shapes} of them, from that of the lowest frequency on, the deflection is",)),
             EquationBlock((_deflection(""), *lines)),
         )
-    ansatz = Equation(formula("v", scalars=True), _ansatz(spec.ansatz), number="21" if of_paper(spec) else "")
     return (
         Heading("The frame and what it removes", "frame"),
         Paragraph((FRAMES[spec.frame.kind], ENDS[spec.ends], " The deflection starts as")),
-        EquationBlock((ansatz,)),
-        *_conditions(spec, numbers),
+        EquationBlock((ansatz_equation(spec),)),
+        *_conditions(spec),
         *((Paragraph((OF_THE_BEAM,)),) if spec.masses else ()),
-        Paragraph(_left(spec, len(shapes))),
+        Paragraph(_left(spec, shapes)),
         EquationBlock((_deflection(numbers.deflection if numbers else ""), *lines)),
     )
 
@@ -152,27 +157,31 @@ def beam_subtitle(spec: PlanarBeam) -> Text:
     return tuple(text)
 
 
-def _conditions(spec: PlanarBeam, numbers: PaperNumbers | None) -> tuple[Block, ...]:
-    results = on_ansatz(spec)
-    if not results:
-        return ()
-    lines = []
-    for k, item in enumerate(results):
-        lines.append(_asked(item.condition))
-        parts = tuple(
-            Part("-" if f < 0 else "+", row([*([NumberToken(str(abs(f)))] if abs(f) != 1 else []), _a(j)]))
-            for j, f in enumerate(item.factors)
-            if f
-        )
-        result = join(parts) if parts else NumberToken("0")
-        own = numbers.conditions[k] if numbers else ""
-        lines.append(Equation(result, (Part("+", NumberToken("0")),), number=own))
-    return (Paragraph(("Its conditions, each followed by what it asks of the ansatz:",)), EquationBlock(tuple(lines)))
+def shape_equations(spec: PlanarBeam) -> tuple[Equation, ...]:
+    """The assumed shapes of a beam."""
+    numbers = paper_numbers(spec)
+    return tuple(
+        Equation(shape_name(str(k)), beam_function(shape), number=numbers.shapes[k - 1] if numbers else "")
+        for k, shape in enumerate(assumed_shapes(spec.deflection), 1)
+    )
 
 
-def _asked(condition: Condition) -> Equation:
-    """A condition as an equation with its number in the paper."""
-    return Equation(condition_formula(condition), (Part("+", NumberToken("0")),), number=condition.equation.strip("()"))
+def ansatz_equation(spec: PlanarBeam) -> Equation:
+    """The deflection of a beam before its conditions are imposed."""
+    return Equation(Name("v"), _ansatz(polynomials(spec)), number="21" if of_paper(spec) else "")
+
+
+def _conditions(spec: PlanarBeam) -> tuple[Block, ...]:
+    lines = [line for item in on_ansatz(spec) for line in (condition_equation(item.condition), item.equation)]
+    if numbers := paper_numbers(spec):
+        lines[1::2] = (replace(line, number=n) for line, n in zip(lines[1::2], numbers.conditions, strict=True))
+    words = "Its conditions, each followed by what it asks of the ansatz:"
+    return (Paragraph((words,)), EquationBlock(tuple(lines))) if lines else ()
+
+
+def condition_equation(condition: Condition) -> Equation:
+    """A condition with its number in the paper."""
+    return Equation(condition_formula(condition), ZERO, number=condition.equation.strip("()"))
 
 
 def condition_formula(condition: Condition) -> Formula:
@@ -216,14 +225,8 @@ def _ansatz(terms: tuple[Polynomial, ...]) -> tuple[Part, ...]:
 
 def _deflection(number: str) -> Equation:
     """v as a sum of the shapes."""
-    total = FormulaRow(
-        (Name("\N{N-ARY SUMMATION}", below=("i",)), Name("alpha", below=("i",)), Name(SHAPE, below=("i",)))
-    )
+    total = FormulaRow((Name("\N{N-ARY SUMMATION}", below=("i",)), Name("alpha", below=("i",)), shape_name("i")))
     return Equation(Name("v"), (Part("+", total),), number=number)
-
-
-def _phi(k: int) -> Name:
-    return Name(SHAPE, below=(str(k),))
 
 
 def _a(j: int) -> Name:

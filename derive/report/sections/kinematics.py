@@ -8,7 +8,7 @@ import sympy as sp
 
 from derive.mechanics import quantity
 from derive.mechanics.equations import Equations
-from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, Field, R, add
+from derive.mechanics.motion.kinematics import ONE, PHI, RDDOT, RDOT, Field, R, add
 from derive.mechanics.motion.material_points import vector_at
 from derive.mechanics.motion.planar import planar_motion
 from derive.mechanics.motion.spatial import spatial_motion
@@ -16,7 +16,6 @@ from derive.report.document.formula import (
     Equation,
     Formula,
     FormulaRow,
-    Matrix,
     Name,
     NumberToken,
     OperatorToken,
@@ -25,7 +24,7 @@ from derive.report.document.formula import (
     Quotient,
 )
 from derive.report.document.page import Block, EquationBlock, Heading, Math, Paragraph
-from derive.report.notation.expressions import Notation, row
+from derive.report.notation.expressions import Notation, base, row
 from derive.report.notation.formula_reader import equation, formula
 from derive.report.notation.vector_form import DELTA_ALPHA, arrow, summands
 from derive.report.sections.second_order import second_order_blocks
@@ -111,16 +110,14 @@ def _beam(spec: PlanarBeam, notation: Notation) -> tuple[Block, ...]:
     """The blocks of (23)-(27) for a beam, and its acceleration in components."""
     length = notation.formula(quantity.value(spec.length))
     xi = Name("xi")
-    along = FormulaRow(
-        (Quotient(NumberToken("1"), NumberToken("2")), xi, length, Name("e", below=("1",), style="vector"))
-    )
+    along = FormulaRow((Quotient(NumberToken("1"), NumberToken("2")), xi, length, base(1)))
     motion = planar_motion(0)
     turning, coriolis, relative = (motion.acceleration[field] for field in (R, RDOT, RDDOT))
     assert relative == sp.eye(2)
     summands = (
         formula("c''"),
-        _rotated(_tensor(turning, notation), formula("r")),
-        _rotated(_tensor(coriolis, notation), formula("r'")),
+        _rotated(notation.matrix(turning), formula("r")),
+        _rotated(notation.matrix(coriolis), formula("r'")),
         _rotated(formula("r''")),
     )
     components = Equation(formula("x''"), tuple(Part("+", summand) for summand in summands))
@@ -128,11 +125,11 @@ def _beam(spec: PlanarBeam, notation: Notation) -> tuple[Block, ...]:
         Paragraph(("The beam moves in a plane and deflects across its axis:",)),
         EquationBlock(
             (
-                Equation(formula("c"), _components(("c1", "c2")), number="23"),
+                Equation(formula("c"), notation.vector(motion.position[ONE]), number="23"),
                 Equation(formula("X"), (Part("+", along),), number="24"),
                 _linear_displacement(spec),
-                Equation(formula("Q"), (Part("+", _tensor(motion.rotation, notation)),), number="26", anchor="def-Q"),
-                Equation(formula("omega"), (Part("+", FormulaRow((Name("phi", dots=1), _base(3)))),), number="27"),
+                Equation(formula("Q"), (Part("+", notation.matrix(motion.rotation)),), number="26", anchor="def-Q"),
+                Equation(formula("omega"), (Part("+", FormulaRow((Name("phi", dots=1), base(3)))),), number="27"),
                 components,
             )
         ),
@@ -144,29 +141,12 @@ def _linear_displacement(spec: PlanarBeam) -> Equation:
     first_order = spec.order is DisplacementOrder.FIRST_ORDER
     left = formula("u") if first_order else formula("sum_i alpha_i Phi_i")
     stretching = (Part("+", formula("sum_k alpha_k chi_k e_1")),) if spec.axial else ()
-    return Equation(left, (Part("+", FormulaRow((Name("v"), _base(2)))), *stretching), number="25")
+    return Equation(left, (Part("+", FormulaRow((Name("v"), base(2)))), *stretching), number="25")
 
 
 def _rotated(*factors: Formula) -> Formula:
     """The product of Q and further factors."""
     return FormulaRow((formula("Q"), OperatorToken("·"), *factors))
-
-
-def _base(k: int) -> Name:
-    return Name("e", below=(str(k),), style="vector")
-
-
-def _components(names: Iterable[str]) -> tuple[Part, ...]:
-    return tuple(Part("+", FormulaRow((Name(name[0], below=(name[1:],)), _base(k)))) for k, name in enumerate(names, 1))
-
-
-def _tensor(matrix: sp.Matrix, notation: Notation) -> Matrix:
-    """A matrix of expressions, with its zeros as dots."""
-
-    def entry(expr: sp.Expr) -> Formula | None:
-        return notation.formula(expr) if expr != 0 else None
-
-    return Matrix(tuple(tuple(entry(matrix[i, j]) for j in range(matrix.cols)) for i in range(matrix.rows)))
 
 
 def _space(equations: Equations, notation: Notation) -> tuple[Block, ...]:
@@ -187,7 +167,7 @@ def _space(equations: Equations, notation: Notation) -> tuple[Block, ...]:
                 "; the angular velocity and the virtual rotation are resolved in the body base.",
             )
         ),
-        EquationBlock((Equation(formula("Q"), (Part("+", _tensor(rotation, notation)),), anchor="def-Q"), *rates)),
+        EquationBlock((Equation(formula("Q"), (Part("+", notation.matrix(rotation)),), anchor="def-Q"), *rates)),
     )
 
 

@@ -7,8 +7,8 @@ from typing import assert_never
 
 from derive.report.document.formula import Equation, FormulaRow, Name, OperatorToken, Part, Quotient
 from derive.report.document.page import Block, EquationBlock, Heading, Math, Paragraph
+from derive.report.notation.beam_functions import shape_name
 from derive.report.notation.formula_reader import equation, formula
-from derive.report.notation.integral_formulas import SHAPE
 from derive.spec.model.body import DisplacementOrder, Frame, NodalBody, PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene, Specification
 
@@ -81,7 +81,7 @@ def _shortening() -> Equation:
 
     def slope(index: str) -> Quotient:
         below = FormulaRow((OperatorToken("d"), Name("x")))
-        return Quotient(FormulaRow((OperatorToken("d"), Name(SHAPE, below=(index,)))), below)
+        return Quotient(FormulaRow((OperatorToken("d"), shape_name(index))), below)
 
     integral = (Name("∫"), slope("i"), slope("j"), OperatorToken("d"), Name("x"), formula("e_1"))
     return Equation(formula("Psi_{i j}"), (Part("-", FormulaRow(integral)),))
