@@ -29,8 +29,7 @@ EXEMPT = {
     "report/writers/latex_text.py": "escapes text for LaTeX",
     "report/writers/latex_math.py": "puts escaped text back into formulas in LaTeX",
     "report/notation/glyphs.py": "typesets letters by their Unicode names, and the numbers that users write",
-    "report/notation/formula_reader.py": "reads the notation in which the audit of the paper is written",
-    "report/paper_audit/page.py": "reads the notation in which the audit of the paper is written",
+    "report/notation/formula_reader.py": "reads formulas that are written in a line",
     "report/document/anchors.py": "turns any text into an address that browsers take",
     "visual/chart_style.py": "shortens the numbers of an SVG file that matplotlib wrote",
 }

@@ -1,4 +1,4 @@
-"""Formulas written in a line, such as `Q . {X + u}`, as trees: how the audit writes down what the text shows.
+"""Formulas written in a line, such as `Q . {X + u}`, as trees: those that no symbol of the derivation gives.
 
 Names are single letters, Greek letters by their names, and the words below; primes are dots of time, `_1` and `_{ij}`
 indices. A superscript of digits is a power, any other stays with its name (`Q^c`). The signs `.`, `><` and `:` are the
@@ -25,6 +25,7 @@ from derive.report.document.formula import (
     Power,
     Quotient,
 )
+from derive.report.document.page import CodeSpan, Math
 from derive.report.notation.glyphs import GREEK
 from derive.report.notation.typeset_names import TENSORS, stem
 
@@ -51,6 +52,20 @@ BOLD = {"Q", "X", "c", "e", "u", "omega", "pi"}
 def formula(text: str, scalars: bool = False) -> Formula:
     """A formula of one line; `scalars`: its letters are scalars, as for the beam in components."""
     return _plain(_Reader(text, scalars).parts())
+
+
+def marked_text(text: str, scalars: bool = False) -> tuple[str | Math | CodeSpan, ...]:
+    """Words with formulas between dollar signs and code between backticks."""
+    result: list[str | Math | CodeSpan] = []
+    for part in filter(None, re.split(r"(\$[^$]*\$|`[^`]*`)", text)):
+        match part[0]:
+            case "$":
+                result.append(Math(formula(part[1:-1], scalars)))
+            case "`":
+                result.append(CodeSpan(part[1:-1]))
+            case _:
+                result.append(part)
+    return tuple(result)
 
 
 def equation(text: str, scalars: bool = False) -> Equation:

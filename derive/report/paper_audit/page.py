@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Literal
@@ -15,7 +14,6 @@ from derive.report.document.page import (
     EquationBlock,
     Heading,
     Hyperlink,
-    Inline,
     Math,
     Page,
     Paragraph,
@@ -24,7 +22,7 @@ from derive.report.document.page import (
     Text,
 )
 from derive.report.notation.expressions import row as in_a_row
-from derive.report.notation.formula_reader import equation, formula, summands
+from derive.report.notation.formula_reader import equation, marked_text, summands
 from derive.report.notation.line_breaking import width
 from derive.report.notation.spacing import factors
 from derive.report.notation.spoken_math import words as spoken
@@ -218,18 +216,9 @@ def _assumptions(assumptions: Sequence[Assumption]) -> Iterator[Block]:
 
 
 def plain(text: str) -> str:
-    """Words without markup, for tooltips."""
-    return re.sub(r"\$([^$]*)\$", lambda result: spoken(formula(result[1])), text).replace("`", "")
+    """Marked text in words, for tooltips."""
+    return "".join(spoken(part.formula) if isinstance(part, Math) else _words(part) for part in marked_text(text))
 
 
-def marked_text(text: str, scalars: bool = False) -> Text:
-    """Words with formulas between dollar signs and code between backticks."""
-    result: list[Inline] = []
-    for part in re.split(r"(\$[^$]*\$|`[^`]*`)", text):
-        if part.startswith("$"):
-            result.append(Math(formula(part[1:-1], scalars)))
-        elif part.startswith("`"):
-            result.append(CodeSpan(part[1:-1]))
-        elif part:
-            result.append(part)
-    return tuple(result)
+def _words(part: str | CodeSpan) -> str:
+    return part if isinstance(part, str) else part.text

@@ -23,6 +23,7 @@ from derive.report.document.page import (
     Paragraph,
     table,
 )
+from derive.report.notation.formula_reader import marked_text
 from derive.report.notation.labels import delta
 from derive.report.sections.term_lines import LocatedTerm, line_anchor
 from derive.report.sections.terms import expansion
@@ -63,13 +64,9 @@ def code_blocks(code: SourceMap, lead: Targets) -> tuple[Block, ...]:
     return (
         Heading("The generated C", "c"),
         Paragraph(
-            (
-                "From ",
-                CodeSpan(PurePosixPath(code.path).name),
-                ", with the numbers of its lines. Behind a line stand the terms of the equations of motion that it "
-                "computes; ",
-                CodeSpan("mass_force"),
-                " gives both at once.",
+            marked_text(
+                f"From `{PurePosixPath(code.path).name}`, with the numbers of its lines. Behind a line stand the terms "
+                "of the equations of motion that it computes; `mass_force` gives both at once."
             )
         ),
         _listing(code.functions["mass"], lead, "mass: the mass matrix, lower triangle by columns"),

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from derive.artifacts import File
 from derive.ir.model import Model
 from derive.report.document.page import Block, CodeLine, CodeSpan, Content, Details, Heading, Listing, Paragraph, table
+from derive.report.notation.formula_reader import marked_text
 from derive.report.sections.state import size
 from derive.roles import Role
 
@@ -82,12 +83,9 @@ def calling_blocks(model: Model) -> tuple[Block, ...]:
         listing("c", f"main.c: cc main.c {name}.c -lm", c_program(model)),
         listing("python", f"beside {name}.py, which needs NumPy alone", python_program(model)),
         Paragraph(
-            (
-                "Matrices are values of compressed columns; ",
-                CodeSpan(f"{name}_model()"),
-                " in C is a descriptor of patterns, names, units and functions. ",
-                CodeSpan("derive.load"),
-                " compiles the C and calls it from Python.",
+            marked_text(
+                f"Matrices are values of compressed columns; `{name}_model()` in C is a descriptor of patterns, names, "
+                "units and functions. `derive.load` compiles the C and calls it from Python."
             )
         ),
     )

@@ -25,7 +25,7 @@ from derive.report.document.formula import (
 )
 from derive.report.document.page import Block, EquationBlock, Heading, Math, Paragraph
 from derive.report.notation.expressions import Notation, base, row
-from derive.report.notation.formula_reader import equation, formula
+from derive.report.notation.formula_reader import equation, formula, marked_text
 from derive.report.notation.vector_form import DELTA_ALPHA, arrow, summands
 from derive.report.sections.second_order import second_order_blocks
 from derive.spec.model.body import DisplacementOrder, PlanarBeam
@@ -62,16 +62,10 @@ def kinematics_blocks(spec: Specification, equations: Equations, notation: Notat
     return (
         Heading("Kinematics", "kinematics"),
         Paragraph(
-            (
-                "A material point that lies at ",
-                Math(formula("X")),
-                " in the reference configuration is displaced by the deformation ",
-                Math(formula("u")),
-                ", then turned by ",
-                Math(formula("Q")),
-                " and moved by ",
-                Math(formula("c")),
-                ". Two time derivatives give its acceleration, the variation its virtual displacement.",
+            marked_text(
+                "A material point that lies at $X$ in the reference configuration is displaced by the deformation $u$, "
+                "then turned by $Q$ and moved by $c$. Two time derivatives give its acceleration, the variation its "
+                "virtual displacement."
             )
         ),
         EquationBlock(
@@ -92,7 +86,7 @@ def kinematics_blocks(spec: Specification, equations: Equations, notation: Notat
 def _origin(spec: Specification, equations: Equations) -> tuple[Block, ...]:
     """A sentence on the position c of the origin of the floating frame."""
     if isinstance(spec, PlanarBeam):
-        return (Paragraph((Math(formula("c")), " is where the centre of the undeformed beam lies.")),)
+        return (Paragraph(marked_text("$c$ is where the centre of the undeformed beam lies.")),)
     return (Paragraph((equations.frame_doc,)),) if equations.frame_doc else ()
 
 

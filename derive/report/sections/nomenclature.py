@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from derive.report.document.formula import Name
-from derive.report.document.page import Block, CodeSpan, Content, Details, Heading, Math, Paragraph, table
-from derive.report.notation.formula_reader import formula
+from derive.report.document.page import Block, Content, Details, Heading, Paragraph, table
+from derive.report.notation.formula_reader import formula, marked_text
 from derive.spec.model.body import DisplacementOrder
 
 Entry = tuple[str, str, str]
@@ -92,27 +92,16 @@ def nomenclature_blocks(constrained: bool, orders: Collection[DisplacementOrder]
         Heading("Nomenclature", "nomenclature"),
         Paragraph(
             (
-                "The notation is that of the paper, in which the letter c has two meanings. ",
-                Math(formula("c")),
-                " without an index is the position of the origin of the floating frame; its components are the "
-                "coordinates ",
-                Math(formula("c_1", scalars=True)),
-                ", ",
-                Math(formula("c_2", scalars=True)),
-                " and ",
-                Math(formula("c_3", scalars=True)),
-                ". ",
-                Math(formula("c_1")),
-                ", ",
-                Math(formula("c_2")),
-                " to ",
-                Math(formula("c_8")),
-                " in bold are shape integrals, and so are their components, which have further indices behind a "
-                "comma: first the modes, then the component. In the code ",
-                CodeSpan("c1"),
-                " is a coordinate, and ",
-                CodeSpan("c1_1"),
-                " is component 1 of the first shape integral.",
+                *marked_text(
+                    "The notation is that of the paper, in which the letter c has two meanings. $c$ without an index "
+                    "is the position of the origin of the floating frame; its components are the coordinates "
+                ),
+                *marked_text("$c_1$, $c_2$ and $c_3$. ", scalars=True),
+                *marked_text(
+                    "$c_1$, $c_2$ to $c_8$ in bold are shape integrals, and so are their components, which have "
+                    "further indices behind a comma: first the modes, then the component. In the code `c1` is a "
+                    "coordinate, and `c1_1` is component 1 of the first shape integral."
+                ),
             )
         ),
         Details(f"The {len(entries)} symbols", (table("Symbols", ("symbol", "meaning", "from"), _rows(entries)),)),

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import assert_never
 
 from derive.report.document.formula import Equation, FormulaRow, Name, OperatorToken, Part, Quotient
-from derive.report.document.page import Block, EquationBlock, Heading, Math, Paragraph
+from derive.report.document.page import Block, EquationBlock, Heading, Paragraph
 from derive.report.notation.beam_functions import shape_name
-from derive.report.notation.formula_reader import equation, formula
+from derive.report.notation.formula_reader import equation, formula, marked_text
 from derive.spec.model.body import DisplacementOrder, Frame, NodalBody, PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene, Specification
 
@@ -55,15 +55,11 @@ def _displacement(subject: str, beams: bool) -> tuple[Block, ...]:
             (
                 f"{subject} of second order in the amplitudes",
                 "; a beam that bends and does not stretch gets shorter. " if beams else ". ",
-                "In (6), in the rates of ",
-                Math(formula("r")),
-                " and in the equations of motion, the derivative of ",
-                Math(formula("r")),
-                " by an amplitude takes the place of ",
-                Math(formula("Phi_i")),
-                "; at a marker its component k is ",
-                Math(formula("r_{k,i}", scalars=True)),
-                ":",
+                *marked_text(
+                    "In (6), in the rates of $r$ and in the equations of motion, the derivative of $r$ by an amplitude "
+                    "takes the place of $Phi_i$; at a marker its component k is "
+                ),
+                *marked_text("$r_{k,i}$:", scalars=True),
             )
         ),
         EquationBlock(
@@ -109,27 +105,14 @@ def _condition(frame: Frame) -> str:
 
 def _geometric_stiffness() -> tuple[Block, ...]:
     """The correspondence of the geometric stiffness matrices of a body in space to integrals of the equations."""
-    return (
-        Paragraph(
-            (
-                "The fields of second order are given by geometric stiffness matrices of the modes under unit loads: "
-                "K0t under accelerations is ",
-                Math(formula("c_9")),
-                ", K0r under angular accelerations is ",
-                Math(formula("c_10")),
-                ", K0omega under spin is the part of ",
-                Math(formula("X")),
-                " and ",
-                Math(formula("Psi_{i j}")),
-                " in ",
-                Math(formula("C_5")),
-                ", and K0F under a force at a node is the displacement ",
-                Math(formula("Psi_{i j}")),
-                " there with its sign changed. In the equation of an amplitude they are in the terms translation and "
-                "gravity (K0t), Euler (K0r) and centrifugal (K0omega).",
-            )
-        ),
+    text = (
+        "The fields of second order are given by geometric stiffness matrices of the modes under unit loads: K0t under "
+        "accelerations is $c_9$, K0r under angular accelerations is $c_10$, K0omega under spin is the part of $X$ and "
+        "$Psi_{i j}$ in $C_5$, and K0F under a force at a node is the displacement $Psi_{i j}$ there with its sign "
+        "changed. In the equation of an amplitude they are in the terms translation and gravity (K0t), Euler (K0r) and "
+        "centrifugal (K0omega)."
     )
+    return (Paragraph(marked_text(text)),)
 
 
 def _kept(model: str, order: DisplacementOrder) -> tuple[Block, ...]:
