@@ -63,7 +63,8 @@ def test_page_is_written_in_every_language() -> None:
 
     shown = html(page())
     assert all(f"({row.number})" in shown for row in ROWS) and len(shown) < 300_000
-    assert latex(page()) and markdown(page())
+    for text in (latex(page()), markdown(page())):
+        assert "\\nabla" in text and "\\text{?}" not in text
 
 
 def test_long_brackets_are_broken_and_keep_what_they_hold() -> None:

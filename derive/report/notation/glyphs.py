@@ -19,9 +19,6 @@ GREEK = {
 NAMES = {letter: name for name, letter in GREEK.items()}
 """The names of Greek letters."""
 
-BIG = {"∫": "integral", "∑": "sum", "∏": "product"}
-"""Signs that are letters with limits: a Name may carry them, its indices are the limits then."""
-
 _TOKEN = re.compile(r"[0-9]+(?:\.[0-9]+)?|[A-Za-z]+|[^\s0-9A-Za-z]")
 
 

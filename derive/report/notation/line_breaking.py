@@ -19,7 +19,8 @@ from derive.report.document.formula import (
     Quotient,
     Root,
 )
-from derive.report.notation.glyphs import BIG, index, letter, number
+from derive.report.notation.glyphs import index, letter, number
+from derive.report.notation.signs import BIG
 from derive.report.notation.spacing import bare, factors, gap, summand
 
 LETTER, SMALL, SIGN = 0.57, 0.4, 1.4

@@ -17,7 +17,8 @@ from derive.report.document.formula import (
     Power,
     Quotient,
 )
-from derive.report.notation.glyphs import BIG, is_letter
+from derive.report.notation.glyphs import is_letter
+from derive.report.notation.signs import BIG
 
 Gap = Literal["none", "times", "thin", "dot"]
 SUMS = {"+", "-", "\u2212", "±"}

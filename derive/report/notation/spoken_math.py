@@ -18,25 +18,12 @@ from derive.report.document.formula import (
     Quotient,
     Root,
 )
-from derive.report.notation.glyphs import BIG, NAMES, index, number
+from derive.report.notation.glyphs import NAMES, index, number
+from derive.report.notation.signs import BIG
+from derive.report.notation.signs import SIGNS as KNOWN
 from derive.report.notation.spacing import bare, factors, gap, needs_brackets, summand
 
-SIGNS = {
-    **{
-        "=": "equals",
-        "+": "plus",
-        "-": "minus",
-        "\u2212": "minus",
-        "·": "dot",
-        "⋅": "dot",
-        "\u00d7": "cross",
-        "∂": "partial",
-    },
-    **{"≤": "at most", "≥": "at least", "<": "less than", ">": "greater than", "≈": "about", "→": "to", "∈": "in"},
-    **{"/": "over", "±": "plus or minus", ",": ",", "…": "and so on", ":": "double dot product", "≡": "is"},
-    **{"\u2032": "prime", "'": "prime", "*": "star"},
-    **BIG,
-}
+SIGNS = {text: sign.words for sign in KNOWN if sign.words for text in sign.texts} | {"*": "star"}
 DOTS = ("", " dot", " double dot", " triple dot")
 POWERS = {"2": "squared", "3": "cubed"}
 

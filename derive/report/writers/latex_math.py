@@ -19,20 +19,14 @@ from derive.report.document.formula import (
     Quotient,
     Root,
 )
-from derive.report.notation.glyphs import BIG, index, is_letter, letter, number
+from derive.report.notation.glyphs import index, is_letter, letter, number
+from derive.report.notation.signs import BIG
+from derive.report.notation.signs import SIGNS as KNOWN
 from derive.report.notation.spacing import Gap, bare, factors, gap, is_tall, needs_brackets, summand
 from derive.report.writers.latex_text import GREEK, escaped
 
 GAPS: dict[Gap, str] = {"none": " ", "times": " ", "thin": " \\, ", "dot": " \\cdot "}
-SIGNS = {
-    **{"·": "\\cdot", "⋅": "\\cdot", "*": "\\cdot", "\u00d7": "\\times", "±": "\\pm", "\u2212": "-", "∂": "\\partial"},
-    **{"∫": "\\int", "∑": "\\sum", "∏": "\\prod", "≤": "\\leq", "<=": "\\leq", "≥": "\\geq", ">=": "\\geq"},
-    **{"≠": "\\neq", "≈": "\\approx", "≡": "\\equiv", "→": "\\to", "->": "\\to", "∈": "\\in", "…": "\\dots"},
-    **{"...": "\\dots", "\u2032": "'", "d": "\\mathrm{d}", "⊗": "\\otimes", "∘": "\\circ", "∞": "\\infty"},
-    **{"⟨": "\\langle", "⟩": "\\rangle", "‖": "\\Vert", "|": "\\vert", "{": "\\{", "}": "\\}", "⋮": "\\vdots"},
-    **{c: c for c in "=+-<>/:;,.!()[]'"},
-    **GREEK,
-}
+SIGNS = {text: sign.latex for sign in KNOWN for text in sign.texts} | GREEK
 FUNCTIONS = {
     "sin",
     "cos",
@@ -142,17 +136,17 @@ def _nucleus(name: Name) -> str:
 
 
 def _styled(text: str, style: str) -> str:
-    plain = text in GREEK or (text.isascii() and text.isalnum())
-    if not plain:
+    if text.isascii() and not text.isalnum() or text not in SIGNS and not text.isascii():
         return _odd(text)
-    italic = ITALIC.get(text) or GREEK.get(text) or text
+    upright = text if text.isascii() else SIGNS[text]
+    italic = ITALIC.get(text, upright)
     match style:
         case "vector":
             return f"\\boldsymbol{{{italic}}}"
         case "tensor":
-            return f"\\boldsymbol{{{GREEK[text]}}}" if text in GREEK else f"\\mathbf{{{text}}}"
+            return f"\\mathbf{{{text}}}" if text.isascii() else f"\\boldsymbol{{{upright}}}"
         case "word":
-            return GREEK.get(text) or f"\\mathrm{{{text}}}"
+            return f"\\mathrm{{{text}}}" if text.isascii() else upright
         case _:
             return italic if is_letter(text) else f"\\mathit{{{text}}}"
 

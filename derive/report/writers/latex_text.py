@@ -10,6 +10,7 @@ from derive.report.document.page import Inline, Math, TableBlock, Text
 from derive.report.notation.glyphs import GREEK as GREEK_NAMES
 from derive.report.notation.glyphs import NAMES
 from derive.report.notation.line_breaking import width
+from derive.report.notation.signs import SIGNS as KNOWN
 
 SPECIAL = {
     **{c: f"\\{c}" for c in "#$%&_{}"},
@@ -35,6 +36,7 @@ ACCENTS = dict(
 )
 LETTERS = {"ß": "{\\ss}", "æ": "{\\ae}", "Æ": "{\\AE}", "ø": "{\\o}", "Ø": "{\\O}", "œ": "{\\oe}", "ł": "{\\l}"}
 SIGNS = {
+    **{sign: f"${known.latex}$" for known in KNOWN for sign in known.texts if not sign.isascii()},
     **{
         "\u2013": "--",
         "\u2014": "---",
@@ -44,18 +46,8 @@ SIGNS = {
         "\u201d": "''",
         "…": "\\dots{}",
     },
-    **{"\u2212": "$-$", "·": "$\\cdot$", "⋅": "$\\cdot$", "\u00d7": "$\\times$", "±": "$\\pm$", "°": "$^{\\circ}$"},
-    **{"≤": "$\\leq$", "≥": "$\\geq$", "≠": "$\\neq$", "≈": "$\\approx$", "→": "$\\to$", "←": "$\\leftarrow$"},
-    **{"∫": "$\\int$", "∑": "$\\sum$", "∂": "$\\partial$", "√": "$\\surd$", "∞": "$\\infty$", "∈": "$\\in$"},
-    **{
-        "\u2032": "$'$",
-        "‖": "$\\Vert$",
-        "§": "\\S{}",
-        "µ": "$\\mu$",
-        "✓": "$\\surd$",
-        "¬": "$\\neg$",
-        "⋮": "$\\vdots$",
-    },
+    **{"°": "$^{\\circ}$", "←": "$\\leftarrow$", "√": "$\\surd$", "✓": "$\\surd$", "¬": "$\\neg$"},
+    **{"§": "\\S{}", "µ": "$\\mu$", "…": "\\dots{}"},
 }
 _LATIN = {
     **{

@@ -20,8 +20,10 @@ from derive.report.document.formula import (
     Quotient,
     Root,
 )
-from derive.report.notation.glyphs import BIG, index, is_letter, letter, minus, number, styled
+from derive.report.notation.glyphs import index, is_letter, letter, minus, number, styled
 from derive.report.notation.line_breaking import width
+from derive.report.notation.signs import BIG
+from derive.report.notation.signs import SIGNS as KNOWN
 from derive.report.notation.spacing import Gap, bare, factors, gap, needs_brackets, summand
 from derive.report.notation.spoken_math import words
 
@@ -31,7 +33,7 @@ GAPS: dict[Gap, str] = {
     "thin": '<mo lspace=".17em">\u2062</mo>',
     "dot": "<mo>⋅</mo>",
 }
-SIGNS = {"-": "\u2212", "*": "⋅", "·": "⋅", "<=": "≤", ">=": "≥", "->": "→", "...": "…"}
+SIGNS = {text: sign.character for sign in KNOWN for text in sign.also}
 DOTS = ("", "˙", "¨", "˙˙˙")
 BREAKS = {"+", "-", "\u2212", "="}
 LONG = 10.0

@@ -18,20 +18,13 @@ from derive.report.document.formula import (
     Quotient,
     Root,
 )
-from derive.report.notation.glyphs import BIG, GREEK, index, letter, minus, number
+from derive.report.notation.glyphs import GREEK, index, letter, minus, number
+from derive.report.notation.signs import BIG
+from derive.report.notation.signs import SIGNS as KNOWN
 from derive.report.notation.spacing import Gap, bare, factors, gap, needs_brackets, summand
 
 GAPS: dict[Gap, str] = {"none": " ", "times": " ", "thin": " thin ", "dot": " dot.op "}
-SIGNS = {
-    **{"-": "minus", "\u2212": "minus", "+": "+", "=": "=", "<": "lt", ">": "gt", "/": "slash", ",": "comma"},
-    **{":": "colon"},
-    **{";": "semi", "'": "prime", "\u2032": "prime", "*": "dot.op", "·": "dot.op", "⋅": "dot.op", "\u00d7": "times"},
-    **{"<=": "lt.eq", ">=": "gt.eq", "≤": "lt.eq", "≥": "gt.eq", "≠": "eq.not", "≈": "approx", "≡": "equiv"},
-    **{"→": "arrow.r", "->": "arrow.r", "∈": "in", "…": "dots.h", "...": "dots.h", "±": "plus.minus", "∂": "partial"},
-    **{"∫": "integral", "∑": "sum", "∏": "product", "⊗": "times.o", "∘": "compose", "∞": "infinity", "!": "excl"},
-    **{"(": "paren.l", ")": "paren.r", "[": "bracket.l", "]": "bracket.r", "{": "brace.l", "}": "brace.r"},
-    **{"|": "bar.v", "‖": "bar.v.double", "⟨": "chevron.l", "⟩": "chevron.r", "d": "upright(d)"},
-}
+SIGNS = {text: sign.typst for sign in KNOWN for text in sign.texts}
 DOTS = ("", "dot", "dot.double", "dot.triple")
 
 
