@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from enum import Enum
 from typing import assert_never
 
 from derive.artifacts import MARK, File
@@ -28,6 +29,14 @@ from derive.rendering import render
 
 UNDEFINED = frozenset({Operator.SIN, Operator.COS, Operator.SQRT, Operator.EXP, Operator.LOG})
 """The functions that numbers of Python do not have everywhere: of inf, of negative numbers, or where they overflow."""
+
+
+class Failure(Enum):
+    """The consequence of a requirement of a kernel that is not met: an error, NaN as the results, or none."""
+
+    ERROR = "error"
+    NAN = "nan"
+    IGNORED = "ignored"
 
 
 class PythonBackend:
@@ -57,17 +66,21 @@ class PythonBackend:
         for kernel in model.kernels:
             numbers = model.lowering == "flat" and kernel.name != "setup"
             builder.text("\n@_in_numbers\n" if numbers and _may_raise(kernel) else "\n")
-            builder.function(kernel, _function(kernel, model.lowering == "flat", numbers))
+            builder.function(kernel, python_function(kernel, model.lowering == "flat", numbers))
             builder.text("\n")
         builder.text(render("python/epilogue.py.jinja", values))
         (path,) = self.file_names(model.name)
         return (builder.file(self.name, path),)
 
 
-def _function(kernel: Kernel, elements: bool, numbers: bool) -> list[SourceLine]:
+def python_function(
+    kernel: Kernel, elements: bool, numbers: bool, failure: Failure = Failure.ERROR
+) -> list[SourceLine]:
     """The function of a kernel, whose arguments are arrays, or their elements along the last axis.
 
-    numbers: whether it takes those of a single state as numbers of Python.
+    numbers: whether it takes those of a single state as numbers of Python. Its module has the functions that it calls:
+    `_arrays`, which returns the namespace, the batch and the arguments; `_stack`; `_require` for errors; `_where` for
+    errors and NaN.
     """
     names = ", ".join(a.name for a in kernel.arguments)
     sizes = ", ".join(f"{a.name}={None if a.scalar else a.size}" for a in kernel.arguments)
@@ -91,7 +104,7 @@ def _function(kernel: Kernel, elements: bool, numbers: bool) -> list[SourceLine]
             if v.name in used
         ]
     lines += [f"    {o.name} = _empty(xp, batch, {o.size})" for o in kernel.outputs if o.count is not None]
-    printer = _Statements(kernel)
+    printer = _Statements(kernel, failure)
     body: list[SourceLine] = []
     for k, section in enumerate(kernel.sections):
         printed = [line.of(k, n) for n, item in enumerate(section.body) for line in printer.lines(item)]
@@ -127,8 +140,9 @@ def _may_raise(kernel: Kernel) -> bool:
 class _Statements:
     """The statements of one function; `required` are the names of the conditions that their results need."""
 
-    def __init__(self, kernel: Kernel) -> None:
-        self.raises = kernel.name == "setup"
+    def __init__(self, kernel: Kernel, failure: Failure) -> None:
+        self.failure = failure
+        self.single = kernel.name == "setup"
         self.loops = PythonLoops(kernel.arguments)
         self.whole = {o.name for o in kernel.outputs if o.count is not None}
         self.required: list[str] = []
@@ -148,6 +162,8 @@ class _Statements:
                 return self.loops.lines(item)
 
     def _require(self, item: Require) -> list[str]:
+        if self.failure is Failure.IGNORED:
+            return []
         value = text(item.expr, PYTHON)
         match item.kind:
             case Requirement.POSITIVE:
@@ -157,11 +173,12 @@ class _Statements:
                 holds = join("xp.isfinite(", value, ")")
             case _:
                 assert_never(item.kind)
-        if self.raises:
+        if self.single and self.failure is Failure.ERROR:
             return [f'    _require(xp.all({holds}), {item.code}, "{item.text}")']
         self.required.append(f"valid_{len(self.required) + 1}")
         name = self.required[-1]
-        return [*assignment(name, holds), f'    _require(batch[0] or {name}, {item.code}, "{item.text}")']
+        error = f'    _require(batch[0] or {name}, {item.code}, "{item.text}")'
+        return [*assignment(name, holds), *([error] if self.failure is Failure.ERROR else [])]
 
 
 def _results(outputs: tuple[Output, ...], required: list[str]) -> list[str]:
@@ -180,17 +197,24 @@ def _results(outputs: tuple[Output, ...], required: list[str]) -> list[str]:
 
 
 def _splines(model: Model) -> str:
-    """The function that evaluates splines, and one for each table, which kernels call; nothing if there is none."""
-    if not model.splines:
-        return ""
-    blocks = [render("python/spline.py.jinja", {}).rstrip()]
+    """The function that evaluates splines, and those of their tables; nothing if there is none."""
+    return (
+        f"\n{render('python/spline.py.jinja', {'numbers': True}).rstrip()}\n\n{spline_functions(model)}"
+        if model.splines
+        else ""
+    )
+
+
+def spline_functions(model: Model) -> str:
+    """The tables of splines, and a function for each, which kernels call; it calls `_spline`."""
+    blocks = []
     for spline in model.splines:
         knots = _lines([repr(x) for x in spline.knots])
         rows = _lines([_tuple([repr(c) for c in row]) for row in spline.coefficients])
         blocks.append(f"{spline.name.upper()}_KNOTS = {knots}\n{spline.name.upper()}_COEFFICIENTS = {rows}")
         names = f"{spline.name.upper()}_KNOTS, {spline.name.upper()}_COEFFICIENTS"
         blocks.append(f"\ndef {spline.name}(xp, x, order):\n    return _spline(xp, {names}, x, order)")
-    return "\n" + "\n\n".join(blocks)
+    return "\n\n".join(blocks)
 
 
 @dataclass(frozen=True)

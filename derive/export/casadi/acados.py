@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE
+from derive.backends.python.module import Failure, spline_functions
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
-from derive.export.jax.array_functions import array_functions, wrapped
+from derive.export.straight_line import straight_line_functions
 from derive.rendering import render
 
 
@@ -21,8 +22,8 @@ def acados_files(host: HostModel) -> tuple[File, ...]:
         "host": host,
         "nq": len(host.coordinates),
         "residual": residual,
-        "wrapped": wrapped,
-        "functions": array_functions(model, used, check=False),
+        "splines": spline_functions(model),
+        "functions": straight_line_functions(model, Failure.IGNORED, used),
     }
     text = render("export/acados/model.py.jinja", values)
     return File(f"{host.name}_acados.py", text), File("manifest.json", host.manifest.text)

@@ -6,11 +6,10 @@ from collections.abc import Iterator
 
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE
-from derive.errors import Problem, SpecError
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
-from derive.export.jax.array_functions import LOOPS
 from derive.export.reference_motion import ACCEPTED, reference_motion
+from derive.export.straight_line import require_straight_line
 from derive.ir.model import Model
 from derive.rendering import render
 from derive.roles import Role
@@ -22,8 +21,7 @@ def exudyn_files(host: HostModel) -> tuple[File, ...]:
     Raises SpecError for a model with loops, and what the integration of the reference motion raises.
     """
     model, name = host.model, host.name
-    if model.lowering != "flat":
-        raise SpecError((Problem("body.lowering", LOOPS.format(model.choice)),))
+    require_straight_line(model)
     motion, quaternion = reference_motion(host), _quaternion(model)
     multipliers = len(host.multipliers)
     values = {

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE, description, model_text, pattern_texts
+from derive.backends.python.module import Failure, spline_functions
 from derive.backends.wrapping import prefixed
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
-from derive.export.jax.array_functions import array_functions, wrapped
+from derive.export.straight_line import straight_line_functions
 from derive.rendering import render
 
 
@@ -20,9 +21,10 @@ def jax_files(host: HostModel) -> tuple[File, ...]:
         "model": model,
         "host": host,
         "patterns": pattern_texts(model, "        "),
-        "functions": array_functions(model),
+        "spline": render("python/spline.py.jinja", {"numbers": False}).strip() if model.splines else "",
+        "splines": spline_functions(model),
+        "functions": straight_line_functions(model, Failure.NAN),
         "scene": bool(model.bodies),
-        "wrapped": wrapped,
     }
     return File(f"{host.name}.py", render("export/jax/module.py.jinja", values)), File(
         "manifest.json", host.manifest.text
