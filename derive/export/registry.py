@@ -11,7 +11,7 @@ from derive.export.fmi.fmu import FMU2, FMU2_ALL, FMU3, FMU3_ALL
 from derive.export.fortran import FORTRAN
 from derive.export.host_model import host_model
 from derive.export.interface import HostFile, Interface, exported_files
-from derive.export.jax.module import JAX
+from derive.export.jax import JAX
 from derive.export.octave import OCTAVE
 from derive.export.petsc import PETSC
 from derive.export.rust import RUST

@@ -49,10 +49,10 @@ def read(text: str, name: str | None = None) -> ModalBody:
     if problems:
         raise SidError(problems)
     _unsupported(matrices, lines, problems)
-    stiffening, said = given_stiffening(matrices, points), header_stiffening(first)
-    if stiffening and said is False:
+    stiffening, declared = given_stiffening(matrices, points), header_stiffening(first)
+    if stiffening and declared is False:
         problems.append(SidProblem(1, f"the first line says Geo_Stiff= no, but there is {', '.join(stiffening)}"))
-    second_order = bool(stiffening or said)
+    second_order = bool(stiffening or declared)
     known = _integrals(mass, matrices, lines, second_order, problems)
     if problems:
         raise SidError(problems)

@@ -63,7 +63,7 @@ ASSUMPTIONS = (
         "they hold a rigid motion.",
     ),
     Assumption(
-        "Held at one point, its rotation too",
+        "Fixed at one point, its rotation too",
         "under (16)",
         "The middle of the beam, as in (28) and (29).",
         ("beam.frame.at", "body.frame.node"),

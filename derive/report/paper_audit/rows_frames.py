@@ -18,8 +18,8 @@ ROWS = (
         "A point that is not displaced",
         ("Phi_i(P_c) = 0",),
         derived=lambda: beam.condition(Frame("point", Fraction(1, 2)), 0),
-        note="For all $i$. As derived for the beam and a point at 1/2; of a body of nodes, a node of the frame is "
-        "held.",
+        note="For all $i$. As derived for the beam and a point at 1/2; of a body of nodes, the node of the frame is "
+        "fixed.",
         tests=tests(SPACE, "test_a_point_of_the_beam_meets_16", "test_a_node_that_holds_the_frame_meets_16"),
     ),
     AuditRow(

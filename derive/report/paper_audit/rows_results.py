@@ -161,6 +161,6 @@ MEAN = (
 )
 
 SECTIONS = (
-    AuditSection("The beam held in its middle", "point", POINT),
+    AuditSection("The beam in the frame of its middle", "point", POINT),
     AuditSection("The beam in the mean frame", "mean", MEAN),
 )

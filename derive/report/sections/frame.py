@@ -257,7 +257,7 @@ def body_frame_blocks(spec: NodalBody | SymbolicBody) -> tuple[Block, ...]:
     elif kind == "point":
         assert isinstance(spec, NodalBody)
         words = (
-            f"The frame is held by node {spec.frame.node}: no mode displaces it, nor turns it and its neighbours on "
+            f"The frame is fixed to node {spec.frame.node}: no mode displaces it, nor turns it and its neighbours on "
             "average."
         )
         results += [Paragraph((words,)), EquationBlock((_line("16", "Phi_i(P_c) = 0"),))]

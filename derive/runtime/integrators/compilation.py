@@ -78,7 +78,7 @@ def _library_flags(name: str, debian: str, others: str, include: str, libraries:
             raise LibraryMissing(
                 f"{name} was not found. Install it: `apt-get install {debian}` on Debian and Ubuntu, `brew install "
                 f"{others}`, or `conda install {others}`; if it is elsewhere than the compiler looks, set SUNDIALS_DIR "
-                f"to the folder that holds its include and lib. The compiler said:\n{error}"
+                f"to the folder that holds its include and lib. The compiler reports:\n{error}"
             ) from error
     return flags, link
 
