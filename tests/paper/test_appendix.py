@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-import pytest
 import sympy as sp
 from scipy.sparse import csr_array, diags_array
 
@@ -51,44 +50,36 @@ def same(found: np.ndarray, expected: sp.Matrix | sp.Expr) -> bool:
     return [sp.Rational(float(x)) for x in np.ravel(found)] == entries and any(entries)
 
 
-@pytest.mark.equation("c1")
 def test_c1() -> None:
     assert same(reduced().c1, appendix.appendix_c1(cloud()))
 
 
-@pytest.mark.equation("c2")
 def test_c2() -> None:
     assert all(same(reduced().c2[i], appendix.appendix_c2(cloud(), i)) for i in INDICES)
 
 
-@pytest.mark.equation("C3")
 def test_C3() -> None:
     assert same(reduced().C3, appendix.appendix_C3(cloud()))
 
 
-@pytest.mark.equation("C4")
 def test_C4() -> None:
     assert all(same(reduced().C4[i], appendix.appendix_C4(cloud(), i)) for i in INDICES)
 
 
-@pytest.mark.equation("C5")
 def test_C5() -> None:
     assert all(same(reduced().C5[i, j], appendix.appendix_C5(cloud(), i, j)) for i in INDICES for j in INDICES)
 
 
-@pytest.mark.equation("c6")
 def test_c6() -> None:
     assert all(same(reduced().c6[i], appendix.appendix_c6(cloud(), i)) for i in INDICES)
 
 
-@pytest.mark.equation("c7")
 def test_c7() -> None:
     """Odd in i and j: zero on the diagonal."""
     assert all(same(reduced().c7[i, j], appendix.appendix_c7(cloud(), i, j)) for i, j in ((0, 1), (1, 0)))
     assert not any(any(appendix.appendix_c7(cloud(), i, i)) or np.any(reduced().c7[i, i]) for i in INDICES)
 
 
-@pytest.mark.equation("c8")
 def test_c8() -> None:
     assert all(same(reduced().c8[i, j], appendix.appendix_c8(cloud(), i, j)) for i in INDICES for j in INDICES)
 
@@ -144,14 +135,12 @@ def agree(*matrices: sp.Matrix) -> bool:
     return all(first == other for other in others) and not first.is_zero_matrix
 
 
-@pytest.mark.equation("d1")
 def test_d1() -> None:
     at = cloud()
     stated = appendix.appendix_d1(appendix.appendix_c1(at), [appendix.appendix_c2(at, i) for i in INDICES], ALPHA)
     assert agree(found("d1"), stated, appendix.appendix_c1(deformed()))
 
 
-@pytest.mark.equation("D2")
 def test_D2() -> None:
     """The derivation holds the symmetric part of D2_i as S_i, and the antisymmetric one as d3_i."""
     at = cloud()
@@ -163,7 +152,6 @@ def test_D2() -> None:
         assert agree(composed_of_both, stated, appendix.appendix_C4(deformed(), i))
 
 
-@pytest.mark.equation("d3")
 def test_d3() -> None:
     at = cloud()
     for i in INDICES:
@@ -172,7 +160,6 @@ def test_d3() -> None:
         assert agree(found(f"d3_{i + 1}"), stated, appendix.appendix_c6(deformed(), i))
 
 
-@pytest.mark.equation("J")
 def test_J() -> None:
     at = cloud()
     C4 = [appendix.appendix_C4(at, i) for i in INDICES]

@@ -1,16 +1,14 @@
 """The audit of the paper against the tests: nothing is called equal that no test compares.
 
-A test says by its marks which equations it compares and which statements it proves. Rows and marks are held against
-each other in both directions, and a test with the mark of an equation has to reach the transcription of that equation.
+A row of the audit names the tests that compare its equation, a statement those that prove it. They have to exist, and
+those of a row have to reach the transcription of its equation.
 """
 
 from __future__ import annotations
 
 import ast
 import json
-import subprocess
-import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -24,79 +22,44 @@ FOLDER = ROOT / "tests" / "paper"
 ROWS = tuple(row for section in SECTIONS for row in section.rows)
 APPENDIX = ("c1", "c2", "C3", "C4", "C5", "c6", "c7", "c8", "J", "d1", "D2", "d3")
 
-COLLECT = """
-import json, sys
-import pytest
-
-class Marks:
-    def pytest_collection_modifyitems(self, items):
-        for item in items:
-            name = item.nodeid.split("[")[0].removeprefix("tests/paper/")
-            for mark in item.iter_markers():
-                if mark.name in ("equation", "statement"):
-                    found.setdefault(name, {}).setdefault(mark.name, []).extend(mark.args)
-            found.setdefault(name, {})
-
-found = {}
-failed = pytest.main(["--collect-only", "-qq", "--no-header", "tests/paper"], plugins=[Marks()])
-print("\\n" + json.dumps([int(failed), found]))
-"""
-
 COMPARED: tuple[Verdict, ...] = ("equal", "equal after the correction")
 """Verdicts that a test has to have compared."""
 
-Marks = Mapping[str, Mapping[str, list[str]]]
-"""For each test its marks: equation and statement, each with what it names."""
 
-
-@cache
-def collected() -> Marks:
-    """All tests of the paper, as pytest collects them."""
-    done = subprocess.run([sys.executable, "-c", COLLECT], cwd=ROOT, capture_output=True, text=True, check=False)
-    failed, found = json.loads(done.stdout.strip().splitlines()[-1])
-    assert failed == 0, done.stdout + done.stderr
+def faults(rows: Iterable[AuditRow]) -> set[str]:
+    """Faults of what rows claim about tests."""
+    found = set()
+    for row in rows:
+        missing = {test for test in row.tests if not exists(test)}
+        beside = {test for test in {*row.tests} - missing if not compares(test, row)}
+        found |= {f"{row.number}: no test {test}" for test in missing}
+        found |= {f"{row.number}: {test} does not reach it" for test in beside}
+        if row.verdict in COMPARED and not row.tests:
+            found.add(f"{row.number}: {row.verdict}, without a test")
     return found
 
 
-def faults(rows: Iterable[AuditRow], marks: Marks) -> set[str]:
-    """What rows claim that tests do not bear out, and what tests compare that no row names."""
-    found = set()
-    rows = tuple(rows)
-    for row in rows:
-        found |= {f"{row.number}: no test {test}" for test in row.tests if test not in marks}
-        proofs = {test for test in row.tests if row.number in marks.get(test, {}).get("equation", [])}
-        found |= {f"{row.number}: {test} does not compare it" for test in set(row.tests) - proofs}
-        found |= {f"{row.number}: {row.verdict}, without a test"} if row.verdict in COMPARED and not proofs else set()
-    named = {(test, row.number) for row in rows for test in row.tests}
-    compared = {(test, number) for test, of in marks.items() for number in of.get("equation", [])}
-    return found | {f"{number}: {test} compares it and is not named" for test, number in compared - named}
+def exists(test: str) -> bool:
+    file, name = test.split("::")
+    return name.startswith("test_") and (FOLDER / file).exists() and name in definitions(FOLDER / file)
+
+
+def compares(test: str, row: AuditRow) -> bool:
+    return row.number in {name.rsplit("_", 1)[-1] for name in reached(test)}
 
 
 def test_verdicts_are_borne_out_by_tests() -> None:
-    assert faults(ROWS, collected()) == set()
+    assert faults(ROWS) == set()
 
 
 def test_a_verdict_without_a_test_is_noticed() -> None:
     """The audit broken by hand, in each way."""
-    marks = collected()
     row = next(row for row in ROWS if row.number == "9")
-    others = tuple(other for other in ROWS if other is not row)
+    elsewhere = next(other.tests[0] for other in ROWS if other.number == "34")
     (test,) = row.tests
-
-    def broken(changed: AuditRow) -> set[str]:
-        return faults((*others, changed), marks)
-
-    unnamed = f"9: {test} compares it and is not named"
-    assert broken(replace(row, tests=())) == {"9: equal, without a test", unnamed}
-    elsewhere = next(other.tests[0] for other in others if other.number == "34")
-    assert broken(replace(row, tests=(elsewhere,))) == {
-        "9: equal, without a test",
-        f"9: {elsewhere} does not compare it",
-        unnamed,
-    }
-    assert f"9: no test {test}s" in broken(replace(row, tests=(f"{test}s",)))
-    marked = {name: {"equation": []} if name == test else of for name, of in marks.items()}
-    assert faults(ROWS, marked) == {"9: equal, without a test", f"9: {test} does not compare it"}
+    assert faults([replace(row, tests=())]) == {"9: equal, without a test"}
+    assert faults([replace(row, tests=(elsewhere,))]) == {f"9: {elsewhere} does not reach it"}
+    assert faults([replace(row, tests=(f"{test}s",))]) == {f"9: no test {test}s"}
 
 
 def test_every_equation_and_every_line_of_the_appendix_has_one_row() -> None:
@@ -125,9 +88,10 @@ def _names_made(node: ast.AST) -> list[str]:
     return [target.id for target in targets if isinstance(target, ast.Name)]
 
 
-# A test with the mark of an equation reaches its transcription.
+# A test reaches the transcription of an equation.
 
 
+@cache
 def definitions(path: Path) -> dict[str, set[str]]:
     """For each name of a module the names that stand in its definition."""
     found: dict[str, set[str]] = {}
@@ -156,28 +120,24 @@ def reached(test: str) -> set[str]:
     return found & set(transcriptions())
 
 
-def test_marked_tests_reach_the_transcription_of_their_equation() -> None:
-    for test, marks in collected().items():
-        numbers = {name.rsplit("_", 1)[-1] for name in reached(test)}
-        assert set(marks.get("equation", [])) <= numbers, test
-
-
 def test_a_transcription_that_is_not_reached_is_noticed() -> None:
     module = "test_printed_against_brute_force.py"
-    numbers = {name.rsplit("_", 1)[-1] for name in reached(f"{module}::test_31_and_32_are_what_28_and_29_leave")}
-    assert {"28", "29", "31", "32"} <= numbers and not numbers & {"33", "35", "39", "41"}
+    test = f"{module}::test_31_and_32_are_what_28_and_29_leave"
+    assert (
+        {"28", "29", "31", "32"}
+        <= {row.number for row in ROWS if compares(test, row)}
+        <= {"21", "28", "29", "31", "32"}
+    )
     assert reached(f"{module}::test_brute_force_refuses_what_is_no_polynomial") == {"xi"}
 
 
 # Statements and assumptions.
 
 
-def test_statements_and_their_tests_name_each_other() -> None:
-    named = {(test, statement.place) for statement in STATEMENTS for test in statement.tests}
-    marked = {(test, key) for test, marks in collected().items() for key in marks.get("statement", [])}
-    assert named == marked
+def test_statements_name_tests_that_exist() -> None:
     for statement in STATEMENTS:
         assert bool(statement.tests) == (statement.verdict != "not compared"), statement.place
+        assert all(map(exists, statement.tests)), statement.place
 
 
 @cache

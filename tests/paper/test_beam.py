@@ -32,7 +32,6 @@ def polynomials(frame: str) -> tuple[sp.Expr, ...]:
     return tuple(sum(sp.Rational(c) * xi**n for n, c in enumerate(shape.coefficients)) for shape in found)
 
 
-@pytest.mark.equation("21")
 def test_ansatz_without_a_specification_is_21() -> None:
     """The terms of the ansatz, each with an amplitude of its own."""
     amplitudes = (printed.a0, printed.a1, printed.a2, printed.a3)
@@ -41,7 +40,6 @@ def test_ansatz_without_a_specification_is_21() -> None:
     assert sp.expand(found - printed.DISPLACEMENT_21) == 0
 
 
-@pytest.mark.equation("22")
 @pytest.mark.parametrize("frame", FRAMES)
 def test_strain_energy_is_22(frame: str) -> None:
     v = printed.displacement_30(*FRAMES[frame])
@@ -49,12 +47,10 @@ def test_strain_energy_is_22(frame: str) -> None:
     assert sp.expand(found - printed.strain_energy_22(v)) == 0
 
 
-@pytest.mark.equation("23")
 def test_translation_is_23() -> None:
     assert plain(planar_motion(2).position[ONE]) == printed.TRANSLATION_23[:2, :]
 
 
-@pytest.mark.equation("23", "24", "25")
 @pytest.mark.parametrize("frame", FRAMES)
 def test_places_of_markers_are_1_with_23_to_26(frame: str) -> None:
     """X of (24), u of (25) with (30), c of (23) and Q of (26), in (1)."""
@@ -68,7 +64,6 @@ def test_places_of_markers_are_1_with_23_to_26(frame: str) -> None:
         assert (place - stated[:2, :]).expand() == sp.zeros(2, 1)
 
 
-@pytest.mark.equation("26")
 def test_rotation_tensor_of_a_turn_about_e3_is_26() -> None:
     """The rotation tensor of the body in space, of the quaternion of that turn."""
     half = printed.phi / 2
@@ -76,7 +71,6 @@ def test_rotation_tensor_of_a_turn_about_e3_is_26() -> None:
     assert (found - printed.ROTATION_26).applyfunc(sp.simplify) == sp.zeros(3, 3)
 
 
-@pytest.mark.equation("27")
 def test_rates_and_variations_of_the_turn_have_the_axis_27() -> None:
     """omega x r and delta pi x r, from the derivatives of the rotation tensor."""
     motion = planar_motion(2)
@@ -88,7 +82,6 @@ def test_rates_and_variations_of_the_turn_have_the_axis_27() -> None:
     assert spun == printed.axial_27(printed.phidot).cross(r)[:2, :]
 
 
-@pytest.mark.equation("34", "36")
 def test_mean_conditions_are_34_and_36() -> None:
     """On each power of xi; a condition may lose a factor, these do not."""
     mean = conditions(Frame("mean"))
@@ -97,13 +90,10 @@ def test_mean_conditions_are_34_and_36() -> None:
         assert found == [printed.mean_displacement_34(xi**n), printed.mean_rotation_36(xi**n)]
 
 
-@pytest.mark.equation("30")
 def test_displacement_in_the_frame_of_the_middle_is_30() -> None:
     assert _sum_of_shapes("point") == sp.expand(printed.displacement_30(*printed.POINT_SHAPES))
 
 
-@pytest.mark.equation("38")
-@pytest.mark.statement("Numerical results, the fields of the rod")
 def test_displacement_in_the_mean_frame_is_38() -> None:
     assert _sum_of_shapes("mean") == sp.expand(printed.displacement_38(*printed.MEAN_SHAPES))
 
@@ -113,7 +103,6 @@ def _sum_of_shapes(frame: str) -> sp.Expr:
     return sp.expand(sum(a * shape for a, shape in zip(alpha, polynomials(frame), strict=True)))
 
 
-@pytest.mark.equation("30", "38")
 @pytest.mark.parametrize(
     ("left", "conditions"),
     [
@@ -131,14 +120,12 @@ def test_what_the_conditions_leave_of_21_is_30_and_38(left: sp.Expr, conditions:
     assert sp.expand(cubic - left.subs(found)) == 0
 
 
-@pytest.mark.statement("sentence under (41)")
 def test_translation_does_not_couple_with_deformation_in_41() -> None:
     mass = derived("mean").mass
     assert not any(mass[i, j] for i in (0, 1) for j in (2, 3, 4))
     assert all(derived("point").mass[i, j] for i in (0, 1) for j in (2, 3))
 
 
-@pytest.mark.statement("sentence under (41)")
 def test_rotation_couples_with_deformation_in_products_alone_in_41() -> None:
     """In the row of phi the amplitudes stand in second order; in their rows with phidot^2, in first order."""
     shapes = {sp.Symbol(f"alpha{i}{dot}") for i in (1, 2) for dot in ("", "dot", "ddot")}
@@ -153,7 +140,6 @@ def test_rotation_couples_with_deformation_in_products_alone_in_41() -> None:
     assert found == {"phi": {(2, 1)}, "alpha1": {(1, 2)}, "alpha2": {(1, 2)}}
 
 
-@pytest.mark.statement("sentence after (20)")
 def test_5_of_25_entries_are_left_in_41_and_15_in_33() -> None:
     counts = {frame: sum(entry != 0 for entry in derived(frame).mass) for frame in FRAMES}
     assert counts == {"point": 15, "mean": 5}

@@ -28,7 +28,6 @@ C, CDDOT = sp.Matrix(sp.symbols("c1:4")), sp.Matrix(sp.symbols("c1ddot c2ddot c3
 NOTHING = sp.zeros(3, 1)
 
 
-@pytest.mark.equation("1", "14")
 def test_place_of_a_material_point_is_1_with_14() -> None:
     X, shapes = vector("X"), (vector("Phi1"), vector("Phi2"))
     point = MaterialPoint("P", "", sp.ImmutableMatrix(X), tuple(map(sp.ImmutableMatrix, shapes)))
@@ -38,14 +37,12 @@ def test_place_of_a_material_point_is_1_with_14() -> None:
     assert (plain(found.position.xreplace(local)) - printed_continuum.position_1(C, Q, X, u)).expand() == NOTHING
 
 
-@pytest.mark.equation("5")
 def test_acceleration_in_space_is_5() -> None:
     found = plain(vector_at(MOTION, MOTION.acceleration, AT))
     stated = printed.acceleration_5(CDDOT, Q, OMEGA, OMEGADOT, AT[R], AT[RDOT], AT[RDDOT])
     assert (found - stated).expand() == NOTHING
 
 
-@pytest.mark.equation("6")
 def test_virtual_displacement_in_space_is_6() -> None:
     delta_c, delta_pi, delta_alpha = vector("delta_c"), vector("delta_pi"), sp.Symbol("delta_alpha")
     amounts = (*delta_c, *delta_pi, delta_alpha)
@@ -55,7 +52,6 @@ def test_virtual_displacement_in_space_is_6() -> None:
     assert (plain(vector_at(MOTION, field, AT)) - stated).expand() == NOTHING
 
 
-@pytest.mark.equation("18")
 def test_18_is_a_small_turn_of_the_rotation_tensor() -> None:
     chi, e, X = sp.Symbol("chi"), vector("e"), vector("X")
     turn = rotation_of((sp.cos(chi / 2), *(sp.sin(chi / 2) * e)))
@@ -87,7 +83,6 @@ def held(kind: str, node: int | None = None) -> tuple[np.ndarray, np.ndarray, np
     return masses, shapes.x, shapes.phi
 
 
-@pytest.mark.equation("18")
 def test_rigid_fields_of_nodes_are_18() -> None:
     _, x, _ = cloud()
     for axis, fields in zip(as_matrices(np.eye(3)), rigid_fields(x)[3:], strict=True):
@@ -95,7 +90,6 @@ def test_rigid_fields_of_nodes_are_18() -> None:
             assert size(printed_continuum.rotation_18(1, axis, place) - displacement) < 1e-15
 
 
-@pytest.mark.equation("16")
 def test_a_node_that_holds_the_frame_meets_16() -> None:
     _, _, phi = held("point", 4)
     _, _, loose = cloud()
@@ -104,7 +98,6 @@ def test_a_node_that_holds_the_frame_meets_16() -> None:
         assert size(printed_continuum.held_16(as_matrices(before)[4])) > 0.01
 
 
-@pytest.mark.equation("16")
 @pytest.mark.parametrize("at", [Fraction(0), Fraction(1, 2), Fraction(-1)])
 def test_a_point_of_the_beam_meets_16(at: Fraction) -> None:
     """The first condition of a point frame is the value of each power of xi there."""
@@ -114,7 +107,6 @@ def test_a_point_of_the_beam_meets_16(at: Fraction) -> None:
         assert first.on(polynomial([0] * n + [1])) == printed_continuum.held_16(shape)[1]
 
 
-@pytest.mark.equation("17", "19")
 def test_modes_in_the_mean_frame_meet_17_and_19() -> None:
     """Those of the cloud do not before; fields that do are left as they are."""
     masses, x, phi = held("mean")
@@ -129,7 +121,6 @@ def test_modes_in_the_mean_frame_meet_17_and_19() -> None:
     assert np.abs(again.phi - phi).max() < 1e-14
 
 
-@pytest.mark.equation("17", "19")
 def test_mean_conditions_of_the_beam_are_17_and_19() -> None:
     """int rho dOmega = m/2 int dxi: each condition on a power of xi is the mean of it, up to a factor, by Gauss."""
     displacement, rotation = conditions(Frame("mean"))
@@ -144,7 +135,6 @@ def test_mean_conditions_of_the_beam_are_17_and_19() -> None:
         assert abs(mass * rotation.on(power) / 4 - printed_continuum.mean_rotation_19(masses, places, field)[2]) < 1e-14
 
 
-@pytest.mark.statement("sentence under (19)")
 def test_modes_of_free_vibration_meet_17_and_19() -> None:
     """Those of masses with springs between all of them."""
     masses, x, _ = cloud(19)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import product
 
-import pytest
 import sympy as sp
 from sympy import Expr, Matrix, Rational
 
@@ -88,7 +87,6 @@ def delta_E() -> Matrix:
     return printed.green_lagrange_9(F + step * DELTA_F).diff(step).subs(step, 0)
 
 
-@pytest.mark.equation("2")
 def test_difference_of_1_is_2() -> None:
     """Between any two points, near or far."""
     dX = Matrix(sp.symbols("dX1:4"))
@@ -97,7 +95,6 @@ def test_difference_of_1_is_2() -> None:
     assert (moved - printed_continuum.difference_2(Q, dX, U.xreplace(there), U)).expand() == sp.zeros(3, 1)
 
 
-@pytest.mark.equation("3", "4")
 def test_2_is_3_with_4_for_near_points() -> None:
     dX, step = Matrix(sp.symbols("dX1:4")), sp.Symbol("step")
     there = dict(zip(X, AT + step * dX, strict=True))
@@ -106,7 +103,6 @@ def test_2_is_3_with_4_for_near_points() -> None:
     assert (moved.diff(step).subs(step, 0) - line).expand() == sp.zeros(3, 1)
 
 
-@pytest.mark.equation("12")
 def test_12_is_the_force_of_the_cauchy_stress() -> None:
     """The second Piola-Kirchhoff stress is the T with sigma = F . T . F^c / det F; sigma acts on the deformed area."""
     G = Matrix(3, 3, sp.symbols("F1:4(1:4)"))
@@ -119,7 +115,6 @@ def test_12_is_the_force_of_the_cauchy_stress() -> None:
         assert (force - load).applyfunc(sp.cancel) == sp.zeros(3, 1)
 
 
-@pytest.mark.equation("7")
 def test_7_is_the_balance_of_momentum_of_a_brick() -> None:
     """What is left of (7), integrated, is the load on the faces and the body force less the mass times acceleration."""
     b = field(53, 1)
@@ -129,13 +124,11 @@ def test_7_is_the_balance_of_momentum_of_a_brick() -> None:
         assert volume(residual.dot(e)) == forces - volume(RHO * XDDOT.dot(e)) != 0
 
 
-@pytest.mark.equation("10")
 def test_10_is_7_without_b_times_a_virtual_displacement() -> None:
     residual = printed_continuum.momentum_7(T, F, RHO, sp.zeros(3, 1), XDDOT, X)
     assert sp.expand(printed_continuum.virtual_work_10(T, F, RHO, XDDOT, DELTA_X, X) - residual.dot(DELTA_X)) == 0
 
 
-@pytest.mark.equation("10", "11")
 def test_11_is_10_by_the_divergence_theorem() -> None:
     """For a stress that balances nothing: the left sides differ by their sign and by the work on the surface."""
     before = volume(printed_continuum.virtual_work_10(T, F, RHO, XDDOT, DELTA_X, X))
@@ -145,22 +138,18 @@ def test_11_is_10_by_the_divergence_theorem() -> None:
     assert 0 not in (before, inside, outside)
 
 
-@pytest.mark.equation("12")
 def test_the_surface_term_of_11_is_the_work_of_12() -> None:
     for n in EDGES:
         work = printed_continuum.load_12(T, F, n).dot(DELTA_X)
         assert sp.expand(printed_continuum.surface_11(T, F, n, DELTA_X) - work) == 0
 
 
-@pytest.mark.equation("8", "13")
 def test_13_is_11_with_the_stress_8_and_a_free_surface() -> None:
     E = printed.green_lagrange_9(F)
     inside = printed_continuum.volume_11(printed_continuum.stress_8(E, MU, LAMDA), delta_E(), RHO, XDDOT, DELTA_X)
     assert sp.expand(inside - printed_continuum.volume_13(E, delta_E(), MU, LAMDA, RHO, XDDOT, DELTA_X)) == 0
 
 
-@pytest.mark.equation("13")
-@pytest.mark.statement("sentence under (13)")
 def test_the_first_term_of_13_is_the_variation_of_the_strain_energy() -> None:
     """Of mu E : E + lambda/2 tr(E)^2 per volume, along x + step delta x."""
     step = sp.Symbol("step")

@@ -100,14 +100,12 @@ def differing(printed: tuple[PrintedTerm, ...], rows: dict[str, sp.Expr]) -> set
     return {row for row in ROWS if sp.expand(row_sum(printed, row) - rows[row]) != 0}
 
 
-@pytest.mark.equation("33", "41")
 @pytest.mark.parametrize("frame", PRINTED)
 @pytest.mark.parametrize("source", SOURCES)
 def test_equations_are_the_printed_ones(frame: str, source: str) -> None:
     assert differing(PRINTED[frame], SOURCES[source](frame)) == set()
 
 
-@pytest.mark.equation("33", "41")
 @pytest.mark.parametrize(("frame", "index"), [(f, i) for f, terms in PRINTED.items() for i in range(len(terms))])
 @pytest.mark.parametrize("sign", [0, -1])
 def test_a_changed_term_is_noticed(frame: str, index: int, sign: int) -> None:
@@ -117,7 +115,6 @@ def test_a_changed_term_is_noticed(frame: str, index: int, sign: int) -> None:
     assert differing(tuple(terms), derived_rows(frame)) == {term.row}
 
 
-@pytest.mark.equation("31", "32", "39", "40")
 @pytest.mark.parametrize(("frame", "printed"), [("point", POINT_SHAPES), ("mean", MEAN_SHAPES)])
 def test_shapes_are_the_printed_ones(frame: str, printed: tuple[sp.Expr, ...]) -> None:
     from derive.mechanics.bodies.reference_conditions import assumed_shapes
@@ -130,7 +127,6 @@ def test_shapes_are_the_printed_ones(frame: str, printed: tuple[sp.Expr, ...]) -
         assert sp.expand(found - expected) == 0
 
 
-@pytest.mark.equation("33", "41")
 @pytest.mark.parametrize("frame", PRINTED)
 def test_compiled_c_is_the_printed_equation(frame: str) -> None:
     """1000 random states; an error is measured against the sum of the magnitudes of the printed terms."""

@@ -27,7 +27,6 @@ def spatial(vector: sp.Matrix) -> sp.Matrix:
     return sp.Matrix([*vector, 0])
 
 
-@pytest.mark.equation("26")
 def test_rotation_is_26_and_its_axis_27() -> None:
     rotation, frame = fields()
     q = rotation.tensor.subs(rotation.functions)
@@ -35,7 +34,6 @@ def test_rotation_is_26_and_its_axis_27() -> None:
     assert frame.angular_velocity_tensor / OMEGA == sp.Matrix([[0, -1], [1, 0]])
 
 
-@pytest.mark.equation("5")
 def test_acceleration_is_5() -> None:
     """Q times the derived field, without cddot, for r, rdot and rddot with free components."""
     _, frame = fields()
@@ -48,7 +46,6 @@ def test_acceleration_is_5() -> None:
     assert (q * spatial(found) - expected).applyfunc(sp.expand) == sp.zeros(3, 1)
 
 
-@pytest.mark.equation("6")
 def test_virtual_displacement_is_6() -> None:
     _, frame = fields()
     r, shape = vectors("r", "Phi")
@@ -63,7 +60,6 @@ def test_virtual_displacement_is_6() -> None:
     assert (q * spatial(found) - expected).applyfunc(sp.expand) == sp.zeros(3, 1)
 
 
-@pytest.mark.equation("28", "29", "35", "37")
 @pytest.mark.parametrize(
     ("frame", "expected"),
     [

@@ -82,13 +82,11 @@ def differing(terms: tuple[PrintedVector, ...], rows: dict[str, tuple[sp.Expr, .
     return different
 
 
-@pytest.mark.equation("15")
 @pytest.mark.parametrize("n", [0, 1, 2, 3])
 def test_equations_are_15(n: int) -> None:
     assert differing(equation_15(General(n), ROTATION), derived_rows(n)) == set()
 
 
-@pytest.mark.equation("15")
 @pytest.mark.parametrize("index", range(len(equation_15(General(2), ROTATION))))
 @pytest.mark.parametrize("sign", [0, -1])
 def test_a_changed_term_of_15_is_noticed(index: int, sign: int) -> None:

@@ -38,13 +38,11 @@ def rows_under(n: int, mean: bool, displacement: bool = True, rotation: bool = T
     return {row: tuple(e.xreplace(conditions) for e in found) for row, found in derived_rows(n, mean=mean).items()}
 
 
-@pytest.mark.equation("20")
 @pytest.mark.parametrize("n", [1, 2])
 def test_equations_in_the_mean_frame_are_20(n: int) -> None:
     assert differing(under(equation_20(General(n)), no_mean_rotation(n)), rows_under(n, mean=True)) == set()
 
 
-@pytest.mark.equation("20")
 @pytest.mark.parametrize("index", range(len(equation_20(General(2)))))
 @pytest.mark.parametrize("sign", [0, -1])
 def test_a_changed_term_of_20_is_noticed(index: int, sign: int) -> None:
@@ -54,7 +52,6 @@ def test_a_changed_term_of_20_is_noticed(index: int, sign: int) -> None:
     assert differing(tuple(terms), rows_under(2, mean=True)) == {changed.row}
 
 
-@pytest.mark.statement("remark under (19)")
 @pytest.mark.parametrize("n", [1, 2])
 def test_19_cancels_c6_and_leaves_d3_proportional_to_alpha(n: int) -> None:
     """Not c3; and what d3 is proportional to is the whole column alpha."""
@@ -67,7 +64,6 @@ def test_19_cancels_c6_and_leaves_d3_proportional_to_alpha(n: int) -> None:
         assert (d3 - minus_c7_alpha).expand() == sp.zeros(3, 1)
 
 
-@pytest.mark.statement("sentence before (20)")
 def test_20_needs_19_as_well() -> None:
     """With (17) and the choice of O alone the rows of the shapes keep omegadot . c6."""
     terms = under(equation_20(General(2)), no_mean_displacement(2))
@@ -80,7 +76,6 @@ def test_20_needs_19_as_well() -> None:
     assert differing(terms, rows) == set()
 
 
-@pytest.mark.statement("sentence before (20)")
 def test_17_and_the_choice_of_o_cancel_d1_and_c2() -> None:
     """What is left of (15) under (17) and the choice of O is what has neither d1 nor c2."""
     body = General(2)
@@ -90,7 +85,6 @@ def test_17_and_the_choice_of_o_cancel_d1_and_c2() -> None:
     assert differing(terms, rows_under(2, mean=False, rotation=False)) == set()
 
 
-@pytest.mark.statement("sentence after (20)")
 def test_the_mass_matrix_is_sparser_in_the_mean_frame() -> None:
     """The accelerations of c leave all other rows, and those of the others leave the rows of c."""
     for n in (1, 2):
@@ -99,7 +93,6 @@ def test_the_mass_matrix_is_sparser_in_the_mean_frame() -> None:
         assert all(general[i, j] for i in range(3) for j in range(3, 6 + n))
 
 
-@pytest.mark.statement("sentence after (17)")
 def test_c_is_the_translation_of_the_centre_of_mass_when_o_is_there() -> None:
     """int rho xdot = m cdot takes (17) and the choice of O: with (17) alone c1 is left."""
     motion = spatial_motion(2)

@@ -39,7 +39,6 @@ def disagreeing_rows(terms: Iterable[PrintedTerm], shapes: tuple[Expr, ...]) -> 
 # (33) and (41)
 
 
-@pytest.mark.equation("33", "41")
 @pytest.mark.parametrize("number", SYSTEMS)
 def test_printed_rows_equal_brute_force(number: str) -> None:
     terms, shapes = SYSTEMS[number]
@@ -149,14 +148,12 @@ def test_brute_force_refuses_what_is_no_polynomial() -> None:
 # (22), (26)
 
 
-@pytest.mark.equation("22")
 @pytest.mark.parametrize("shapes", SHAPE_SETS)
 def test_22_is_the_energy_of_curvature(shapes: tuple[Expr, ...]) -> None:
     v = brute_force.lateral_displacement(shapes)
     assert sympy.expand(printed.strain_energy_22(v) - brute_force.strain_energy(shapes)) == 0
 
 
-@pytest.mark.equation("22")
 def test_22_of_a_uniform_curvature() -> None:
     """v = kappa x^2 / 2 with x = xi l / 2 has 1/2 EI kappa^2 l, known without any integration."""
     kappa = Symbol("kappa")
@@ -164,7 +161,6 @@ def test_22_of_a_uniform_curvature() -> None:
     assert sympy.expand(printed.strain_energy_22(v) - printed.EI * kappa**2 * printed.l / 2) == 0
 
 
-@pytest.mark.equation("26")
 def test_26_turns_the_axis_of_the_beam() -> None:
     """The printed dyads, applied to e1, e2, e3; the turn is positive about e3."""
     Q = printed.ROTATION_26
@@ -192,19 +188,16 @@ def shapes_left(conditions: Sequence[Expr]) -> tuple[Expr, ...]:
     return tuple(sympy.expand(shape / shape.subs(xi, 1)) for shape in shapes)
 
 
-@pytest.mark.equation("28", "29")
 def test_28_and_29_say_that_the_middle_neither_moves_nor_turns() -> None:
     v = printed.DISPLACEMENT_21
     assert sympy.expand(v.subs(xi, 0) - printed.CONDITION_28) == 0
     assert sympy.expand(sympy.diff(v, xi).subs(xi, 0) - printed.CONDITION_29) == 0
 
 
-@pytest.mark.equation("31", "32")
 def test_31_and_32_are_what_28_and_29_leave() -> None:
     assert shapes_left([printed.CONDITION_28, printed.CONDITION_29]) == printed.POINT_SHAPES
 
 
-@pytest.mark.equation("34", "35", "36", "37")
 def test_35_and_37_are_34_and_36_of_21() -> None:
     """Up to the factors 2/3 and 2/15, which a condition may lose; the integrals also by brute force."""
     v = printed.DISPLACEMENT_21
@@ -216,14 +209,12 @@ def test_35_and_37_are_34_and_36_of_21() -> None:
         assert sympy.expand(integral - brute_force.integral(integrand)) == 0
 
 
-@pytest.mark.equation("39", "40")
 def test_39_and_40_are_what_35_and_37_leave() -> None:
     expected = tuple(sympy.expand(shape) for shape in printed.MEAN_SHAPES)
     assert shapes_left([printed.CONDITION_35, printed.CONDITION_37]) == expected
     assert expected == (sympy.legendre(2, xi), sympy.legendre(3, xi))
 
 
-@pytest.mark.equation("30")
 def test_30_has_no_rigid_motion_left() -> None:
     """(30), the same line as (38), meets the conditions of its own frame, and not those of the other."""
     point, mean = (printed.displacement_30(*shapes) for shapes in (printed.POINT_SHAPES, printed.MEAN_SHAPES))
@@ -300,8 +291,6 @@ def motion_1(Q: Matrix) -> Matrix:
     return vector("c") + Q * (vector("X") + vector("u"))
 
 
-@pytest.mark.equation("5")
-@pytest.mark.statement("sentence under (6)")
 def test_5_is_the_second_derivative_of_1() -> None:
     Q = general_rotation()
     # omega from Q^c . Qdot; brought to normal form first, which keeps the products below short.
@@ -314,8 +303,6 @@ def test_5_is_the_second_derivative_of_1() -> None:
     assert expanded(derived - stated) == sympy.zeros(3, 1)
 
 
-@pytest.mark.equation("6")
-@pytest.mark.statement("sentence under (6)")
 def test_6_is_the_variation_of_1() -> None:
     Q = general_rotation()
     variation = (
@@ -331,7 +318,6 @@ def test_6_is_the_variation_of_1() -> None:
     assert expanded(derived - stated) == sympy.zeros(3, 1)
 
 
-@pytest.mark.equation("5")
 def test_5_of_a_point_on_a_turntable() -> None:
     """Numbers known by heart: centripetal, Euler and Coriolis acceleration at radius 2, spin 3."""
     e1, e3, zero, Q = Matrix([1, 0, 0]), Matrix([0, 0, 1]), sympy.zeros(3, 1), sympy.eye(3)
@@ -350,7 +336,6 @@ def stretched_body() -> tuple[Matrix, Matrix, Matrix]:
     return vector("c") + Q * (X + u), nabla_u, Q
 
 
-@pytest.mark.equation("4")
 def test_4_is_the_gradient_of_1() -> None:
     x, nabla_u, Q = stretched_body()
     dX = vector("dX")
@@ -358,7 +343,6 @@ def test_4_is_the_gradient_of_1() -> None:
     assert expanded(dx - printed.deformation_4(Q, nabla_u) * dX) == sympy.zeros(3, 1)
 
 
-@pytest.mark.equation("9")
 def test_9_is_the_stretch_of_line_elements() -> None:
     """dx . dx - dX . dX = 2 dX . E . dX for any line element; E is symmetric and blind to the rotation."""
     x, nabla_u, Q = stretched_body()

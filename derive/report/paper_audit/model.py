@@ -92,8 +92,7 @@ class Assumption:
 class Statement:
     """A statement of the paper outside of its equations, paraphrased: its place, what is true, and tests that prove it.
 
-    The place is also the key by which tests are marked. Formulas stand between dollar signs, code between backticks;
-    likewise in the texts of rows and assumptions.
+    Formulas stand between dollar signs, code between backticks; likewise in the texts of rows and assumptions.
     """
 
     place: str

@@ -82,9 +82,9 @@ def _introduction(rows: Sequence[AuditRow]) -> Iterator[Block]:
     )
     yield Paragraph(
         marked_text(
-            "A row is called equal only where a test compares the equation; another test holds this page against the "
-            "marks of the tests, in both directions, and evaluates every formula shown, with its correction, against "
-            "what they compare. Tests are named as `file::name` in the folder `tests/paper`. Where the derivation does "
+            "A row is called equal only where a test compares the equation; another test checks that each named test "
+            "exists and uses the equation, and evaluates every formula shown, with its correction, against what they "
+            "compare. Tests are named as `file::name` in the folder `tests/paper`. Where the derivation does "
             "without an equation, a test derives it. Vectors and columns are bold italic, tensors and matrices bold."
         )
     )
