@@ -30,7 +30,6 @@ class PrintedTerm:
     """One term of one row, so that a test can leave out, or turn the sign of, each term by itself."""
 
     row: str
-    text: str
     expr: sympy.Expr
 
 
@@ -43,50 +42,50 @@ def row_sum(terms: Iterable[PrintedTerm], row: str) -> sympy.Expr:
 # as printed, in the order of printing.
 
 EQUATION_33: tuple[PrintedTerm, ...] = (
-    PrintedTerm("c1", "m c1''", m * c1ddot),
-    PrintedTerm("c1", "- m alpha1 phi'' cos(phi) / 3", -m * alpha1 * phiddot * cos(phi) / 3),
-    PrintedTerm("c1", "+ m alpha1 phi'^2 sin(phi) / 3", m * alpha1 * phidot**2 * sin(phi) / 3),
-    PrintedTerm("c1", "- 2 m phi' alpha1' cos(phi) / 3", -2 * m * phidot * alpha1dot * cos(phi) / 3),
-    PrintedTerm("c1", "- m alpha1'' sin(phi) / 3", -m * alpha1ddot * sin(phi) / 3),
-    PrintedTerm("c2", "m c2''", m * c2ddot),
-    PrintedTerm("c2", "- m alpha1 phi'' sin(phi) / 3", -m * alpha1 * phiddot * sin(phi) / 3),
-    PrintedTerm("c2", "- m alpha1 phi'^2 cos(phi) / 3", -m * alpha1 * phidot**2 * cos(phi) / 3),
-    PrintedTerm("c2", "- 2 m phi' alpha1' sin(phi) / 3", -2 * m * phidot * alpha1dot * sin(phi) / 3),
-    PrintedTerm("c2", "+ m alpha1'' cos(phi) / 3", m * alpha1ddot * cos(phi) / 3),
-    PrintedTerm("phi", "- m alpha1 c1'' cos(phi) / 3", -m * alpha1 * c1ddot * cos(phi) / 3),
-    PrintedTerm("phi", "- m alpha1 c2'' sin(phi) / 3", -m * alpha1 * c2ddot * sin(phi) / 3),
-    PrintedTerm("phi", "+ m phi'' l^2 / 12", m * phiddot * l**2 / 12),
-    PrintedTerm("phi", "+ m phi'' alpha1^2 / 5", m * phiddot * alpha1**2 / 5),
-    PrintedTerm("phi", "+ m phi'' alpha2^2 / 7", m * phiddot * alpha2**2 / 7),
-    PrintedTerm("phi", "+ 2 m phi' alpha1 alpha1' / 5", 2 * m * phidot * alpha1 * alpha1dot / 5),
-    PrintedTerm("phi", "+ 2 m phi' alpha2 alpha2' / 7", 2 * m * phidot * alpha2 * alpha2dot / 7),
-    PrintedTerm("phi", "+ m l alpha2'' / 10", m * l * alpha2ddot / 10),
-    PrintedTerm("alpha1", "- m c1'' sin(phi) / 3", -m * c1ddot * sin(phi) / 3),
-    PrintedTerm("alpha1", "+ m c2'' cos(phi) / 3", m * c2ddot * cos(phi) / 3),
-    PrintedTerm("alpha1", "- m phi'^2 alpha1 / 5", -m * phidot**2 * alpha1 / 5),
-    PrintedTerm("alpha1", "+ m alpha1'' / 5", m * alpha1ddot / 5),
-    PrintedTerm("alpha1", "+ 64 alpha1 EI / l^3", 64 * alpha1 * EI / l**3),
-    PrintedTerm("alpha2", "m l phi'' / 10", m * l * phiddot / 10),
-    PrintedTerm("alpha2", "- m phi'^2 alpha2 / 7", -m * phidot**2 * alpha2 / 7),
-    PrintedTerm("alpha2", "+ m alpha2'' / 7", m * alpha2ddot / 7),
-    PrintedTerm("alpha2", "+ 192 alpha2 EI / l^3", 192 * alpha2 * EI / l**3),
+    PrintedTerm("c1", m * c1ddot),
+    PrintedTerm("c1", -m * alpha1 * phiddot * cos(phi) / 3),
+    PrintedTerm("c1", m * alpha1 * phidot**2 * sin(phi) / 3),
+    PrintedTerm("c1", -2 * m * phidot * alpha1dot * cos(phi) / 3),
+    PrintedTerm("c1", -m * alpha1ddot * sin(phi) / 3),
+    PrintedTerm("c2", m * c2ddot),
+    PrintedTerm("c2", -m * alpha1 * phiddot * sin(phi) / 3),
+    PrintedTerm("c2", -m * alpha1 * phidot**2 * cos(phi) / 3),
+    PrintedTerm("c2", -2 * m * phidot * alpha1dot * sin(phi) / 3),
+    PrintedTerm("c2", m * alpha1ddot * cos(phi) / 3),
+    PrintedTerm("phi", -m * alpha1 * c1ddot * cos(phi) / 3),
+    PrintedTerm("phi", -m * alpha1 * c2ddot * sin(phi) / 3),
+    PrintedTerm("phi", m * phiddot * l**2 / 12),
+    PrintedTerm("phi", m * phiddot * alpha1**2 / 5),
+    PrintedTerm("phi", m * phiddot * alpha2**2 / 7),
+    PrintedTerm("phi", 2 * m * phidot * alpha1 * alpha1dot / 5),
+    PrintedTerm("phi", 2 * m * phidot * alpha2 * alpha2dot / 7),
+    PrintedTerm("phi", m * l * alpha2ddot / 10),
+    PrintedTerm("alpha1", -m * c1ddot * sin(phi) / 3),
+    PrintedTerm("alpha1", m * c2ddot * cos(phi) / 3),
+    PrintedTerm("alpha1", -m * phidot**2 * alpha1 / 5),
+    PrintedTerm("alpha1", m * alpha1ddot / 5),
+    PrintedTerm("alpha1", 64 * alpha1 * EI / l**3),
+    PrintedTerm("alpha2", m * l * phiddot / 10),
+    PrintedTerm("alpha2", -m * phidot**2 * alpha2 / 7),
+    PrintedTerm("alpha2", m * alpha2ddot / 7),
+    PrintedTerm("alpha2", 192 * alpha2 * EI / l**3),
 )
 """Conditions on a selected material point, shapes (31) and (32)."""
 
 EQUATION_41: tuple[PrintedTerm, ...] = (
-    PrintedTerm("c1", "m c1''", m * c1ddot),
-    PrintedTerm("c2", "m c2''", m * c2ddot),
-    PrintedTerm("phi", "m phi'' l^2 / 12", m * phiddot * l**2 / 12),
-    PrintedTerm("phi", "+ m phi'' alpha1^2 / 5", m * phiddot * alpha1**2 / 5),
-    PrintedTerm("phi", "+ m phi'' alpha2^2 / 7", m * phiddot * alpha2**2 / 7),
-    PrintedTerm("phi", "+ 2 m phi' alpha1 alpha1' / 5", 2 * m * phidot * alpha1 * alpha1dot / 5),
-    PrintedTerm("phi", "+ 2 m phi' alpha2 alpha2' / 7", 2 * m * phidot * alpha2 * alpha2dot / 7),
-    PrintedTerm("alpha1", "m alpha1'' / 5", m * alpha1ddot / 5),
-    PrintedTerm("alpha1", "- m phi'^2 alpha1 / 5", -m * phidot**2 * alpha1 / 5),
-    PrintedTerm("alpha1", "+ 144 alpha1 EI / l^3", 144 * alpha1 * EI / l**3),
-    PrintedTerm("alpha2", "m alpha2'' / 7", m * alpha2ddot / 7),
-    PrintedTerm("alpha2", "- m phi'^2 alpha2 / 7", -m * phidot**2 * alpha2 / 7),
-    PrintedTerm("alpha2", "+ 1200 alpha2 EI / l^3", 1200 * alpha2 * EI / l**3),
+    PrintedTerm("c1", m * c1ddot),
+    PrintedTerm("c2", m * c2ddot),
+    PrintedTerm("phi", m * phiddot * l**2 / 12),
+    PrintedTerm("phi", m * phiddot * alpha1**2 / 5),
+    PrintedTerm("phi", m * phiddot * alpha2**2 / 7),
+    PrintedTerm("phi", 2 * m * phidot * alpha1 * alpha1dot / 5),
+    PrintedTerm("phi", 2 * m * phidot * alpha2 * alpha2dot / 7),
+    PrintedTerm("alpha1", m * alpha1ddot / 5),
+    PrintedTerm("alpha1", -m * phidot**2 * alpha1 / 5),
+    PrintedTerm("alpha1", 144 * alpha1 * EI / l**3),
+    PrintedTerm("alpha2", m * alpha2ddot / 7),
+    PrintedTerm("alpha2", -m * phidot**2 * alpha2 / 7),
+    PrintedTerm("alpha2", 1200 * alpha2 * EI / l**3),
 )
 """Conditions on mean displacements, shapes (39) and (40)."""
 

@@ -29,7 +29,7 @@ V = 3 - 2 * printed.xi + 5 * printed.xi**2 + 7 * printed.xi**3
 
 UNITS = {f"e_{k + 1}": tensor(sp.eye(3)[:, k]) for k in range(3)}
 NAMES = {name: scalar(symbol) for name, symbol in SYMBOLS.items()} | UNITS
-NAMES |= {"phi_1": scalar(SHAPES[0]), "phi_2": scalar(SHAPES[1]), "δ phi": scalar(sp.Symbol("delta_phi"))}
+NAMES |= {"ϕ_1": scalar(SHAPES[0]), "ϕ_2": scalar(SHAPES[1]), "δ phi": scalar(sp.Symbol("delta_phi"))}
 NAMES |= {"v": scalar(V), "second derivative": scalar(sp.diff(V, printed.xi, 2))}
 
 

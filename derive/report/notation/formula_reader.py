@@ -1,9 +1,9 @@
 """Formulas written in a line, such as `Q . {X + u}`, as trees: those that no symbol of the derivation gives.
 
-Names are single letters, Greek letters by their names, and the words below; primes are dots of time, `_1` and `_{ij}`
-indices. A superscript of digits is a power, any other stays with its name (`Q^c`). The signs `.`, `><` and `:` are the
-products of vectors and tensors; `delta`, `partial` and the d of `dxi` stand before what they act on; `int` and `sum`
-may have limits; `1/2` with spaces around it is a fraction, other strokes stay in the line.
+Names are single letters, Greek letters by their names or ϕ, and the words below; primes are dots of time, `_1` and
+`_{ij}` indices. A superscript of digits is a power, any other stays with its name (`Q^c`). The signs `.`, `><` and `:`
+are the products of vectors and tensors; `delta`, `partial` and the d of `dxi` stand before what they act on; `int` and
+`sum` may have limits; `1/2` with spaces around it is a fraction, other strokes stay in the line.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from derive.report.notation.typeset_names import TENSORS, stem
 Style = Literal["scalar", "vector", "tensor", "word"]
 
 _TOKEN = re.compile(
-    r"(?P<space>\s+)|(?P<half>1/2(?=\s))|(?P<number>\d+)|(?P<letters>[A-Za-z]+)|(?P<prime>'+)|(?P<script>[_^])"
+    r"(?P<space>\s+)|(?P<half>1/2(?=\s))|(?P<number>\d+)|(?P<letters>[A-Za-z]+|ϕ)|(?P<prime>'+)|(?P<script>[_^])"
     r"|(?P<sign>><|!=|[-+=.:/,|])|(?P<open>[({\[])|(?P<close>[)}\]])"
 )
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
@@ -68,14 +68,14 @@ def marked_text(text: str, scalars: bool = False) -> tuple[str | Math | CodeSpan
     return tuple(result)
 
 
-def equation(text: str, scalars: bool = False) -> Equation:
-    """A line `left = right`, or `name: right`, whose right side may break between its summands."""
+def equation(text: str, scalars: bool = False, number: str = "") -> Equation:
+    """A line `left = right`, or `name: right`, whose right side may break between its summands; with its number."""
     parts = _Reader(text, scalars).parts()
     signs = list(map(text_of, parts))
     at = next((signs.index(sign) for sign in ("=", ":") if sign in signs), None)
     if at is None:
-        return Equation(FormulaRow(()), summands(parts), relation="")
-    return Equation(_plain(parts[:at]), summands(parts[at + 1 :]), relation=text_of(parts[at]))
+        return Equation(FormulaRow(()), summands(parts), "", number)
+    return Equation(_plain(parts[:at]), summands(parts[at + 1 :]), text_of(parts[at]), number)
 
 
 def text_of(part: Formula) -> str:

@@ -19,7 +19,7 @@ KINEMATICS = (
         "Place of a material point",
         ("x(X, t) = c(t) + Q(t) . {X + u(X, t)}",),
         kind="definition",
-        derived=kinematics.position,
+        derived=lambda: (kinematics.position(),),
         note="Defines $c$, $Q$ and $u$; $r$ stands for $X + u$.",
         where=("derive/mechanics/motion/kinematics.py::position", "derive/mechanics/motion/body_motion.py::position"),
         tests=tests(SPACE, "test_place_of_a_material_point_is_1_with_14"),
@@ -55,7 +55,7 @@ KINEMATICS = (
         "5",
         "Acceleration of a material point",
         ("x'' = c'' + Q . {omega >< [omega >< (X + u)] + omega' >< (X + u) + 2 omega >< u' + u''}",),
-        derived=kinematics.acceleration,
+        derived=lambda: (kinematics.acceleration(),),
         tests=(
             *tests(SPACE, "test_acceleration_in_space_is_5"),
             *tests(PLANE, "test_acceleration_is_5"),
@@ -66,7 +66,7 @@ KINEMATICS = (
         "6",
         "Virtual displacement of a material point",
         ("delta x = delta c + Q . {delta pi >< (X + u) + delta u}",),
-        derived=kinematics.virtual_displacement,
+        derived=lambda: (kinematics.virtual_displacement(),),
         misread=(
             ("delta x", "delta x''"),
             ("delta c", "delta c''"),

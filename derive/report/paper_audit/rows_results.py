@@ -35,7 +35,7 @@ def _row(number: str, title: str, line: str, result: Derived, proof: tuple[str, 
     return AuditRow(number, title, (line,), derived=result, note=note, tests=proof, scalars=True)
 
 
-EXPANSION = "v(xi, t) = alpha_1(t) phi_1(xi) + alpha_2(t) phi_2(xi)"
+EXPANSION = "v(xi, t) = alpha_1(t) ϕ_1(xi) + alpha_2(t) ϕ_2(xi)"
 FACTOR = "As derived in whole numbers without a common divisor."
 
 POINT = (
@@ -60,8 +60,8 @@ POINT = (
         ),
         "With (31) and (32): all that (28) and (29) leave of (21), and no rigid motion.",
     ),
-    _row("31", "First shape", "phi_1(xi) = xi^2", partial(derived.shape, "point", 1), LEFT_BY_POINT),
-    _row("32", "Second shape", "phi_2(xi) = xi^3", partial(derived.shape, "point", 2), LEFT_BY_POINT),
+    _row("31", "First shape", "ϕ_1(xi) = xi^2", partial(derived.shape, "point", 1), LEFT_BY_POINT),
+    _row("32", "Second shape", "ϕ_2(xi) = xi^3", partial(derived.shape, "point", 2), LEFT_BY_POINT),
     AuditRow(
         "33",
         "Equations of motion in the frame of the middle",
@@ -133,8 +133,8 @@ MEAN = (
         (*tests(BEAM, "test_displacement_in_the_mean_frame_is_38"), *ALL_OF_IT),
         "With (39) and (40): all that (35) and (37) leave of (21).",
     ),
-    _row("39", "First shape", "phi_1(xi) = 1/2 (-1 + 3 xi^2)", partial(derived.shape, "mean", 1), LEFT_BY_MEAN),
-    _row("40", "Second shape", "phi_2(xi) = 1/2 (-3 xi + 5 xi^3)", partial(derived.shape, "mean", 2), LEFT_BY_MEAN),
+    _row("39", "First shape", "ϕ_1(xi) = 1/2 (-1 + 3 xi^2)", partial(derived.shape, "mean", 1), LEFT_BY_MEAN),
+    _row("40", "Second shape", "ϕ_2(xi) = 1/2 (-3 xi + 5 xi^3)", partial(derived.shape, "mean", 2), LEFT_BY_MEAN),
     AuditRow(
         "41",
         "Equations of motion in the mean frame",

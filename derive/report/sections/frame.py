@@ -37,6 +37,7 @@ class PaperNumbers:
 MEAN = PaperNumbers(("35", "37"), ("39", "40"), "38", "41")
 POINT = PaperNumbers(("28", "29"), ("31", "32"), "30", "33")
 
+DEFLECTION = "v = sum_i alpha_i ϕ_i"
 ZERO = (Part("+", NumberToken("0")),)
 
 LISTED = 3
@@ -131,7 +132,7 @@ def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
             Paragraph((FRAMES[spec.frame.kind], FAMILIES[spec.ansatz.kind])),
             *((Paragraph(("They fulfil the conditions of the frame:",)), fulfilled) if fulfilled.rows else ()),
             Paragraph((f"With {shapes} of them, from that of the lowest frequency on, the deflection is",)),
-            EquationBlock((_deflection(""), *lines)),
+            EquationBlock((equation(DEFLECTION, scalars=True), *lines)),
         )
     return (
         Heading("The frame and what it removes", "frame"),
@@ -140,7 +141,7 @@ def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
         *_conditions(spec),
         *((Paragraph((OF_THE_BEAM,)),) if spec.masses else ()),
         Paragraph(_left(spec, shapes)),
-        EquationBlock((_deflection(numbers.deflection if numbers else ""), *lines)),
+        EquationBlock((equation(DEFLECTION, scalars=True, number=numbers.deflection if numbers else ""), *lines)),
     )
 
 
@@ -223,12 +224,6 @@ def _ansatz(terms: tuple[Polynomial, ...]) -> tuple[Part, ...]:
     return tuple(parts)
 
 
-def _deflection(number: str) -> Equation:
-    """v as a sum of the shapes."""
-    total = FormulaRow((Name("\N{N-ARY SUMMATION}", below=("i",)), Name("alpha", below=("i",)), shape_name("i")))
-    return Equation(Name("v"), (Part("+", total),), number=number)
-
-
 def _a(j: int) -> Name:
     return Name("a", below=(str(j),))
 
@@ -252,7 +247,12 @@ def body_frame_blocks(spec: NodalBody | SymbolicBody) -> tuple[Block, ...]:
     if kind == "mean":
         results += [
             Paragraph((MEAN_OF_MODES,)),
-            EquationBlock((_line("17", "int_Omega rho Phi_i dOmega = 0"), _rotation())),
+            EquationBlock(
+                (
+                    equation("int_Omega rho Phi_i dOmega = 0", number="17"),
+                    equation("int_Omega rho X >< Phi_i dOmega = 0", number="19"),
+                )
+            ),
         ]
     elif kind == "point":
         assert isinstance(spec, NodalBody)
@@ -260,7 +260,7 @@ def body_frame_blocks(spec: NodalBody | SymbolicBody) -> tuple[Block, ...]:
             f"The frame is fixed to node {spec.frame.node}: no mode displaces it, nor turns it and its neighbours on "
             "average."
         )
-        results += [Paragraph((words,)), EquationBlock((_line("16", "Phi_i(P_c) = 0"),))]
+        results += [Paragraph((words,)), EquationBlock((equation("Phi_i(P_c) = 0", number="16"),))]
     else:
         results.append(Paragraph((GIVEN_MODES,)))
     if isinstance(spec, NodalBody):
@@ -275,15 +275,6 @@ def _without_stiffness(spec: NodalBody) -> list[Block]:
 
     modes = ", ".join(map(str, zero_stiffness_modes(spec)))
     return [Paragraph((f"No stiffness in mode {modes}: is a part loose, or are elements missing?",))] if modes else []
-
-
-def _line(number: str, text: str) -> Equation:
-    line = equation(text)
-    return Equation(line.left, line.parts, line.relation, number)
-
-
-def _rotation() -> Equation:
-    return _line("19", "int_Omega rho X >< Phi_i dOmega = 0")
 
 
 def _residuals(spec: NodalBody) -> list[Block]:

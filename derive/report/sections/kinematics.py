@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import sympy as sp
 
 from derive.mechanics import quantity
@@ -35,24 +33,24 @@ MOTION = spatial_motion(0)
 AT = {R: arrow("r"), RDOT: arrow("rdot"), RDDOT: arrow("rddot"), PHI: arrow("Phi_i")}
 
 
-def position() -> tuple[Equation, ...]:
+def position() -> Equation:
     """The position x of a material point, from the field of the positions."""
-    return (Equation(formula("x"), summands(vector_at(MOTION, MOTION.position, AT))),)
+    return Equation(formula("x"), summands(vector_at(MOTION, MOTION.position, AT)), number="1")
 
 
-def acceleration() -> tuple[Equation, ...]:
+def acceleration() -> Equation:
     """The acceleration: the field of the positions, differentiated twice."""
-    return (Equation(formula("x''"), summands(vector_at(MOTION, MOTION.acceleration, AT))),)
+    return Equation(formula("x''"), summands(vector_at(MOTION, MOTION.acceleration, AT)), number="5")
 
 
-def virtual_displacement() -> tuple[Equation, ...]:
+def virtual_displacement() -> Equation:
     """The virtual displacement: the velocity with the rates varied."""
     fields: list[Field] = []
     for amounts, units in (("delta_c", MOTION.translations), ("delta_pi", MOTION.frame.rotations())):
         for amount, unit in zip(arrow(amounts), units, strict=True):
             fields.append({name: amount * tensor for name, tensor in unit.items()})
     fields.append({name: DELTA_ALPHA * tensor for name, tensor in MOTION.frame.deformation().items()})
-    return (Equation(formula("delta x"), summands(vector_at(MOTION, add(*fields), AT))),)
+    return Equation(formula("delta x"), summands(vector_at(MOTION, add(*fields), AT)), number="6")
 
 
 def kinematics_blocks(spec: Specification, equations: Equations, notation: Notation) -> tuple[Block, ...]:
@@ -70,11 +68,11 @@ def kinematics_blocks(spec: Specification, equations: Equations, notation: Notat
         ),
         EquationBlock(
             (
-                *_numbered(position(), "1"),
+                position(),
                 equation("r = X + u"),
-                _sum_of_shapes(),
-                *_numbered(acceleration(), "5"),
-                *_numbered(virtual_displacement(), "6"),
+                equation("u = sum_i alpha_i Phi_i", number="14"),
+                acceleration(),
+                virtual_displacement(),
             )
         ),
         *second_order_blocks(spec, order),
@@ -88,16 +86,6 @@ def _origin(spec: Specification, equations: Equations) -> tuple[Block, ...]:
     if isinstance(spec, PlanarBeam):
         return (Paragraph(marked_text("$c$ is where the centre of the undeformed beam lies.")),)
     return (Paragraph((equations.frame_doc,)),) if equations.frame_doc else ()
-
-
-def _numbered(lines: Iterable[Equation], number: str) -> list[Equation]:
-    return [Equation(line.left, line.parts, line.relation, number) for line in lines]
-
-
-def _sum_of_shapes() -> Equation:
-    shape = Name("Phi", below=("i",), style="vector")
-    total = FormulaRow((Name("\N{N-ARY SUMMATION}", below=("i",)), Name("alpha", below=("i",)), shape))
-    return Equation(formula("u"), (Part("+", total),), number="14")
 
 
 def _beam(spec: PlanarBeam, notation: Notation) -> tuple[Block, ...]:
