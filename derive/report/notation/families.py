@@ -48,15 +48,11 @@ def written(symbol: sp.Symbol) -> TypesetSymbol:
     return WRITERS[known.family](known, above)
 
 
-def _motion(letter: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
+def _motion(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     """A coordinate, its velocity or its acceleration; of an angular velocity the rank is one higher."""
-
-    def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-        below = (*map(index_text, known.shapes), *map(str, known.components))
-        rank = MOTION[known.derivative + (known.family is Family.ANGULAR_VELOCITY)]
-        return TypesetSymbol(rank, Name(letter, dots=known.derivative, below=below, above=above))
-
-    return write
+    below = (*map(index_text, known.shapes), *map(str, known.components))
+    rank = MOTION[known.derivative + (known.family is Family.ANGULAR_VELOCITY)]
+    return TypesetSymbol(rank, Name(known.family.stem, dots=known.derivative, below=below, above=above))
 
 
 def _mass(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
@@ -78,45 +74,46 @@ def _omega_product(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     )
 
 
-def _vector(letter: str, in_body: bool) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
-    """Gravity or a force, in components of the inertial frame, or of the floating frame, with a b above."""
-    rank = Rank.ROTATION if in_body else Rank.CONSTANT
-    frame = ("b",) if in_body else ()
-    return lambda known, above: TypesetSymbol(
-        rank, Name(letter, below=(component_digits(known),), above=(*above, *frame))
+def _vector(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+    """Gravity or a force in components of the inertial frame."""
+    return TypesetSymbol(Rank.CONSTANT, Name(known.family.stem, below=(component_digits(known),), above=above))
+
+
+IN_BODY = {Family.BODY_GRAVITY: Family.GRAVITY, Family.BODY_FORCE: Family.FORCE}
+"""The families of the same vectors in components of the inertial frame."""
+
+
+def _vector_in_body(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+    """Gravity or a force in components of the floating frame, with a b above."""
+    letter = IN_BODY[known.family].stem
+    return TypesetSymbol(Rank.ROTATION, Name(letter, below=(component_digits(known),), above=(*above, "b")))
+
+
+def _of_point(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+    """A constant of a material point: the point, the shapes and the components below."""
+    letter = "theta" if known.family is Family.SECTION_ROTATION else known.family.stem
+    parts = (known.point.replace("_", " "), *map(index_text, known.shapes), component_digits(known))
+    sign = "," if known.point.isdigit() else " "
+    below = sign.join(part for part in parts if part)
+    return TypesetSymbol(
+        Rank.CONSTANT, Name(letter, dots=known.derivative, below=(below,) if below else (), above=above)
     )
 
 
-def _of_point(letter: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
-    """A constant of a material point: the point, the shapes and the components below."""
-
-    def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-        parts = (known.point.replace("_", " "), *map(index_text, known.shapes), component_digits(known))
-        sign = "," if known.point.isdigit() else " "
-        below = sign.join(part for part in parts if part)
-        return TypesetSymbol(
-            Rank.CONSTANT, Name(letter, dots=known.derivative, below=(below,) if below else (), above=above)
-        )
-
-    return write
-
-
-def _moving_point(letter: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
+def _moving_point(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     """The position of a material point in the floating frame, or in inertial directions, with the point above."""
+    return TypesetSymbol(Rank.MOMENT, _at_point(known.family.stem, known, component_digits(known)))
 
-    def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-        place = " ".join(part.replace("_", " ") for part in (known.owner, known.point) if part)
-        name = Name(letter, dots=known.derivative, below=(component_digits(known),), above=(place,) if place else ())
-        return TypesetSymbol(Rank.MOMENT, name)
 
-    return write
+def _at_point(letter: str, known: Identity, below: str) -> Name:
+    place = " ".join(part.replace("_", " ") for part in (known.owner, known.point) if part)
+    return Name(letter, dots=known.derivative, below=(below,), above=(place,) if place else ())
 
 
 def _tangent(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     """The derivative of r by the amplitude of a shape at a point: r k, i with a comma, and the point above."""
-    place = " ".join(part.replace("_", " ") for part in (known.owner, known.point) if part)
     below = ",".join((component_digits(known), *map(index_text, known.shapes)))
-    return TypesetSymbol(Rank.MOMENT, Name("r", below=(below,), above=(place,) if place else ()))
+    return TypesetSymbol(Rank.MOMENT, _at_point("r", known, below))
 
 
 def _named(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
@@ -133,13 +130,8 @@ def _input(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
 
 
 WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
-    Family.TRANSLATION: _motion("c"),
-    Family.ANGLE: _motion("phi"),
-    Family.QUATERNION: _motion("e"),
-    Family.ANGULAR_VELOCITY: _motion("omega"),
-    Family.VIRTUAL_ROTATION: _motion("pi"),
-    Family.AMPLITUDE: _motion("alpha"),
-    Family.GUIDE: _motion("s"),
+    **dict.fromkeys((Family.TRANSLATION, Family.ANGLE, Family.QUATERNION, Family.ANGULAR_VELOCITY), _motion),
+    **dict.fromkeys((Family.VIRTUAL_ROTATION, Family.AMPLITUDE, Family.GUIDE), _motion),
     Family.MASS: _mass,
     **dict.fromkeys((Family.C1, Family.C2, Family.C3, Family.C4, Family.C5, Family.C6), integral),
     **dict.fromkeys((Family.C7, Family.C8, Family.C9, Family.C10), integral),
@@ -167,16 +159,11 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.SINE: _sine("sin"),
     Family.ROTATION_TENSOR: _rotation_tensor,
     Family.OMEGA_PRODUCT: _omega_product,
-    Family.GRAVITY: _vector("g", in_body=False),
-    Family.BODY_GRAVITY: _vector("g", in_body=True),
-    Family.FORCE: _vector("F", in_body=False),
-    Family.BODY_FORCE: _vector("F", in_body=True),
-    Family.POINT_POSITION: _of_point("X"),
-    Family.POINT_SHAPE: _of_point("Phi"),
-    Family.SECTION_ROTATION: _of_point("theta"),
-    Family.POINT_SECOND: _of_point("Psi"),
-    Family.RADIUS: _moving_point("r"),
-    Family.LEVER: _moving_point("s"),
+    **dict.fromkeys((Family.GRAVITY, Family.FORCE), _vector),
+    **dict.fromkeys(IN_BODY, _vector_in_body),
+    **dict.fromkeys((Family.POINT_POSITION, Family.POINT_SHAPE, Family.SECTION_ROTATION), _of_point),
+    Family.POINT_SECOND: _of_point,
+    **dict.fromkeys((Family.RADIUS, Family.LEVER), _moving_point),
     Family.TANGENT: _tangent,
     Family.INPUT: _input,
     Family.PARAMETER: _named,
