@@ -26,8 +26,7 @@ from derive.report.document.page import (
     TableBlock,
     Text,
 )
-from derive.report.notation.line_breaking import lines, width
-from derive.report.writers.latex_math import latex_math, relation_latex, summand_latex
+from derive.report.writers.latex_math import equation_latex, latex_math
 from derive.report.writers.latex_text import escaped, tabular
 
 ROOM = 29.0
@@ -111,12 +110,7 @@ class _Writer:
         anchors = [item for item in (equation.anchor, *(part.anchor for part in equation.parts)) if item]
         label = self._label(anchors[0]) if anchors else ""
         tag = f"\\tag{{{escaped(equation.number)}}}" if equation.number else "\\tag*{}" if label else "\\notag"
-        summands = [summand_latex(part, k == 0) for k, part in enumerate(equation.parts)]
-        broken = lines(equation.parts, ROOM - width(equation.left))
-        rows = [" ".join(summands[k] for k in places) for places in broken] or [""]
-        start = f"{latex_math(equation.left)} &{relation_latex(equation.relation)} "
-        body = " \\notag \\\\\n  &\\quad ".join(rows)
-        return f"{start}{body} {tag}{label}"
+        return equation_latex(equation, ROOM, f"{tag}{label}")
 
     def _listing(self, listing: Listing) -> str:
         caption = f"\\noindent\\textit{{{escaped(listing.caption)}}}\n" if listing.caption else ""

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 from derive.report.document.formula import (
     Call,
+    Equation,
     Fenced,
     Formula,
     FormulaRow,
@@ -20,6 +21,7 @@ from derive.report.document.formula import (
     Root,
 )
 from derive.report.notation.glyphs import index, is_letter, letter, number
+from derive.report.notation.line_breaking import lines, width
 from derive.report.notation.signs import BIG
 from derive.report.notation.signs import SIGNS as KNOWN
 from derive.report.notation.spacing import Gap, bare, factors, gap, is_tall, needs_brackets, summand
@@ -52,13 +54,22 @@ def latex_math(formula: Formula, text: Callable[[str], str] = escaped) -> str:
     return _resolved(_tree(formula), text)
 
 
-def summand_latex(part: Part, first: bool, text: Callable[[str], str] = escaped) -> str:
+def equation_latex(equation: Equation, room: float, tag: str, text: Callable[[str], str] = escaped) -> str:
+    """An equation of `align` on lines of `room` em, if possible, with the command of its number."""
+    summands = [_summand(part, k == 0, text) for k, part in enumerate(equation.parts)]
+    broken = lines(equation.parts, room - width(equation.left))
+    rows = [" ".join(summands[k] for k in places) for places in broken] or [""]
+    body = " \\notag \\\\\n  &\\quad ".join(rows)
+    return f"{latex_math(equation.left, text)} &{_relation(equation.relation)} {body} {tag}"
+
+
+def _summand(part: Part, first: bool, text: Callable[[str], str]) -> str:
     """A summand with its sign."""
     sign = "" if first and part.sign == "+" else f"{part.sign} " if not first else part.sign
     return f"{sign}{latex_math(summand(part.formula, part.sign), text)}"
 
 
-def relation_latex(text: str) -> str:
+def _relation(text: str) -> str:
     """A relation; a colon behind the name of a row is set close to it."""
     return "\\colon\\quad" if text == ":" else _resolved(_sign(text), escaped) if text else ""
 

@@ -26,8 +26,7 @@ from derive.report.document.page import (
     TableBlock,
     Text,
 )
-from derive.report.notation.line_breaking import lines, width
-from derive.report.writers.latex_math import latex_math, relation_latex, summand_latex
+from derive.report.writers.latex_math import equation_latex, latex_math
 from derive.report.writers.listings import gaps
 from derive.report.writers.picture import standalone
 
@@ -161,12 +160,8 @@ def _equations(rows: Sequence[Equation]) -> str:
 
 
 def _equation(equation: Equation) -> str:
-    tag = f" \\tag{{{_odd(equation.number)}}}" if equation.number else " \\notag"
-    summands = [summand_latex(part, k == 0, _odd) for k, part in enumerate(equation.parts)]
-    broken = lines(equation.parts, ROOM - width(equation.left))
-    rows = [" ".join(summands[k] for k in places) for places in broken] or [""]
-    body = " \\notag \\\\\n  &\\quad ".join(rows)
-    return f"{latex_math(equation.left, _odd)} &{relation_latex(equation.relation)} {body}{tag}"
+    tag = f"\\tag{{{_odd(equation.number)}}}" if equation.number else "\\notag"
+    return equation_latex(equation, ROOM, tag, _odd)
 
 
 def _table(table: TableBlock) -> str:
