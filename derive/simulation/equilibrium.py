@@ -150,9 +150,9 @@ class _Newton:
         self.iterations, self.load, self.first_load = 0, load, load
         self.moving: tuple[str, ...] = ()
 
-    def balanced(self, q: Vector, held: Vector) -> Vector | None:
-        """The configuration near q (nq,) that balances all loads but `held` (nv,); None if there is no convergence."""
-        at = self.linearisation(q, held)
+    def balanced(self, q: Vector, excluded: Vector) -> Vector | None:
+        """The configuration near q (nq,) that balances all loads but `excluded` (nv,); None without convergence."""
+        at = self.linearisation(q, excluded)
         for _ in range(ITERATIONS):
             self.iterations += 1
             motion = at.motions @ _newton_step(at, self.load)
@@ -163,7 +163,7 @@ class _Newton:
             work = float(motion @ at.unbalanced)
             for halving in range(HALVINGS):
                 trial = self._on_constraints(q + 0.5**halving * motion)
-                after = self.linearisation(trial, held)
+                after = self.linearisation(trial, excluded)
                 if float(motion @ after.unbalanced) <= 0.5 * abs(work):  # no far overshoot; false for NaN
                     break
             q, at = trial, after
@@ -171,14 +171,14 @@ class _Newton:
                 return q
         return None
 
-    def linearisation(self, q: Vector, held: Vector) -> _Linearisation:
-        """The balance of forces at rest in the configuration q (nq,), without the loads `held` (nv,)."""
+    def linearisation(self, q: Vector, excluded: Vector) -> _Linearisation:
+        """The balance of forces at rest in the configuration q (nq,), without the loads `excluded` (nv,)."""
         native, k, t = self.native, self.k, self.t
         rest = np.zeros(native.nv)
         R, G = mass_factor(mass_matrix(native, q, k)), constraint_matrix(native, t, q, k)
         scaled = in_mass_metric(G, R) / self.norms[:, None]
         allowed = null_space(scaled) if len(scaled) else np.eye(native.nv)
-        h = native.force(t, q, rest, k) - held
+        h = native.force(t, q, rest, k) - excluded
         self.load = max(self.load, max_norm(h))
         lam = np.linalg.lstsq(scaled.T, solve_triangular(R, h, trans="T"), rcond=None)[0] / self.norms
         y = np.concatenate([q, rest, lam])

@@ -81,8 +81,8 @@ def contradiction(misfits: Sequence[Misfit], what: str, conflict: Conflict) -> S
     for misfit in involved:
         target, value = misfit.target, without_rounding(misfit.value, misfit.target.value)
         others = [path for path in paths if path != target.path]
-        held = conflict.text or ("" if others and conflict.targets else "the joints and drives")
-        against = ", and ".join(filter(None, (held, enumeration(others))))
+        constraints = conflict.text or ("" if others and conflict.targets else "the joints and drives")
+        against = ", and ".join(filter(None, (constraints, enumeration(others))))
         kept = abs(misfit.relative) <= SHARE * largest
         nearest = "" if kept else f"; the nearest {what} have {value:.6g} {target.unit}"
         problems.append(

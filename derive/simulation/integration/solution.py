@@ -60,8 +60,8 @@ class SolutionWriter:
 
     k: the constants (nk,) of `setup`. times: those of the rows (n,), s. limit: that of |g| (m, rad) and |gdot| (m/s,
     rad/s). projected: whether states are projected onto the constraints. until: the condition that ends the
-    integration, if there is one. count: the number of rows written so far. held: the time (s) of the first row if the
-    condition holds there.
+    integration, if there is one. count: the number of rows written so far. met_from: the time (s) of the first row if
+    the condition holds there.
     """
 
     native: ConstrainedSystem
@@ -71,7 +71,7 @@ class SolutionWriter:
     projected: bool
     until: StopEvent | None = None
     count: int = 0
-    held: float | None = None
+    met_from: float | None = None
     states: Matrix = field(init=False)
     lam: Matrix = field(init=False)
     drift: Matrix = field(init=False)
@@ -96,7 +96,7 @@ class SolutionWriter:
         self.drift_before[i] = before.position, before.velocity
         self.drift[i] = after.position, after.velocity
         if self.until is not None and i == 0 and self.until.holds(self.until.value(t, self.states[0])):
-            self.held = t
+            self.met_from = t
         self.count += 1
 
     @property
@@ -122,7 +122,7 @@ class SolutionWriter:
     def solution(self, cost: Cost, notes: tuple[str, ...] = ()) -> Solution:
         """The solution with all rows, with these notes and the note on a condition that is never met."""
         if self.until is not None:
-            notes = (*notes, *self.until.notes(float(self.times[-1]), self.held, met=False))
+            notes = (*notes, *self.until.notes(float(self.times[-1]), self.met_from, met=False))
         return self._solution(self.times, cost, notes)
 
     def stopped_solution(
@@ -139,7 +139,7 @@ class SolutionWriter:
         if stop > times[-1]:
             self.append(stop, dense(stop))
             times = np.append(times, stop)
-        return self._solution(times, cost, (*notes, *self.until.notes(stop, self.held, met=True)))
+        return self._solution(times, cost, (*notes, *self.until.notes(stop, self.met_from, met=True)))
 
     def _solution(self, t: Vector, cost: Cost, notes: tuple[str, ...]) -> Solution:
         n, rows = self.native.nq, slice(len(t))

@@ -37,17 +37,20 @@ class StopEvent:
             return before < 0.0 <= after or before > 0.0 >= after
         return before <= 0.0 < after
 
-    def notes(self, last: float, held: float | None, met: bool) -> tuple[str, ...]:
+    def notes(self, last: float, met_from: float | None, met: bool) -> tuple[str, ...]:
         """The notes on a run up to `last` (s) that the condition has ended, or not.
 
-        held: the time (s) of the start if the condition has held there already.
+        met_from: the time (s) of the start if the condition is met there already.
         """
-        until, anew = f"until {self.text}", "" if held is None else " anew"
+        until, anew = f"until {self.text}", "" if met_from is None else " anew"
         end = f"{until}: met{anew} at" if met else f"{until}: not met{anew} up to"
         notes = (f"{end} t = {last:.9g} s",)
-        if held is None:
+        if met_from is None:
             return notes
-        return (f"{until}: holds at t = {held:.9g} s already; the run goes on until the condition is met anew", *notes)
+        return (
+            f"{until}: holds at t = {met_from:.9g} s already; the run goes on until the condition is met anew",
+            *notes,
+        )
 
     def time(self, first: float, last: float, dense: Callable[[float], Vector]) -> float | None:
         """The first time (s) between `first` and `last` at which it is met, to rounding errors; None if it is not.

@@ -1,7 +1,7 @@
 """The deflection of a whole beam as its pieces bend, from the line that its supports define.
 
 The curvatures of the pieces are integrated twice along the beam, so that the angles between the floating frames of the
-pieces do not matter. The line is the chord; of a beam with one end that is held against rotation the tangent there.
+pieces do not matter. The line is the chord; of a beam with one end that is clamped against rotation the tangent there.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ def places() -> Vector:
     return np.linspace(-1, 1, PLACES)
 
 
-def deflections_along(values: Matrix, slopes: Matrix, length: float, pieces: int, held: int | None) -> Matrix:
+def deflections_along(values: Matrix, slopes: Matrix, length: float, pieces: int, clamped: int | None) -> Matrix:
     """(places, pieces fields): the deflections of a beam per unit of each field of each piece.
 
     values: of the fields at `places` (fields, PLACES). slopes: their derivatives along the axis at both ends (fields,
-    2). length: of a piece. held: the end, -1 or 1, from whose tangent the deflections are measured; None for the chord.
+    2). length: of a piece. clamped: the end, -1 or 1, from whose tangent deflections are measured; None for the chord.
     """
     x = np.linspace(0, length, PLACES)
     own = values - values[:, :1] - slopes[:, :1] * x  # from the tangent at the left end of the piece
@@ -36,9 +36,9 @@ def deflections_along(values: Matrix, slopes: Matrix, length: float, pieces: int
     deflections = along.reshape(pieces * PLACES, -1)
     position = np.add.outer(length * np.arange(pieces), x).ravel()
     end, last = deflections[-1].copy(), position[-1]
-    if held is None:
+    if clamped is None:
         deflections -= np.outer(position / last, end)
-    elif held == 1:
+    elif clamped == 1:
         deflections -= end + np.outer(position - last, np.tile(rotation, pieces))
     rows = np.linspace(0, len(position) - 1, PLACES).round().astype(int)
     result: Matrix = deflections[rows]

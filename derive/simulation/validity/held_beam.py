@@ -68,7 +68,7 @@ def held_modes(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q:
 
 @dataclass(frozen=True, eq=False)
 class StaticResponse:
-    """What a small motion from a state q (nq,) at rest at t (s) changes, and it alone."""
+    """The change of z that a small motion from a state q (nq,) at rest at t (s) causes by itself."""
 
     native: NativeScene
     k: Vector

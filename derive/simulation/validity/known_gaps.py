@@ -1,7 +1,7 @@
 """Where it is known in a run what the shapes of a beam miss of its bending moment, as forms of state and outputs.
 
 The bending moment EI v'' of the exact deflection vanishes at free and pinned ends, is in equilibrium with the forces at
-ends that are held against rotation, and is the same on both sides of a weld between two pieces. Its derivative along
+ends that are clamped against rotation, and is the same on both sides of a weld between two pieces. Its derivative along
 the axis is the shear force, which at an end is in equilibrium with the forces there. Where a force acts within a beam,
 equilibrium gives the moment as well. Shapes fulfil this only as far as they can represent the deflection: the curvature
 of two polynomials of degree 2 and 3 is linear, that of a rod between two pins is not; and sine waves know no moment at
@@ -27,7 +27,7 @@ from derive.spec.model.scene import Scene
 
 @dataclass(frozen=True, eq=False)
 class KnownGap:
-    """What the shapes of a piece miss at its place xi, as a form (z,).
+    """A quantity that the shapes of a piece miss at its place xi, as a form (z,).
 
     order: 0, of the bending moment, N m; 1, of its derivative along the axis, N.
     """

@@ -1,4 +1,4 @@
-"""What the shapes of a piece miss of its bending moment along it, from what they miss of it at some places.
+"""The bending moment that the shapes of a piece miss along it, from the part that they miss at some places.
 
 The shapes are a projection: what they miss of the exact moment is orthogonal to their curvatures, in statics exactly.
 Of the polynomials with this property and with what is known to be missed, the moments at both ends and its derivatives
@@ -29,7 +29,7 @@ SECTIONS = 9
 
 @dataclass(frozen=True, eq=False)
 class MissedFields:
-    """What a piece misses, for each unit that is known to be missed.
+    """The fields that a piece misses, for each unit that is known to be missed.
 
     moments (units, SECTIONS): in `sections`. values (units, PLACES), slopes (units, 2): the deflection at `places`, and
     its derivative along the axis at both ends, but for a rigid motion of the piece. energies (parts, units): square
@@ -48,7 +48,7 @@ def sections() -> Vector:
 
 
 def missed_fields(shapes: PieceShapes, known: Sequence[tuple[float, int]]) -> MissedFields:
-    """What a piece misses; known: where and what, xi, and 0 for the moment, N m, or 1 for its derivative, N."""
+    """The fields that a piece misses; known: places xi, each with 0 for the moment, N m, or 1 for its derivative, N."""
     xi, weights = gauss_points()
     kept, half = shapes.moments(xi), shapes.length / 2
     kinks = np.array([place for place, order in known if order == 0 and abs(place) < 1])

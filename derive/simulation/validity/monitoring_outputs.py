@@ -43,7 +43,7 @@ def monitored_pieces(scene: Scene) -> tuple[MonitoredPiece, ...]:
 def monitored_sections(scene: Scene) -> dict[tuple[str, Fraction, str], SceneOutput]:
     """By beam, place and kind: what the shapes leave of the moment and of the shear force.
 
-    Moments at the ends that are held against rotation, and where something acts within the beam; shear forces at the
+    Moments at the ends that are clamped against rotation, and where something acts within the beam; shear forces at the
     ends that something acts on.
     """
     taken = {output.name for output in scene.outputs}

@@ -1,4 +1,4 @@
-"""What is monitored of a beam in a run: the quantity, the error that it implies, and one limit of it.
+"""The monitors of a beam in a run: a quantity, the error that it implies, and one limit of it.
 
 `docs/theory.md` derives the errors and has their measurements.
 """
@@ -17,7 +17,7 @@ ERROR_LIMIT = 0.05
 
 
 class Cause(Enum):
-    """What is monitored; the values are the names in JSON.
+    """The monitored quantities; the values are the names in JSON.
 
     Deflection, over the length. Axial force: the stiffness that it adds or removes, over that in bending, which first
     order leaves out. Bending moment: the root mean square of the largest that the shapes miss of it, over that of the

@@ -1,4 +1,4 @@
-"""What is watched of the beams of a scene in motion, as linear forms of its state and its outputs, and their products.
+"""The quantities that a run watches of its beams, as linear forms of its state and its outputs, and their products.
 
 What a model leaves out is compared with the stiffness of the beam in the shape of its lowest mode, as the joints hold
 it. First order leaves out what an axial force N(xi) adds: the integral of N v'^2 along the beam. All models leave out
@@ -98,7 +98,7 @@ class SceneWatch:
     watch: Watch
 
     def of_rows(self, t: Vector, q: Matrix, v: Matrix, outputs: Matrix | None = None) -> Watched:
-        """What is seen in the states q (n, nq), v (n, nv) at t (n,), s, whose outputs (n, nout) may be known."""
+        """The watched quantities in the states q (n, nq), v (n, nv) at t (n,), s; outputs (n, nout) may be known."""
         native, k = self.native, self.k
         if outputs is None:
             outputs = np.empty((len(t), len(native.outputs)))
@@ -108,7 +108,7 @@ class SceneWatch:
 
 
 def scene_watch(scene: Scene, native: NativeScene, k: Vector, t: float, q: Vector) -> SceneWatch:
-    """What is watched of a scene that was compiled with the outputs of `with_monitors`; q (nq,): a state at t (s)."""
+    """The watch of a scene that was compiled with the outputs of `with_monitors`; q (nq,): a state at t (s)."""
     forms = WatchedForms(native)
     beams = []
     for beam in beam_bodies(scene):
@@ -139,7 +139,7 @@ class _BeamForms:
         else:  # nothing deforms it alone: its first shape stands for that of the loads
             self.frequency, self.lowest = np.inf, np.tile(np.eye(len(shapes.stiffness))[0], (beam.pieces, 1))
         ends = [int(marker.at) for marker in held_ends(scene, beam)]
-        self.held = ends[0] if len(ends) == 1 else None
+        self.clamped = ends[0] if len(ends) == 1 else None
         self.rotations_act = len(self.pieces) > 1 or any(
             np.abs(shapes.slopes(np.array([float(end)])) * shapes.length).max() > SLOPE for end in ends
         )
@@ -196,10 +196,10 @@ class _BeamForms:
 
     def along(self, values: Matrix, slopes: Matrix) -> Matrix:
         """The deflection of the beam per unit of fields of its pieces."""
-        return deflections_along(values, slopes, self.shapes.length, len(self.pieces), self.held)
+        return deflections_along(values, slopes, self.shapes.length, len(self.pieces), self.clamped)
 
     def missed(self) -> tuple[Matrix, Matrix, Matrix]:
-        """What the shapes miss: of moments in sections of all pieces, of the deflection, and energies (., z)."""
+        """The forms that the shapes miss: moments in sections of all pieces, the deflection, and energies (., z)."""
         moments, deflections, energies = list[Matrix](), np.zeros((PLACES, self.forms.size)), list[Matrix]()
         for i, known in enumerate(known_gaps(self.scene, self.forms, self.shapes, self.amplitudes)):
             form = np.array([gap.form for gap in known])

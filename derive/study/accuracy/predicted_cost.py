@@ -27,7 +27,7 @@ PER_RADIAN = 2.3
 """Evaluations of the adaptive method per radian of the fastest vibration, in stiff models."""
 PER_COORDINATE = 100.0
 """Operations of an evaluation, with its part of factorisations and projections, per coordinate of the bodies."""
-HELD = 0.4
+JOINED = 0.4
 """The operations relative to those predicted from a free beam, before any are measured: joints slow vibrations down."""
 RIGID = 3
 """The number of coordinates of a rigid body."""
@@ -93,7 +93,7 @@ class PredictedCost:
 
     def operations_of(self, rate: float, coordinates: int) -> float:
         """The approximate operations of a run; rate: its fastest vibration or decay, rad/s."""
-        stiff = self._stiff(rate, coordinates) * (median(self._ratios) if self._ratios else HELD)
+        stiff = self._stiff(rate, coordinates) * (median(self._ratios) if self._ratios else JOINED)
         return max(stiff, self._least * PER_COORDINATE * coordinates)
 
     def _stiff(self, rate: float, coordinates: int) -> float:

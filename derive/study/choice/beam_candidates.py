@@ -47,25 +47,25 @@ def beam_candidates(scene: Scene, beam: BeamBody, cost: PredictedCost) -> tuple[
 
 def candidate_order(scene: Scene, beam: BeamBody, cost: PredictedCost) -> Callable[[LadderModel], tuple[float, ...]]:
     """The key that sorts the models of a beam in the order of `beam_candidates`."""
-    held = frozenset(int(marker.at) for marker in held_ends(scene, beam))
+    clamped = frozenset(int(marker.at) for marker in held_ends(scene, beam))
 
     def key(model: LadderModel) -> tuple[float, ...]:
         operations = cost.operations_of(beam_rate(beam, model), beam_coordinates(model))
         terms = FULL if model.order is DisplacementOrder.FULL else 1.0
-        return not suits(model, held), terms * operations, model.size
+        return not suits(model, clamped), terms * operations, model.size
 
     return key
 
 
-def suits(model: LadderModel, held: frozenset[int]) -> bool:
-    """Whether the shapes of a model can have the bending moments of a beam at its ends `held`, of -1 and 1."""
+def suits(model: LadderModel, clamped: frozenset[int]) -> bool:
+    """Whether the shapes of a model can have the bending moments of a beam at its ends `clamped`, of -1 and 1."""
     match model.shapes:
         case Shapes.SINES:
-            return not held
+            return not clamped
         case Shapes.CLAMPED_FREE:
-            return held == {-1}
+            return clamped == {-1}
         case Shapes.POLYNOMIALS:
-            return model.pieces > 1 or model.count > LINEAR or len(held) == 2
+            return model.pieces > 1 or model.count > LINEAR or len(clamped) == 2
         case _:
             return True
 
