@@ -25,6 +25,7 @@ from derive.mechanics.bodies.spatial_body import modal_body, parametric_body
 from derive.mechanics.bodies.spatial_body import parameters as parameters_of
 from derive.mechanics.bodies.spatial_tables import symbolic_tables
 from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.multibody import assembly
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.spec.model.body import Gravity, Lowering, NodalBody, PlanarBeam, SymbolicBody
@@ -32,7 +33,7 @@ from derive.spec.model.scene import Scene, Specification, check_specification
 
 
 @paused()
-def derive(spec: Specification) -> Equations | Mechanism:
+def derive(spec: Specification) -> IndexedEquations | Mechanism:
     """The equations of motion of a body, or the mechanism that a scene describes.
 
     Both have a method `expanded()`, which expands the sums over the modes and, for a mechanism, the equations of every
@@ -60,7 +61,7 @@ def modal(spec: NodalBody) -> ModalBody:
 
 
 @paused()
-def derive_modal(body: ModalBody, gravity: Gravity | None = None, lowering: Lowering = "auto") -> Equations:
+def derive_modal(body: ModalBody, gravity: Gravity | None = None, lowering: Lowering = "auto") -> IndexedEquations:
     """The equations of motion of a body given by its shape integrals; `lowering` is auto, flat or table."""
     return indexed_equations.derive_body(modal_body(body, gravity), lowering)
 
@@ -86,8 +87,8 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False) -> Model:
     """
     if not isinstance(derived, (Equations, Mechanism)):
         raise TypeError(f"the equations that derive.derive(spec) returns are needed, not {type(derived).__name__}")
-    if isinstance(derived, Mechanism) or derived.body is None or not derived.indexed or derived.body.dimension == 2:
-        return lower_flat(derived.expanded(), sensitivities=sensitivities)
+    if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
+        return lower_flat(expanded(derived), sensitivities=sensitivities)
     estimate = cost_model.estimate_costs(derived.body)
     try:
         flat = estimate.selected(derived.lowering) == "flat"
@@ -117,4 +118,9 @@ def lowered_form(derived: Equations | Mechanism, model: Model) -> Equations:
     """The form of the equations from which `model` was lowered: with sums over the modes, or expanded."""
     if isinstance(derived, Equations) and model.lowering == "table":
         return derived
-    return derived.expanded()
+    return expanded(derived)
+
+
+def expanded(derived: Equations | Mechanism) -> Equations:
+    """The equations with all sums over the modes expanded, and with the rows of every instance of a mechanism."""
+    return derived.expanded() if isinstance(derived, (IndexedEquations, Mechanism)) else derived

@@ -14,6 +14,7 @@ from derive.derivation import derive, lower, lowered_form
 from derive.errors import SpecError, TisserandError
 from derive.ir.model import Model
 from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.notes.model_notes import build_notes
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.toml.read import read, warnings, with_lines
@@ -71,7 +72,7 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None, sensitiv
     operations, nonzeros = model.kernel("mass_force").operations, model.pattern("mass", "M").full_nnz
     lowering = Stage("lower", lap(), operations=operations, nonzeros=nonzeros)
     deriving = replace(deriving, terms=len(equations.terms))
-    if not equations.indexed:
+    if not isinstance(equations, IndexedEquations):
         deriving = replace(deriving, nonzeros=sum(entry != 0 for entry in equations.mass))
     if isinstance(spec, Scene):
         progress("computing the initial state")

@@ -7,6 +7,7 @@ import sympy as sp
 from derive.ir.model import ModelTerm
 from derive.ir.patterns import Pattern
 from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.sums import of_index
 from derive.mechanics.symbols import I, J
 
@@ -21,7 +22,7 @@ def model_terms(equations: Equations, pattern: Pattern) -> tuple[ModelTerm, ...]
     names = [row.name for row in equations.rows]
     accelerations = {row.a: k for k, row in enumerate(equations.rows)}
     # The row of the indexed equation of the modes; beyond the last row if there is none.
-    of_modes = len(names) - (equations.indexed and equations.modes > 0)
+    of_modes = len(names) - (isinstance(equations, IndexedEquations) and equations.modes > 0)
     entries = [tuple(sorted((min(i, of_modes), min(j, of_modes)))) for i, j in pattern.entries]
     sums = _sums(equations)
     result = []
@@ -38,7 +39,7 @@ def model_terms(equations: Equations, pattern: Pattern) -> tuple[ModelTerm, ...]
 
 def _sums(equations: Equations) -> dict[sp.Symbol, sp.Expr]:
     """The summand of each sum over the modes, by the symbol of the sum; empty if the equations are not indexed."""
-    if not equations.indexed:
+    if not isinstance(equations, IndexedEquations):
         return {}
     result = {t.symbol: t.term for t in equations.mode_sums}
     return result | {

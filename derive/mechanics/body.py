@@ -5,24 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from typing import TYPE_CHECKING, Protocol
 
 import sympy as sp
 
+from derive.mechanics.generic_forces import FORCES
 from derive.mechanics.motion.body_motion import MASS, Motion
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.motion.planar import planar_motion
 from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import Family
 from derive.mechanics.tables import CoefficientTable, planar_tables
-from derive.mechanics.terms import ModelConstant, ParameterSymbol, Term
-from derive.mechanics.virtual_work_equations import (
-    angular_momentum,
-    generic_inertia,
-    kinetic_energy,
-    linear_momentum,
-    rigid_inertia,
-)
+from derive.mechanics.terms import ModelConstant, ParameterSymbol
+from derive.mechanics.virtual_work_equations import VirtualWork, virtual_work
 from derive.spec.model.body import DisplacementOrder
 
 if TYPE_CHECKING:  # a planar body needs no NumPy, nor does a specification that is read
@@ -69,44 +65,20 @@ class Body:
     order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
     fields: int = 0
 
-    @cached_property
+    @property
+    def virtual_work(self) -> VirtualWork:
+        """The equations of motion before anything vanishes, which bodies of the same kinematics share."""
+        return virtual_work(self.dimension, self.truncated)
+
+    @property
     def motion(self) -> Motion:
-        """The motion of the body, with all sums over the modes expanded."""
-        return (
-            planar_motion(self.modes, self.truncated)
-            if self.dimension == 2
-            else spatial_motion(self.modes, self.truncated)
-        )
+        """The motion of the body with its assumed modes."""
+        return (planar_motion if self.dimension == 2 else spatial_motion)(self.modes, self.truncated)
 
-    @cached_property
-    def rigid_motion(self) -> Motion:
-        """The motion of the body without assumed modes."""
-        return (planar_motion if self.dimension == 2 else spatial_motion)(0, self.truncated)
-
-    @cached_property
-    def rigid_inertia(self) -> tuple[Term, ...]:
-        """The virtual work of the inertia on the rigid displacements; sums are named."""
-        return rigid_inertia(self.rigid_motion)
-
-    @cached_property
-    def generic_inertia(self) -> tuple[Term, ...]:
-        """The virtual work of the inertia on a variation of alpha_i, for a generic mode i; sums are named."""
-        return generic_inertia(self.rigid_motion)
-
-    @cached_property
-    def kinetic_energy(self) -> sp.Expr:
-        """The kinetic energy 1/2 int rho xdot . xdot; sums are named."""
-        return kinetic_energy(self.rigid_motion)
-
-    @cached_property
-    def linear_momentum(self) -> tuple[sp.Expr, ...]:
-        """The linear momentum int rho xdot along each axis; sums are named."""
-        return linear_momentum(self.rigid_motion)
-
-    @cached_property
-    def angular_momentum(self) -> tuple[sp.Expr, ...]:
-        """The angular momentum int rho x x xdot about the inertial origin; sums are named."""
-        return angular_momentum(self.rigid_motion)
+    @property
+    def field_motion(self) -> Motion:
+        """The motion in the family of fields, in which each theta_p has an amplitude of its own."""
+        return planar_motion(self.modes + self.fields) if self.fields else self.motion
 
     @property
     def truncated(self) -> bool:
@@ -119,42 +91,24 @@ class Body:
         return ModelConstant(MASS, self.mass, "(15)", "mass of the body", "kg")
 
     @cached_property
-    def integrals(self) -> tuple[ModelConstant, ...]:
-        """The shape integrals c1 to c8, entry by entry."""
-        apart = (Family.STIFFNESS, Family.PRELOAD, Family.DAMPING, Family.ROTARY)
-        return tuple(c for table in self.tables if table.family not in apart for c in self.values.constants(table))
+    def constants(self) -> tuple[ModelConstant, ...]:
+        """The mass, the integrals and the entries of the tables of forces, entry by entry, then gravity and points.
 
-    @cached_property
-    def field_motion(self) -> Motion:
-        """The motion in the family of fields, in which each theta_p has an amplitude of its own."""
-        return planar_motion(self.modes + self.fields) if self.fields else self.motion
-
-    @cached_property
-    def stiffness(self) -> tuple[ModelConstant, ...]:
-        """The entries K_ij of the stiffness matrix, i <= j, in N/m."""
-        return self._constants(Family.STIFFNESS)
-
-    @cached_property
-    def preload(self) -> tuple[ModelConstant, ...]:
-        """The forces S_i at rest, in N; empty if there are none."""
-        return self._constants(Family.PRELOAD)
-
-    @cached_property
-    def damping(self) -> tuple[ModelConstant, ...]:
-        """The entries B_ij of the damping matrix, i <= j, in N s/m; empty if all of them vanish."""
-        constants = self._constants(Family.DAMPING)
-        return constants if any(not c.zero for c in constants) else ()
-
-    @cached_property
-    def rotary_inertia(self) -> tuple[ModelConstant, ...]:
-        """The entries R_ij of the rotary inertia of attached masses, i <= j, in kg; empty if there is none."""
-        return self._constants(Family.ROTARY)
+        Of a body without damping, whose table vanishes altogether, there are no entries of damping.
+        """
+        forces = [force.family for force in FORCES]
+        integrals = (t.family for t in self.tables if t.family not in forces)
+        every = {family: self._entries(family) for family in (*integrals, *forces)}
+        if all(c.zero for c in every[Family.DAMPING]):
+            del every[Family.DAMPING]
+        of_points = (c for point in self.points for c in point.coefficients)
+        return (self.mass_constant, *chain.from_iterable(every.values()), *self.gravity, *of_points)
 
     def table(self, family: Family) -> CoefficientTable:
         """The table of an integral."""
         return next(table for table in self.tables if table.family is family)
 
-    def _constants(self, family: Family) -> tuple[ModelConstant, ...]:
+    def _entries(self, family: Family) -> tuple[ModelConstant, ...]:
         return tuple(c for table in self.tables if table.family is family for c in self.values.constants(table))
 
 

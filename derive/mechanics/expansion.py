@@ -2,33 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import chain
 
 import sympy as sp
 
+from derive.garbage_collection import paused
 from derive.mechanics import zeros
 from derive.mechanics.body import Body
-from derive.mechanics.motion.body_motion import ExpandedSums, Motion
+from derive.mechanics.equations import Equations
+from derive.mechanics.expanded_sums import ExpandedSums, expanded_moments, expanded_sums
+from derive.mechanics.generic_forces import generic_forces
+from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.full_second_order import DependentAmplitudes
 from derive.mechanics.motion.material_points import marker
 from derive.mechanics.sums import of_index
 from derive.mechanics.symbols import Symbol
-from derive.mechanics.terms import (
-    EquationOfMotion,
-    Intermediate,
-    MarkerEquations,
-    ModelConstant,
-    Reason,
-    Term,
-    Vanished,
-)
-from derive.mechanics.virtual_work_equations import (
-    generic_weight,
-    gravity_definitions,
-    rigid_weight,
-    weight_energy,
-)
+from derive.mechanics.terms import Intermediate, Reason, Term
 
 Absent = dict[tuple[str, sp.Expr], list[Symbol]]
 """The vanishing entries of sums by their row and their factor."""
@@ -36,77 +27,53 @@ Absent = dict[tuple[str, sp.Expr], list[Symbol]]
 TRANSLATIONS = "the mass enters as m I, so translations along different axes do not couple"
 
 
-@dataclass(frozen=True)
-class ExpandedEquations:
-    """The fields of `Equations` in the expanded form."""
+@paused()
+def expand(body: Body) -> Equations:
+    """The equations of motion of a body, with a row for each of its modes, from its virtual work.
 
-    rows: tuple[EquationOfMotion, ...]
-    rates: tuple[sp.Expr, ...]
-    coefficients: tuple[ModelConstant, ...]
-    definitions: tuple[Intermediate, ...]
-    terms: tuple[Term, ...]
-    vanished: tuple[Vanished, ...]
-    mass: sp.ImmutableMatrix
-    mass_zeros: tuple[tuple[int, int, Reason], ...]
-    kinetic_energy: sp.Expr
-    strain_energy: sp.Expr
-    weight_energy: sp.Expr | None
-    linear_momentum: tuple[sp.Expr, ...]
-    angular_momentum: tuple[sp.Expr, ...]
-    markers: tuple[MarkerEquations, ...]
-
-
-def constants_of(body: Body) -> tuple[ModelConstant, ...]:
-    """The constants of a body with their values: mass, integrals, stiffness, damping, gravity, and those of points."""
-    of_points = tuple(c for point in body.points for c in point.coefficients)
-    of_deformation = (*body.rotary_inertia, *body.stiffness, *body.preload, *body.damping)
-    return (body.mass_constant, *body.integrals, *of_deformation, *body.gravity, *of_points)
-
-
-def expand(body: Body) -> ExpandedEquations:
-    """The equations of motion of a body for each of its shapes, with energy, momentum and markers."""
-    motion, fields = body.motion, body.field_motion
+    Entries of tables that vanish are left out, so that all terms, definitions and entries of M keep their own reasons.
+    """
+    motion, fields, work = body.motion, body.field_motion, body.virtual_work
     dependent = DependentAmplitudes(motion, fields)
-    every = constants_of(body)
-    needed = (*gravity_definitions(motion, body.gravity), *dependent.definitions)
-    first, reasons = zeros.drop_definitions(needed, zeros.reasons_of(every))
+    forces = generic_forces({c.symbol.identity.family for c in body.constants})
+    needed = (*(work.gravity if body.gravity else ()), *dependent.definitions)
+    first, reasons = zeros.drop_definitions(needed, zeros.reasons_of(body.constants))
     moments, reasons = _moments(dependent, fields, reasons)
-    composed = (*first, *moments)
-    sums = fields.sums_without(() if dependent.numbers else reasons)
-    strain = _quadratic(body.stiffness, motion.alpha)
-    preloaded = tuple(zip(motion.alpha, body.preload, strict=True)) if body.preload else ()
-    at_rest = tuple(Term(str(a), "preload", c.equation, c.symbol) for a, c in preloaded)
-    work_at_rest = sp.Add(*(c.symbol * a for a, c in preloaded))
-    accelerations = tuple(row.a for row in motion.rows[len(motion.rows) - len(motion.alpha) :])
-    rotary = tuple(_products(motion, "rotary", "(10)", body.rotary_inertia, accelerations))
-    elastic = tuple(_products(motion, "elastic", "(13), (22)", body.stiffness, motion.alpha, reasons))
-    damping = tuple(_products(motion, "damping", "(13)", body.damping, motion.alphadot, reasons))
-    inertia = (*body.rigid_inertia, *_of_each_shape(fields, body.generic_inertia))
-    written = (replace(t, expr=sums.put_in(t.expr)) for t in inertia)
-    complete = (*dependent.projected(written), *rotary, *elastic, *at_rest, *damping)
-    if body.gravity:
-        complete += dependent.projected(replace(t, expr=sums.put_in(t.expr)) for t in _weight(fields))
-    spin = _quadratic(body.rotary_inertia, motion.alphadot)
+    of_forces = expanded_sums(motion, chain.from_iterable(force.sums for force in forces), reasons)
+    sums = of_forces | expanded_sums(fields, fields.row_sums, () if dependent.numbers else reasons)
+    inertia = (*work.rigid, *_of_each_mode(fields, work.generic))
+    weight = (*work.rigid_weight, *_of_each_mode(fields, work.generic_weight)) if body.gravity else ()
+    applied = tuple(chain.from_iterable(_of_each_mode(motion, (force.term,)) for force in forces))
+
+    def written(terms: Iterable[Term]) -> Iterator[Term]:
+        return (replace(t, expr=sums.put_in(t.expr)) for t in terms)
+
+    def total(*exprs: sp.Expr) -> sp.Expr:
+        return zeros.drop(dependent.put_in(sums.put_in(sp.Add(*exprs))), reasons)
+
+    complete = (*dependent.projected(written(inertia)), *written(applied), *dependent.projected(written(weight)))
     terms, vanished = zeros.drop_terms(complete, reasons)
-
-    def total(expr: sp.Expr) -> sp.Expr:
-        return zeros.drop(dependent.put_in(sums.put_in(expr)), reasons)
-
-    return ExpandedEquations(
+    return Equations(
+        name=body.name,
+        doc=body.doc,
+        frame_doc=body.frame_doc,
+        coordinates=motion.coordinates,
         rows=motion.rows,
         rates=motion.rates,
-        coefficients=every,
-        definitions=(*motion.rotation_definitions, *composed),
+        parameters=body.parameters,
+        coefficients=body.constants,
+        definitions=(*motion.rotation_definitions, *first, *moments),
         terms=terms,
         vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
         mass=sp.ImmutableMatrix(_mass_matrix(motion, terms)),
-        mass_zeros=_mass_zeros(motion, complete, reasons, _absent(inertia, sums)),
-        kinetic_energy=total(body.kinetic_energy) + zeros.drop(spin, reasons),
-        strain_energy=zeros.drop(strain + work_at_rest, reasons),
-        weight_energy=total(weight_energy(fields)) if body.gravity else None,
-        linear_momentum=tuple(map(total, body.linear_momentum)),
-        angular_momentum=tuple(map(total, body.angular_momentum)),
+        mass_zeros=_mass_zeros(motion, complete, reasons, _absent((*inertia, *applied), sums)),
+        kinetic_energy=total(work.kinetic_energy, *(force.kinetic for force in forces)),
+        strain_energy=total(*(force.strain for force in forces)),
+        weight_energy=total(work.weight_energy) if body.gravity else None,
+        linear_momentum=tuple(map(total, work.linear_momentum)),
+        angular_momentum=tuple(map(total, work.angular_momentum)),
         markers=tuple(marker(motion, point, reasons) for point in body.points),
+        body=body,
     )
 
 
@@ -115,16 +82,16 @@ def _moments(
 ) -> tuple[tuple[Intermediate, ...], zeros.Reasons]:
     """The moments of the larger family of fields without vanishing parts, and the reasons with those of the moments."""
     if not dependent.numbers:
-        return fields.definitions_without(reasons)
-    in_amplitudes = (replace(d, expr=dependent.put_in(d.expr)) for d in fields.definitions)
+        return expanded_moments(fields, reasons)
+    in_amplitudes = (replace(d, expr=dependent.put_in(d.expr)) for d in expanded_moments(fields)[0])
     return zeros.drop_definitions(tuple(in_amplitudes), reasons)
 
 
-def _of_each_shape(motion: Motion, generic: tuple[Term, ...]) -> Iterator[Term]:
+def _of_each_mode(motion: Motion, generic: tuple[Term, ...]) -> Iterator[Term]:
     """The terms of a generic mode, repeated for each mode."""
     for i, alpha in enumerate(motion.alpha, 1):
         for t in generic:
-            yield replace(t, row=str(alpha), expr=of_index(t.expr, i))
+            yield replace(t, row=alpha.name, expr=of_index(t.expr, i))
 
 
 def _absent(terms: Iterable[Term], sums: ExpandedSums) -> Absent:
@@ -135,45 +102,6 @@ def _absent(terms: Iterable[Term], sums: ExpandedSums) -> Absent:
             for entry, factor in sums.absent[symbol]:
                 result.setdefault((term.row, factor), []).append(entry)
     return result
-
-
-def _quadratic(entries: tuple[ModelConstant, ...], of: Sequence[sp.Symbol]) -> sp.Expr:
-    """The quadratic form 1/2 of . T of of a symmetric table that is given by its entries i <= j, without its zeros."""
-    products = []
-    for c in (c for c in entries if not c.zero):
-        i, j = (s - 1 for s in c.symbol.identity.shapes)
-        products.append((sp.S.Half if i == j else sp.S.One) * c.symbol * of[i] * of[j])
-    return sp.Add(*products)
-
-
-def _products(
-    motion: Motion,
-    name: str,
-    equation: str,
-    entries: tuple[ModelConstant, ...],
-    of: Sequence[sp.Symbol],
-    vanishing: Container[sp.Basic] = (),
-) -> Iterator[Term]:
-    """The product of a symmetric table with amplitudes, or with their velocities or accelerations, term by term.
-
-    vanishing: symbols that are left out of a term, unless all of it vanishes.
-    """
-    forces: list[list[tuple[sp.Symbol, sp.Symbol]]] = [[] for _ in of]
-    for c in entries:
-        i, j = (s - 1 for s in c.symbol.identity.shapes)
-        forces[i].append((c.symbol, of[j]))
-        if i != j:
-            forces[j].append((c.symbol, of[i]))
-    for alpha, pairs in zip(motion.alpha, forces, strict=True):
-        if pairs:
-            kept = [pair for pair in pairs if pair[0] not in vanishing] or pairs
-            yield Term(str(alpha), name, equation, sp.Add(*(entry * factor for entry, factor in kept)))
-
-
-def _weight(motion: Motion) -> Iterator[Term]:
-    """The virtual work of gravity; sums are named."""
-    yield from rigid_weight(motion)
-    yield from _of_each_shape(motion, generic_weight(motion))
 
 
 def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> list[list[sp.Expr]]:

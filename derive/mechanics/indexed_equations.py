@@ -6,7 +6,8 @@ The size of these equations does not depend on the number of modes. `expansion` 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import chain
 
 import sympy as sp
@@ -14,115 +15,96 @@ import sympy as sp
 from derive.mechanics import zeros
 from derive.mechanics.body import Body
 from derive.mechanics.equations import Equations
+from derive.mechanics.expansion import expand
+from derive.mechanics.generic_forces import SHAPE_ROW, generic_forces
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.material_points import indexed_marker
-from derive.mechanics.motion.planar import planar_sums
-from derive.mechanics.motion.spatial import spatial_sums
-from derive.mechanics.sums import (
-    ALPHA,
-    ALPHADDOT,
-    ALPHADOT,
-    IndexedSum,
-    ModeSum,
-    TableSum,
-    canonical,
-    exchanged,
-    of_index,
-)
+from derive.mechanics.sums import IndexedSum, ModeSum, TableSum, canonical, exchanged, of_index
 from derive.mechanics.symbols import Family, I, J, Symbol, amplitude, is_indexed, quantity
 from derive.mechanics.tables import CoefficientTable, TableKind, point_tables
-from derive.mechanics.terms import Coordinate, EquationOfMotion, Reason, Term
-from derive.mechanics.virtual_work_equations import (
-    SHAPE_ROW,
-    generic_weight,
-    gravity_definitions,
-    rigid_weight,
-    weight_energy,
-)
-from derive.roles import Source
+from derive.mechanics.terms import EquationOfMotion, Reason, Term
 from derive.spec.model.body import Lowering
 
-ELASTIC, DAMPING_FORCE = (quantity(family, shapes=(I,)) for family in (Family.ELASTIC, Family.DAMPING_FORCE))
-STRAIN = quantity(Family.STRAIN)
-ELASTIC_SUMS = (
-    IndexedSum(ELASTIC, None, ((ALPHA, quantity(Family.STIFFNESS, shapes=(I, J))),), "gradient of the strain energy"),
-    IndexedSum(STRAIN, None, ((ALPHA, quantity(Family.ELASTIC, shapes=(J,))),), "twice the strain energy"),
-)
-PRELOAD_WORK = quantity(Family.PRELOAD_WORK)
-PRELOAD_SUM = IndexedSum(
-    PRELOAD_WORK, None, ((ALPHA, quantity(Family.PRELOAD, shapes=(J,))),), "work of forces at rest"
-)
-DAMPING_SUMS = (
-    IndexedSum(DAMPING_FORCE, None, ((ALPHADOT, quantity(Family.DAMPING, shapes=(I, J))),), "damping force"),
-)
-ROTARY, ROTARY_RATE = (quantity(Family.ROTARY_MOMENT, shapes=(I,), derivative=d) for d in (2, 1))
-ROTARY_PRODUCT = quantity(Family.ROTARY_PRODUCT)
-_R = quantity(Family.ROTARY, shapes=(I, J))
-ROTARY_SUMS = (
-    IndexedSum(ROTARY, None, ((ALPHADDOT, _R),), "moment of the rotary inertia"),
-    IndexedSum(ROTARY_RATE, None, ((ALPHADOT, _R),), "momentum of the rotary inertia"),
-    IndexedSum(
-        ROTARY_PRODUCT,
-        None,
-        ((ALPHADOT, quantity(Family.ROTARY_MOMENT, shapes=(J,), derivative=1)),),
-        "twice the energy of the rotary inertia",
-    ),
-)
-ROTARY_TERM = Term(SHAPE_ROW, "rotary", "(10)", ROTARY)
-ELASTIC_TERM = Term(SHAPE_ROW, "elastic", "(13), (22)", ELASTIC)
-PRELOAD_TERM = Term(SHAPE_ROW, "preload", Source.STRETCHING, quantity(Family.PRELOAD, shapes=(I,)))
-DAMPING_TERM = Term(SHAPE_ROW, "damping", "(13)", DAMPING_FORCE)
+
+@dataclass(frozen=True)
+class IndexedEquations(Equations):
+    """The equations of motion of a body with their sums over the modes kept, and a row for a generic mode alpha_i.
+
+    Expressions are in `definitions` (scalars), in `tables`, in `table_sums`, in `mode_sums` made of these, and in the
+    alpha_i. `lowering` is what the specification of the body asks of the lowering.
+    """
+
+    body: Body = field(kw_only=True)
+    tables: tuple[CoefficientTable, ...] = ()
+    table_sums: tuple[TableSum, ...] = ()
+    mode_sums: tuple[ModeSum, ...] = ()
+    lowering: Lowering = "auto"
+
+    def expanded(self) -> Equations:
+        """Return the equations with all sums over the modes expanded, and one row for each mode."""
+        return self._expanded
+
+    @cached_property
+    def _expanded(self) -> Equations:
+        return expand(self.body)
+
+    def table(self, family: Family) -> CoefficientTable:
+        """The table of a family of integrals; StopIteration if the equations have none."""
+        return next(t for t in self.tables if t.family is family)
+
+    def reason(self, *families: Family) -> Reason:
+        """The reason why a quantity vanishes: the tables of these families are zero."""
+        return Reason(tuple((t.symbol, t.zero) for t in map(self.table, families)))
+
+    def row(self, name: str) -> sp.Expr:
+        """The left-hand side of one of the expanded equations of motion, see `Equations.row`."""
+        return self.expanded().row(name)
+
+    def _sums(self) -> list[tuple[str, sp.Expr | str]]:
+        result: list[tuple[str, sp.Expr | str]] = []
+        for c in self.table_sums:
+            products = " + ".join(f"sum_j {factor}*{entry}" for factor, entry in c.sums)
+            result.append((c.symbol.name, f"{c.offset} + {products}" if c.offset != 0 else products))
+        for s in self.mode_sums:
+            result.append((s.symbol.name, f"{s.offset} + sum_i ({s.term})" if s.offset != 0 else f"sum_i ({s.term})"))
+        return result
 
 
-def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
+def derive_body(body: Body, lowering: Lowering = "auto") -> IndexedEquations:
     """The equations of motion of a body in the indexed form: the rigid rows, and a row for a generic mode.
 
     `lowering` is the choice of the specification: auto, flat or table.
     """
-    motion, planar = body.rigid_motion, body.dimension == 2
+    work = body.virtual_work
+    motion, forces = work.motion, generic_forces({table.family for table in body.tables})
     coefficients = (body.mass_constant, *body.gravity)
-    families = {table.family for table in body.tables}
-    definitions = (*motion.rotation_definitions, *motion.named, *gravity_definitions(motion, body.gravity))
+    definitions = (*motion.rotation_definitions, *motion.named, *(work.gravity if body.gravity else ()))
     kept, reasons = zeros.drop_definitions(definitions, zeros.reasons_of(coefficients))
     sums = _Sums({t.family: t for t in body.tables}, {**reasons, **_zero_entries(body.tables)})
-    indexed_sums = tuple(chain(*(planar_sums if planar else spatial_sums)(body.truncated)))
-    forces: tuple[Term, ...] = ()
-    kinetic = body.kinetic_energy
-    if Family.ROTARY in families:
-        indexed_sums, forces = (*indexed_sums, *ROTARY_SUMS), (ROTARY_TERM,)
-        kinetic += ROTARY_PRODUCT / 2
-    if Family.STIFFNESS in families:
-        indexed_sums, forces = (*indexed_sums, *ELASTIC_SUMS[:1]), (*forces, ELASTIC_TERM)
-    if Family.DAMPING in families:
-        indexed_sums, forces = (*indexed_sums, *DAMPING_SUMS), (*forces, DAMPING_TERM)
-    if Family.STIFFNESS in families:
-        indexed_sums = (*indexed_sums, *ELASTIC_SUMS[1:])
-    strain = STRAIN / 2 if Family.STIFFNESS in families else sp.S.Zero
-    if Family.PRELOAD in families:
-        indexed_sums, forces, strain = (*indexed_sums, PRELOAD_SUM), (*forces, PRELOAD_TERM), strain + PRELOAD_WORK
-    for indexed_sum in indexed_sums:
+    for indexed_sum in chain(motion.moment_sums, motion.row_sums, *(force.sums for force in forces)):
         sums.add(indexed_sum)
-    complete = (*body.rigid_inertia, *(body.generic_inertia if body.modes or not planar else ()), *forces)
-    if body.gravity:
-        complete += (*rigid_weight(motion), *generic_weight(motion))
+    complete = (
+        *work.rigid,
+        *(work.generic if body.modes or body.dimension == 3 else ()),
+        *(force.term for force in forces),
+        *((*work.rigid_weight, *work.generic_weight) if body.gravity else ()),
+    )
     terms, vanished = zeros.drop_terms(complete, sums.reasons)
 
-    def settled(expr: sp.Expr) -> sp.Expr:
-        return sp.expand(zeros.drop(expr, sums.reasons).xreplace(sums.inlined))
+    def settled(*exprs: sp.Expr) -> sp.Expr:
+        return sp.expand(zeros.drop(sp.Add(*exprs), sums.reasons).xreplace(sums.inlined))
 
-    numbered = range(1, body.modes + 1)
     points = (indexed_marker(motion, k, point, bool(body.modes)) for k, point in enumerate(body.points, 1))
     of_points = (
         table
         for k, point in enumerate(body.points, 1)
         for table in point_tables(k, point.name, body.dimension, bool(point.second))
     )
-    return Equations(
+    return IndexedEquations(
         name=body.name,
         doc=body.doc,
         frame_doc=body.frame_doc,
-        coordinates=motion.coordinates
-        + tuple(Coordinate(amplitude(i), f"amplitude of assumed mode {i}", "m") for i in numbered),
+        coordinates=body.motion.coordinates,
         rows=(*motion.rows, *((_shape_row(),) if body.modes else ())),
         rates=(*motion.rates, *((amplitude(I, 1),) if body.modes else ())),
         parameters=body.parameters,
@@ -130,18 +112,16 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
         definitions=kept,
         terms=tuple(replace(t, expr=settled(t.expr)) for t in terms),
         vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
-        mass=sp.ImmutableMatrix(0, 0, []),
-        mass_zeros=(),
-        kinetic_energy=settled(kinetic),
-        strain_energy=settled(strain),
-        weight_energy=settled(weight_energy(motion)) if body.gravity else None,
-        linear_momentum=tuple(settled(p) for p in body.linear_momentum),
-        angular_momentum=tuple(settled(p) for p in body.angular_momentum),
+        kinetic_energy=settled(work.kinetic_energy, *(force.kinetic for force in forces)),
+        strain_energy=settled(*(force.strain for force in forces)),
+        weight_energy=settled(work.weight_energy) if body.gravity else None,
+        linear_momentum=tuple(map(settled, work.linear_momentum)),
+        angular_momentum=tuple(map(settled, work.angular_momentum)),
         markers=tuple(points),
+        body=body,
         tables=(*body.tables, *of_points),
         table_sums=tuple(sums.table_sums),
         mode_sums=tuple(sums.mode_sums),
-        body=body,
         lowering=lowering,
     )
 

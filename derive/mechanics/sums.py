@@ -110,12 +110,15 @@ def of_index(expr: sp.Expr, i: ShapeIndex, index: Index = I) -> sp.Expr:
 def signed_entry(symbol: Symbol, i: int = 0, j: int = 0) -> tuple[int, Symbol]:
     """Return a generic symbol at the modes i and j, with its sign, which is 0 for i = j in an odd table."""
     generic, sign = symbol.identity.shapes, 1
-    shapes = tuple([i if s is I else j if s is J else s for s in generic])
+    shapes: tuple[ShapeIndex, ...]
     if generic in (IJ, JI):
+        shapes = (i, j) if i < j else (j, i)
         if i == j:
             sign = max(0, PARITY[symbol.identity.family])
         elif (i > j) is (generic == IJ):
-            shapes, sign = shapes[::-1], PARITY[symbol.identity.family]
+            sign = PARITY[symbol.identity.family]
+    else:
+        shapes = tuple([i if s is I else j if s is J else s for s in generic])
     entries = _known_entries(symbol)
     entry = entries.get(shapes)
     if entry is None:

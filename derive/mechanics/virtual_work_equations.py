@@ -8,16 +8,57 @@ planar and spatial motion, and both forms of the equations: with indexed sums, a
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
 
 import sympy as sp
 
+from derive.mechanics.generic_forces import SHAPE_ROW
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import HERE, ONE, RDDOT, RDOT, Field, R
+from derive.mechanics.motion.planar import planar_motion
+from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import Family, quantity, vector
-from derive.mechanics.terms import Intermediate, ModelConstant, Term
+from derive.mechanics.terms import Intermediate, Term
 
-SHAPE_ROW = "alpha_i"
-"""The name of the row of a generic shape."""
+
+@dataclass(frozen=True)
+class VirtualWork:
+    """The equations of motion (15) before anything vanishes, from which all forms of the equations follow.
+
+    motion: that of the rigid body, whose sums over the modes the terms contain by name. rigid, generic: the virtual
+    work of the inertia on the rigid displacements and on a variation of alpha_i; rigid_weight, generic_weight: that of
+    gravity, for whose components in the body frame `gravity` has the definitions. The energies and momenta follow.
+    """
+
+    motion: Motion
+    gravity: tuple[Intermediate, ...]
+    rigid: tuple[Term, ...]
+    generic: tuple[Term, ...]
+    rigid_weight: tuple[Term, ...]
+    generic_weight: tuple[Term, ...]
+    kinetic_energy: sp.Expr
+    weight_energy: sp.Expr
+    linear_momentum: tuple[sp.Expr, ...]
+    angular_momentum: tuple[sp.Expr, ...]
+
+
+@cache
+def virtual_work(dimension: int, truncated: bool) -> VirtualWork:
+    """The virtual work of a body in the plane (2) or in space (3), truncated at second order or not."""
+    motion = (planar_motion if dimension == 2 else spatial_motion)(0, truncated)
+    return VirtualWork(
+        motion=motion,
+        gravity=gravity_definitions(motion),
+        rigid=rigid_inertia(motion),
+        generic=generic_inertia(motion),
+        rigid_weight=rigid_weight(motion),
+        generic_weight=generic_weight(motion),
+        kinetic_energy=kinetic_energy(motion),
+        weight_energy=weight_energy(motion),
+        linear_momentum=linear_momentum(motion),
+        angular_momentum=angular_momentum(motion),
+    )
 
 
 def _parts(motion: Motion) -> tuple[tuple[str, Field], ...]:
@@ -52,7 +93,7 @@ def generic_inertia(motion: Motion) -> tuple[Term, ...]:
 
 def rigid_displacements(motion: Motion) -> Iterator[tuple[str, Field]]:
     """The rows of the rigid motion, each with its virtual displacement."""
-    names = [row.name for row in motion.rows[: len(motion.rows) - len(motion.alpha)]]
+    names = [row.name for row in motion.rigid_rows]
     return zip(names, (*motion.translations, *motion.frame.rotations()), strict=True)
 
 
@@ -61,10 +102,8 @@ def gravity_vector(motion: Motion) -> sp.Matrix:
     return vector(Family.GRAVITY, motion.rotation.rows)
 
 
-def gravity_definitions(motion: Motion, gravity: tuple[ModelConstant, ...]) -> tuple[Intermediate, ...]:
-    """The definitions of Q^T g, gravity resolved in the body frame; none without gravity."""
-    if not gravity:
-        return ()
+def gravity_definitions(motion: Motion) -> tuple[Intermediate, ...]:
+    """The definitions of Q^T g, gravity resolved in the body frame."""
     seen = motion.rotation.T * gravity_vector(motion)
     return tuple(
         Intermediate(

@@ -85,7 +85,7 @@ def _note(beam: PlanarBeam, pieces: int) -> str:
 
 def _values(body: Body, family: Family) -> Matrix:
     """The entries of a shape integral of a planar body: (N, N) of two shapes, (N,) of one, (1,) of none; e2 of c2."""
-    constants = [c for c in (*body.integrals, *body.stiffness) if c.symbol.identity.family is family]
+    constants = [c for c in body.constants if c.symbol.identity.family is family]
     order = max(len(c.symbol.identity.shapes) for c in constants)
     result = np.zeros((body.modes,) * order)
     for constant in constants:

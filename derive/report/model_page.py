@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from derive.backends.source_map import source_map
 from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.pipeline import Built
 from derive.report.document.formula import FormulaRow, Name, NumberToken, OperatorToken
 from derive.report.document.page import Block, Heading, Math, Page, Paragraph, Text
@@ -71,7 +72,7 @@ def _frames(built: Built, written: Notation) -> tuple[Block, ...]:
 
 def _motion(equations: Equations) -> tuple[Block, ...]:
     """The introduction to the rows of the equations of motion."""
-    loops = " There is one row for each shape i." if equations.indexed else ""
+    loops = " There is one row for each shape i." if isinstance(equations, IndexedEquations) else ""
     law = FormulaRow(
         (Name("M", style="tensor"), Name("v", 1, style="vector"), OperatorToken("+"), Name("h", style="vector"))
     )

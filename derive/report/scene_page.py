@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from derive.backends.source_map import source_map
 from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES
 from derive.mechanics.symbols import identity
@@ -53,7 +54,7 @@ def scene_page(
     Raises TypeError when what was built is a body.
     """
     spec, equations, model = built.spec, built.equations, built.model
-    if not isinstance(spec, Scene) or equations.indexed or model.kkt is None:
+    if not isinstance(spec, Scene) or isinstance(equations, IndexedEquations) or model.kkt is None:
         raise TypeError("this is no scene")
     written = notation(equations)
     code = source_map(built.files, "c")

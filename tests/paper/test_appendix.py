@@ -9,6 +9,7 @@ import sympy as sp
 from scipy.sparse import csr_array, diags_array
 
 from derive.mechanics.bodies.modal_body import ModalBody
+from derive.mechanics.expanded_sums import expanded_moments
 from derive.mechanics.motion.spatial import PAIRS, spatial_motion
 from derive.reduction import reduce
 from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeData
@@ -117,7 +118,7 @@ def composed() -> dict[str, sp.Expr]:
             symmetric(f"C5_{i + 1}_{j + 1}", appendix.appendix_C5(at, i, j))
             vector(f"c7_{i + 1}_{j + 1}", appendix.appendix_c7(at, i, j))
     known = {sp.Symbol(name): value for name, value in values.items()}
-    for definition in spatial_motion(2).definitions:
+    for definition in expanded_moments(spatial_motion(2))[0]:
         known[plain(definition.symbol)] = sp.expand(plain(definition.expr).xreplace(known))
     return {symbol.name: value for symbol, value in known.items()}
 

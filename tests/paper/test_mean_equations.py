@@ -7,6 +7,7 @@ from functools import cache
 import pytest
 import sympy as sp
 
+from derive.mechanics.expanded_sums import expanded_moments, expanded_sums
 from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import MASS, Family, identity, vector
 from derive.mechanics.virtual_work_equations import linear_momentum
@@ -96,8 +97,8 @@ def test_the_mass_matrix_is_sparser_in_the_mean_frame() -> None:
 def test_c_is_the_translation_of_the_centre_of_mass_when_o_is_there() -> None:
     """int rho xdot = m cdot takes (17) and the choice of O: with (17) alone c1 is left."""
     motion = spatial_motion(2)
-    momentum = sp.Matrix([sp.expand(motion.sums_without().put_in(p)) for p in linear_momentum(motion)])
-    written = momentum.xreplace({d.symbol: d.expr for d in motion.definitions})
+    momentum = sp.Matrix([sp.expand(expanded_sums(motion, motion.row_sums).put_in(p)) for p in linear_momentum(motion)])
+    written = momentum.xreplace({d.symbol: d.expr for d in expanded_moments(motion)[0]})
     of_c = MASS * vector(Family.TRANSLATION, 3, derivative=1)
     c1, c2 = ({s for s in written.free_symbols if identity(s).family is f} for f in (Family.C1, Family.C2))
     assert c1 and c2

@@ -14,7 +14,7 @@ from derive.lowering.loops import data_layout as store
 from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar
 from derive.lowering.loops.gradient import Gradient
 from derive.lowering.loops.program import Program
-from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.sums import ALPHADDOT
 from derive.mechanics.symbols import Family, I, amplitude, local, quantity, state_rate, t
 from derive.mechanics.tables import TableKind
@@ -31,7 +31,7 @@ RIGID = 6
 class LoopContext:
     """The data that all kernels of one model share while it is lowered to loops."""
 
-    def __init__(self, equations: Equations) -> None:
+    def __init__(self, equations: IndexedEquations) -> None:
         self.equations = eq = equations
         self.n = eq.modes
         self.gradient = Gradient(eq)

@@ -32,7 +32,7 @@ from derive.ir.statements import (
     padded,
 )
 from derive.lowering.terms import model_terms
-from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.sums import PARITY
 from derive.mechanics.symbols import MASS, Family, parameter
 from derive.mechanics.tables import CoefficientTable, TableKind
@@ -79,7 +79,7 @@ def size(table: CoefficientTable, n: int) -> int:
     return counts[table.counted] * len(table.components)
 
 
-def layout(eq: Equations) -> DataLayout:
+def layout(eq: IndexedEquations) -> DataLayout:
     """The layout of p and k for the equations of a body."""
     n = eq.modes
     kept = [t for t in eq.tables if size(t, n)]
@@ -106,31 +106,31 @@ def layout(eq: Equations) -> DataLayout:
     return DataLayout(argument, packing, scalars, _parameters(eq, kept), tuple(_offsets(eq, kept)))
 
 
-def _scalars(eq: Equations) -> tuple[ModelConstant, ...]:
+def _scalars(eq: IndexedEquations) -> tuple[ModelConstant, ...]:
     """The scalar constants: the mass, which is always a parameter, and gravity."""
     mass = _mass(eq)
     return tuple(replace(c, value=mass.symbol) if c.symbol == MASS else c for c in eq.coefficients)
 
 
-def _mass(eq: Equations) -> ParameterSymbol:
+def _mass(eq: IndexedEquations) -> ParameterSymbol:
     """The parameter that is the mass: the one of the specification, or m with its number as the default."""
     value = next(c.value for c in eq.coefficients if c.symbol == MASS)
     known = (p for p in eq.parameters if p.symbol == value)
     return next(known, None) or ParameterSymbol(parameter("m", positive=True), "mass of the body", "kg", float(value))
 
 
-def _others(eq: Equations) -> tuple[ParameterSymbol, ...]:
+def _others(eq: IndexedEquations) -> tuple[ParameterSymbol, ...]:
     """The parameters besides the mass and the entries of tables, which are arrays here."""
     mass = _mass(eq).symbol
     return tuple(p for p in eq.parameters if p.symbol != mass and not p.symbol.identity.parameter)
 
 
-def _c8_arrays(eq: Equations) -> list[tuple[str, int]]:
+def _c8_arrays(eq: IndexedEquations) -> list[tuple[str, int]]:
     n = eq.modes
     return [(TRIANGLE, n * (n + 1) // 2), (ROOT, n * n)] if n and eq.table(Family.C8).kind is TableKind.FULL else []
 
 
-def _parameters(eq: Equations, kept: list[CoefficientTable]) -> tuple[Variable, ...]:
+def _parameters(eq: IndexedEquations, kept: list[CoefficientTable]) -> tuple[Variable, ...]:
     first, *rest = (Variable(str(p.symbol), p.doc, p.unit, p.default) for p in (_mass(eq), *_others(eq)))
     tables = (Variable(t.name, _doc(t), t.unit, 0.0, size(t, eq.modes)) for t in kept)
     return (first, *tables, *rest)
@@ -148,7 +148,7 @@ def _doc(table: CoefficientTable) -> str:
     return ", ".join(parts)
 
 
-def _offsets(eq: Equations, kept: list[CoefficientTable]) -> list[tuple[CoefficientTable, int]]:
+def _offsets(eq: IndexedEquations, kept: list[CoefficientTable]) -> list[tuple[CoefficientTable, int]]:
     offsets, offset = [], 1
     for t in kept:
         offsets.append((t, offset))
@@ -162,7 +162,7 @@ def copied(output: str, offset: int, source: str, count: int) -> Section:
     return Section("c8", Source.APPENDIX, "int rho Phi_i . Phi_j, which does not change", (loop,))
 
 
-def setup(eq: Equations, layout: DataLayout) -> Kernel:
+def setup(eq: IndexedEquations, layout: DataLayout) -> Kernel:
     """p -> k: packing, and the Cholesky factor of c8 where it is full."""
     n = eq.modes
     views = tuple(View(f"p_{t.name}", offset, size(t, n)) for t, offset in layout.sources if t.counted)
@@ -212,7 +212,7 @@ def setup(eq: Equations, layout: DataLayout) -> Kernel:
     return Kernel("setup", doc, (p,), (Output("k", (), "constants", None, total),), tuple(sections))
 
 
-def _scalar_elements(eq: Equations, layout: DataLayout) -> tuple[tuple[str, ...], tuple[int, ...]]:
+def _scalar_elements(eq: IndexedEquations, layout: DataLayout) -> tuple[tuple[str, ...], tuple[int, ...]]:
     """The names of the scalar parameters, and their indices in p."""
     elements = [(f"p_{_mass(eq).symbol}", 0)]
     end = 1
@@ -225,7 +225,7 @@ def _scalar_elements(eq: Equations, layout: DataLayout) -> tuple[tuple[str, ...]
 
 
 def model(
-    eq: Equations, layout: DataLayout, kernels: tuple[Kernel, ...], zeros: tuple[Zero, ...], choice: str
+    eq: IndexedEquations, layout: DataLayout, kernels: tuple[Kernel, ...], zeros: tuple[Zero, ...], choice: str
 ) -> Model:
     """The kernels of a model with names, units and reasons."""
     n, rigid = eq.modes, eq.rows[:6]
@@ -263,9 +263,8 @@ def model(
     return replace(result, terms=model_terms(eq, result.pattern("mass", "M")))
 
 
-def _data(eq: Equations, layout: DataLayout) -> tuple[tuple[int, float], ...]:
+def _data(eq: IndexedEquations, layout: DataLayout) -> tuple[tuple[int, float], ...]:
     """The defaults: those of a body given by data, or a unit ball of inertia whose modes do not couple."""
-    assert eq.body is not None
     n, end = eq.modes, 1
     defaults = [(0, _mass(eq).default)]
     numbers = [eq.body.values.numbers(t) for t, _ in layout.sources]

@@ -19,13 +19,13 @@ from derive.lowering.loops.accelerations import accel
 from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar
 from derive.lowering.loops.context import RIGID, SHAPE, LoopContext, row_labels
 from derive.lowering.loops.iteration_matrix import jacobian
-from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import TRANSLATIONS
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, I, amplitude, state_rate
 from derive.mechanics.tables import AXES, TableKind
 
 
-def lower_tables(equations: Equations, choice: str = "") -> Model:
+def lower_tables(equations: IndexedEquations, choice: str = "") -> Model:
     """The kernels of a model with loops over the shapes, with names, units, patterns and the reasons of its zeros."""
     context = LoopContext(equations)
     lowered = (IMPLEMENTATIONS[function.kind](context, function) for function in functions_of(equations))
@@ -172,7 +172,7 @@ def _zeros(context: LoopContext) -> tuple[Zero, ...]:
     return tuple(result)
 
 
-def _vanished(eq: Equations, *families: Family) -> str:
+def _vanished(eq: IndexedEquations, *families: Family) -> str:
     """The reason that all tables of these families vanish."""
     return str(eq.reason(*families))
 

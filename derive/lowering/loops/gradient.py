@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, PARITY, TableSum, canonical, exchanged, swapped
 from derive.mechanics.symbols import Family, I, J, Symbol, is_indexed, quantity
 
@@ -34,7 +34,7 @@ class Gradient:
     `factor` is the variable of differentiation: ALPHA, ALPHADOT or ALPHADDOT.
     """
 
-    def __init__(self, equations: Equations) -> None:
+    def __init__(self, equations: IndexedEquations) -> None:
         self.mode_sums = {t.symbol: t for t in equations.mode_sums}
         self.table_sums = list(equations.table_sums)
 

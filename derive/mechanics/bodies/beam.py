@@ -34,8 +34,7 @@ from derive.mechanics.bodies.foreshortening import (
 )
 from derive.mechanics.bodies.planar_integrals import coefficients, second_order_coefficients
 from derive.mechanics.body import Body, planar_body
-from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import derive_body
+from derive.mechanics.indexed_equations import IndexedEquations, derive_body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
@@ -44,7 +43,7 @@ from derive.spec.model.body import DisplacementOrder, Marker, PlanarBeam
 from derive.spec.model.quantity import Parameter
 
 
-def derive(beam: PlanarBeam) -> Equations:
+def derive(beam: PlanarBeam) -> IndexedEquations:
     """The equations of motion of a planar beam: (33) or (41) for the paper's cubic in its two frames.
 
     Raises ConditionError when the ansatz does not fit the frame.

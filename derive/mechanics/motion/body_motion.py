@@ -2,28 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property
-from itertools import groupby
+from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from derive.mechanics import zeros
 from derive.mechanics.motion.kinematics import ONE, Field, MovingFrame
 from derive.mechanics.motion.moments import Moments, total
-from derive.mechanics.sums import (
-    ALPHA,
-    ALPHADDOT,
-    ALPHADOT,
-    AbsentPart,
-    IndexedSum,
-    Vectors,
-    exchanged,
-    expanded_sum,
-)
-from derive.mechanics.symbols import MASS, Family, I
-from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate, Reason
+from derive.mechanics.sums import IndexedSum
+from derive.mechanics.symbols import MASS, amplitude
+from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
 __all__ = ["MASS", "Motion"]
 
@@ -53,10 +40,40 @@ class Motion:
     rotation_generators: tuple[tuple[sp.Matrix, sp.Matrix], ...]
     identities: dict[tuple[str, str], str]
 
+    def with_modes(self, n: int) -> Motion:
+        """The motion of a body with n assumed modes, whose amplitudes follow the coordinates of this rigid motion."""
+        alpha, rows, modes = tuple(map(amplitude, range(1, n + 1))), [], []
+        for i, q in enumerate(alpha, 1):
+            v, a = (amplitude(i, derivative) for derivative in (1, 2))
+            modes.append(Coordinate(q, f"amplitude of assumed mode {i}", "m"))
+            rows.append(EquationOfMotion(q.name, v, a, f"time derivative of {q.name}", "m/s", "N"))
+        return replace(
+            self,
+            coordinates=(*self.coordinates, *modes),
+            rows=(*self.rows, *rows),
+            rates=(*self.rates, *(row.v for row in rows)),
+            alpha=alpha,
+        )
+
+    @property
+    def rigid_rows(self) -> tuple[EquationOfMotion, ...]:
+        """The rows of the rigid motion."""
+        return self.rows[: len(self.rows) - len(self.alpha)]
+
+    @property
+    def mode_rows(self) -> tuple[EquationOfMotion, ...]:
+        """The rows of the assumed modes."""
+        return self.rows[len(self.rows) - len(self.alpha) :]
+
     @property
     def alphadot(self) -> tuple[sp.Symbol, ...]:
         """The generalised velocities of the shapes."""
-        return tuple(row.v for row in self.rows[len(self.rows) - len(self.alpha) :])
+        return tuple(row.v for row in self.mode_rows)
+
+    @property
+    def alphaddot(self) -> tuple[sp.Symbol, ...]:
+        """The accelerations of the shapes."""
+        return tuple(row.a for row in self.mode_rows)
 
     @property
     def position(self) -> Field:
@@ -79,81 +96,6 @@ class Motion:
         unit = sp.eye(self.rotation.rows)
         return tuple({ONE: unit[:, k]} for k in range(unit.rows))
 
-    @property
-    def definitions(self) -> tuple[Intermediate, ...]:
-        """The named products, and the moments for each shape function; entries that vanish are still included."""
-        return self.definitions_without(zeros.Reasons())[0]
-
-    def definitions_without(self, reasons: zeros.Reasons) -> tuple[tuple[Intermediate, ...], zeros.Reasons]:
-        """The definitions without their vanishing parts, and the reasons of all symbols that vanish.
-
-        reasons: the reasons of the symbols that vanish; the result contains those of the vanished moments as well.
-        """
-        known, result = dict(reasons), list(self.named)
-        for s, i in _every(self.moment_sums, len(self.alpha)):
-            symbol = exchanged(s.symbol, {I: i})
-            expr, vanished = expanded_sum(s, i, self._vectors, known)
-            zero = None
-            if expr == 0:
-                known[symbol] = zeros.behind([entry for entry, _ in vanished], known)
-                zero = str(Reason(known[symbol], "it vanishes identically"))
-            result.append(Intermediate(symbol, expr, s.section, s.source, s.described(i), zero))
-        return tuple(result), known
-
     def product(self, a: Field, b: Field) -> sp.Expr:
         """The integral int rho a . b over the body, for a generic index i if a or b holds PHI."""
         return total(a, b, self.moments)
-
-    def sums_without(self, vanishing: Iterable[sp.Basic] = ()) -> ExpandedSums:
-        """The sums without a name of their own, expanded, without the parts that vanish.
-
-        A sum that refers to an earlier one contains its expansion. One whose parts all vanish keeps them, so that they
-        are known where it occurs.
-        """
-        exprs: dict[sp.Symbol, sp.Expr] = {}
-        absent: dict[sp.Symbol, tuple[AbsentPart, ...]] = {}
-        earlier: set[tuple[Family, int]] = set()
-        known = {*vanishing}
-        for s in self.row_sums:
-            entries = (*(entry for _, entry in s.sums), *([s.offset] if s.offset else []))
-            refers = any((e.identity.family, e.identity.derivative) in earlier for e in entries)
-            for i in range(1, len(self.alpha) + 1) if s.indexed else (0,):
-                symbol = exchanged(s.symbol, {I: i})
-                expr, gone = expanded_sum(s, i, self._vectors, known)
-                if expr == 0:
-                    known.add(symbol)
-                    expr, gone = expanded_sum(s, i, self._vectors)
-                exprs[symbol] = sp.expand(expr.xreplace(exprs)) if refers else expr
-                absent[symbol] = tuple(gone)
-            earlier.add((s.symbol.identity.family, s.symbol.identity.derivative))
-        return ExpandedSums(exprs, absent)
-
-    @cached_property
-    def _vectors(self) -> Vectors:
-        """The symbols of the factors of sums, shape by shape."""
-        alphaddot = tuple(row.a for row in self.rows[len(self.rows) - len(self.alpha) :])
-        return {ALPHA: self.alpha, ALPHADOT: self.alphadot, ALPHADDOT: alphaddot}
-
-
-@dataclass(frozen=True)
-class ExpandedSums:
-    """The expanded sums over the shapes by their symbols, and the vanishing parts that they leave out."""
-
-    exprs: Mapping[sp.Symbol, sp.Expr]
-    absent: Mapping[sp.Symbol, tuple[AbsentPart, ...]]
-
-    def put_in(self, expr: sp.Expr) -> sp.Expr:
-        """Replace the sums in an expression by their expansions; the result is expanded."""
-        known = self.exprs.get(expr)
-        if known is not None:
-            return known
-        return sp.expand(expr.xreplace(self.exprs)) if expr.free_symbols & self.exprs.keys() else expr
-
-
-def _every(indexed_sums: Iterable[IndexedSum], n: int) -> Iterator[tuple[IndexedSum, int]]:
-    """Yield each sum with the number of each shape, moment by moment; with 0 if it is not indexed by a shape."""
-    for _, group in groupby(indexed_sums, lambda s: s.section):
-        members = tuple(group)
-        for i in range(1, n + 1) if members[0].indexed else (0,):
-            for s in members:
-                yield s, i

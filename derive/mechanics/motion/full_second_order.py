@@ -72,12 +72,11 @@ class DependentAmplitudes:
         if not self.numbers:
             return expr
         n, result = len(self.motion.alpha), {}
-        accelerations = [row.a for row in self.motion.rows[-n:]]
         for p, row in zip(self.numbers, self.of_fields.rows[-len(self.numbers) :], strict=True):
             tangents = [self._tangent(p, i) for i in self._shapes]
             result[self.of_fields.alpha[n + p - 1]] = self._beta(p)
             result[row.v] = self._beta(p, 1)
-            result[row.a] = _dot(tangents, accelerations) + self._beta(p, 2)
+            result[row.a] = _dot(tangents, self.motion.alphaddot) + self._beta(p, 2)
         return sp.expand(expr.xreplace(result))
 
     def projected(self, terms: Iterable[Term]) -> tuple[Term, ...]:

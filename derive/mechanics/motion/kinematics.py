@@ -13,6 +13,7 @@ vector everywhere as well, but resolved there.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import sympy as sp
 
@@ -90,12 +91,12 @@ class MovingFrame:
         """The relative position Q^T (x - c) = r."""
         return {R: sp.eye(self.angular_velocity_tensor.rows)}
 
-    @property
+    @cached_property
     def velocity(self) -> Field:
         """The relative velocity Q^T (xdot - cdot) = omega x r + rdot."""
         return self.dot(self.position)
 
-    @property
+    @cached_property
     def acceleration(self) -> Field:
         """The relative acceleration Q^T (xddot - cddot) of (5)."""
         return self.dot(self.velocity)

@@ -3,29 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 from derive.mechanics.motion.body_motion import MASS, Motion
 from derive.mechanics.motion.kinematics import MovingFrame, PlanarRotation
 from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, PlanarMoments
 from derive.mechanics.motion.second_order import second_order_moment_sums, second_order_row_sums
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
-from derive.mechanics.symbols import Family, I, J, Symbol, amplitude, identity, quantity
+from derive.mechanics.symbols import Family, I, J, Symbol, identity, quantity
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
 
+@cache
 def planar_motion(n: int, second_order: bool = False) -> Motion:
     """The motion of a planar body with n shapes; at second order r is quadratic in their amplitudes."""
-    coordinates = _coordinates(n)
+    coordinates = _coordinates()
     rows = tuple(map(_row, coordinates))
-    alpha = tuple(c.q for c in coordinates[3:])
     rotation, phi = PlanarRotation(coordinates[2].q), rows[2]
     generator = rotation.generator  # about e3, which both frames share
     moment_sums, row_sums = planar_sums(second_order)
-    return Motion(
+    rigid = Motion(
         coordinates=coordinates,
         rows=rows,
         rates=tuple(row.v for row in rows),
-        alpha=alpha,
+        alpha=(),
         rotation=rotation.tensor,
         rotation_definitions=_rotation_definitions(rotation),
         frame=MovingFrame((generator,), (phi.v,), (phi.a,)),
@@ -37,16 +38,16 @@ def planar_motion(n: int, second_order: bool = False) -> Motion:
         rotation_generators=((generator, generator),),
         identities={("phi", "centrifugal"): "planar motion: omega x (J . omega) = 0"},
     )
+    return rigid.with_modes(n)
 
 
-def _coordinates(n: int) -> tuple[Coordinate, ...]:
-    """The coordinates c1, c2, phi, alpha1..alphaN: (14), (23), (27)."""
+def _coordinates() -> tuple[Coordinate, ...]:
+    """The coordinates c1, c2, phi of the rigid motion: (14), (23)."""
     c1, c2 = (quantity(Family.TRANSLATION, k) for k in (1, 2))
     return (
         Coordinate(c1, "position of the origin of the floating frame along the inertial e1", "m"),
         Coordinate(c2, "position of the origin of the floating frame along the inertial e2", "m"),
         Coordinate(quantity(Family.ANGLE), "rotation of the floating frame", "rad"),
-        *(Coordinate(amplitude(i), f"amplitude of assumed mode {i}", "m") for i in range(1, n + 1)),
     )
 
 

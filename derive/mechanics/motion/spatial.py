@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 
 import sympy as sp
 
@@ -17,7 +18,7 @@ from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
 from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, Moment, moment, transposed
 from derive.mechanics.motion.second_order import SPACE, second_order_moment_sums, second_order_row_sums
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
-from derive.mechanics.symbols import Family, I, J, ShapeIndex, Symbol, amplitude, local, quantity
+from derive.mechanics.symbols import Family, I, J, ShapeIndex, Symbol, local, quantity
 from derive.mechanics.symbols import vector as components
 from derive.mechanics.tables import AXES, PAIRS
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
@@ -100,23 +101,21 @@ class SpatialMoments:
         return components(family, len(AXES)) if self.truncated and field == RDDOT else sp.zeros(len(AXES), 1)
 
 
+@cache
 def spatial_motion(n: int, truncated: bool = False) -> Motion:
     """The motion of a body in space with n shapes; truncated at second order, r is quadratic in their amplitudes."""
-    shapes = range(1, n + 1)
-    alpha = tuple(amplitude(i) for i in shapes)
-    rows = _rows(shapes)
+    rows = _rows()
     rotation, quaternion = symbols_of_rotation(), tuple(quantity(Family.QUATERNION, k) for k in range(4))
-    omega, omegadot = (tuple(getattr(row, x) for row in rows[3:6]) for x in ("v", "a"))
-    alphadot = tuple(row.v for row in rows[6:])
+    omega, omegadot = (tuple(getattr(row, x) for row in rows[3:]) for x in ("v", "a"))
     products = {omega[i - 1] * omega[j - 1]: quantity(Family.OMEGA_PRODUCT, i, j) for i, j in PAIRS}
     named = tuple(Intermediate(s, p, "oo", "(5)", "products of omega") for p, s in products.items())
     axes = sp.eye(3)
     moment_sums, row_sums = spatial_sums(truncated)
-    return Motion(
-        coordinates=_coordinates(alpha),
+    rigid = Motion(
+        coordinates=_coordinates(),
         rows=rows,
-        rates=(*(row.v for row in rows[:3]), *quaternion_rates(quaternion, omega), *alphadot),
-        alpha=alpha,
+        rates=(*(row.v for row in rows[:3]), *quaternion_rates(quaternion, omega)),
+        alpha=(),
         rotation=rotation,
         rotation_definitions=_rotation_definitions(rotation, quaternion),
         frame=MovingFrame(tuple(skew(axes[:, k]) for k in range(3)), omega, omegadot),
@@ -128,9 +127,11 @@ def spatial_motion(n: int, truncated: bool = False) -> Motion:
         rotation_generators=tuple((skew(axes[:, k]), skew(rotation[k, :])) for k in range(3)),
         identities={},
     )
+    return rigid.with_modes(n)
 
 
-def _coordinates(alpha: tuple[sp.Symbol, ...]) -> tuple[Coordinate, ...]:
+def _coordinates() -> tuple[Coordinate, ...]:
+    """The coordinates c1, c2, c3 and the quaternion of the rigid motion."""
     return (
         *(
             Coordinate(quantity(Family.TRANSLATION, k), f"translation of the floating frame along e{k}", "m")
@@ -140,11 +141,10 @@ def _coordinates(alpha: tuple[sp.Symbol, ...]) -> tuple[Coordinate, ...]:
             Coordinate(quantity(Family.QUATERNION, k), "unit quaternion of the floating frame, scalar first", "1")
             for k in range(4)
         ),
-        *(Coordinate(a, f"amplitude of assumed mode {i}", "m") for i, a in enumerate(alpha, 1)),
     )
 
 
-def _rows(shapes: range) -> tuple[EquationOfMotion, ...]:
+def _rows() -> tuple[EquationOfMotion, ...]:
     translations, spins = [], []
     for k in AXES:
         v, a = (quantity(Family.TRANSLATION, k, derivative=d) for d in (1, 2))
@@ -152,11 +152,7 @@ def _rows(shapes: range) -> tuple[EquationOfMotion, ...]:
         v, a = (quantity(Family.ANGULAR_VELOCITY, k, derivative=d) for d in (0, 1))
         name = quantity(Family.VIRTUAL_ROTATION, k).name
         spins.append(EquationOfMotion(name, v, a, f"angular velocity about the body axis {k}", "rad/s", "N m"))
-    of_shapes = (
-        EquationOfMotion(f"alpha{i}", amplitude(i, 1), amplitude(i, 2), f"time derivative of alpha{i}", "m/s", "N")
-        for i in shapes
-    )
-    return (*translations, *spins, *of_shapes)
+    return (*translations, *spins)
 
 
 def symbols_of_rotation() -> sp.Matrix:

@@ -10,7 +10,6 @@ import sympy as sp
 
 from derive.mechanics import zeros
 from derive.mechanics.equations import Equations
-from derive.mechanics.expansion import constants_of
 from derive.mechanics.motion.material_points import marker
 from derive.mechanics.multibody.bodies.body_type import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
@@ -135,7 +134,7 @@ class _Moved:
 
 def _moved(instance: BodyInstance, kind: BodyKind) -> _Moved:
     component, coordinates, motion = instance.component, instance.coordinates, kind.motion
-    of_body = constants_of(component.body)
+    of_body = component.body.constants
     reasons = zeros.reasons_of(of_body)
     of_points = tuple(c for s in component.sections.values() for c in (*s.point.coefficients, *s.rotations))
     change: Symbols = {**coordinates.values, **_renamed(component.group, (*of_body, *of_points))}

@@ -10,8 +10,7 @@ from typing import Any
 import sympy as sp
 
 from derive.mechanics.body import Body, ExactValues
-from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import derive_body
+from derive.mechanics.indexed_equations import IndexedEquations, derive_body
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.multibody.bodies.body_type import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
@@ -35,7 +34,7 @@ class BodyKind:
     """
 
     body: Body
-    equations: Equations
+    equations: IndexedEquations
 
     @property
     def motion(self) -> Motion:

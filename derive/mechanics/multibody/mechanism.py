@@ -12,7 +12,7 @@ import sympy as sp
 
 from derive.errors import Problem, SpecError
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import DAMPING_TERM
+from derive.mechanics.generic_forces import DAMPING_TERM
 from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.constraints import constraints

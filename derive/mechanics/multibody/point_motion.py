@@ -75,7 +75,6 @@ def point_motion(
     rotations: the rotations of the section by each shape and, at second order, by products of two amplitudes.
     """
     rotation, (generator,), axes = motion.rotation, motion.frame.generators, (1, 2)
-    shape_rows = motion.rows[len(motion.rows) - len(motion.alpha) :]
     still = sp.zeros(2, 1)
 
     def symbols(family: Family, derivative: int = 0) -> sp.Matrix:
@@ -100,9 +99,8 @@ def point_motion(
     seen += define(r, at_point, "r = X + u at") + define(rdot, rate, "time derivative of r at")
     lever = define(s, rotation * r, "Q r at") + define(sdot, rotation * rdot, "Q rdot at")
     kept, known = zeros.drop_definitions((*seen, *lever), reasons)
-    accelerations = tuple(row.a for row in shape_rows)
-    amplitudes = motion.alpha, motion.alphadot, accelerations
-    rddot = sum((v * a for v, a in zip(tangents.vectors, accelerations, strict=True)), still)
+    amplitudes = motion.alpha, motion.alphadot, motion.alphaddot
+    rddot = sum((v * a for v, a in zip(tangents.vectors, motion.alphaddot, strict=True)), still)
     world = {R: s, RDOT: sdot, RDDOT: rotation * (rddot + acceleration_of_rates(motion, point))}
 
     def vector(field: Field) -> sp.ImmutableMatrix:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import sympy as sp
 
 from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import MASS, Family, I, Identity, Symbol, amplitude, identity
 from derive.mechanics.time_expressions import KINDS
 from derive.mechanics.time_functions import Absolute, Lookup, Select, Sign, SmoothStep
@@ -230,7 +231,8 @@ def notation(equations: Equations) -> Notation:
     value = next((c.value for c in coefficients if c.symbol == MASS), None)
     parameters = tuple(p.symbol for p in equations.parameters)
     mass = value if isinstance(value, sp.Symbol) else None
-    with_rates = frozenset(s.symbol for s in equations.mode_sums if _has_both(s.term))
+    sums = equations.mode_sums if isinstance(equations, IndexedEquations) else ()
+    with_rates = frozenset(s.symbol for s in sums if _has_both(s.term))
     return Notation(parameters, mass, row_identities(equations), with_rates)
 
 

@@ -12,8 +12,8 @@ import sympy as sp
 from derive.mechanics import virtual_work_equations as body
 from derive.mechanics.bodies.spatial_body import parametric_body
 from derive.mechanics.bodies.spatial_tables import DOCS
-from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import ELASTIC_SUMS, derive_body
+from derive.mechanics.generic_forces import generic_forces
+from derive.mechanics.indexed_equations import IndexedEquations, derive_body
 from derive.mechanics.motion.spatial import rotation_of, spatial_moment_sums, spatial_row_sums
 from derive.mechanics.sums import IndexedSum
 from derive.mechanics.symbols import Family, I, J, Symbol, quantity
@@ -60,7 +60,7 @@ def mean_equations_of_motion() -> tuple[Equation, ...]:
 
 
 @cache
-def _mean() -> Equations:
+def _mean() -> IndexedEquations:
     return derive_body(parametric_body(symbolic_body("audit", 3, frame="mean", damping=True)))
 
 
@@ -92,7 +92,7 @@ def _vectors(terms: Iterator[Term]) -> Iterator[tuple[str, list[sp.Expr]]]:
 
 
 def _elastic() -> Part:
-    elastic = ELASTIC_SUMS[0]
+    elastic = generic_forces({Family.STIFFNESS})[0].sums[0]
     return Part("+", _sum_of(*elastic.sums[0]), group="elastic", title=elastic.doc)
 
 

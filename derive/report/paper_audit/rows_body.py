@@ -102,7 +102,7 @@ MOTION = (
         by_user=True,
         note="Isotropic, linear elastic, without stress in the reference configuration. Here a body brings a "
         "stiffness, whatever material it comes from.",
-        where=("derive/mechanics/body.py::stiffness",),
+        where=("derive/mechanics/generic_forces.py::FORCES",),
         tests=tests(CONTINUUM, "test_13_is_11_with_the_stress_8_and_a_free_surface"),
     ),
     AuditRow(

@@ -11,6 +11,7 @@ import sympy as sp
 from derive.backends.source_map import FunctionLines, SourceMap
 from derive.ir.model import Kernel, Model
 from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.report.document.page import (
     Block,
     CodeLine,
@@ -115,7 +116,7 @@ def operation_blocks(equations: Equations, model: Model) -> tuple[Block, ...]:
 
 def _steps(equations: Equations, model: Model) -> list[list[Content]]:
     rows: list[list[Content]] = []
-    if not equations.indexed and len(equations.definitions) <= MOST_DEFINITIONS:
+    if not isinstance(equations, IndexedEquations) and len(equations.definitions) <= MOST_DEFINITIONS:
         rows.append(["written out", "in coordinates, rates and parameters, term by term", written_out(equations)])
         if any(not c.value.is_Atom for c in equations.coefficients):
             text = "what depends on parameters alone is computed before"

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import sympy as sp
 
 from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, I, Identity, J, identity
 from derive.mechanics.tables import CoefficientTable, TableKind
 from derive.mechanics.terms import ModelConstant
@@ -20,7 +21,7 @@ from derive.roles import Role, Source
 def integral_blocks(equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """The integrals that do not vanish, with their values."""
     head = Heading("Shape integrals", "integrals")
-    if equations.indexed:
+    if isinstance(equations, IndexedEquations):
         return (head, _tables(equations, notation))
     planar = all(q.role is not Role.QUATERNION for q in equations.coordinates)
     there = [c for c in equations.coefficients if not c.zero]
@@ -93,7 +94,7 @@ def _kind(family: Family) -> str:
     return names.get(family, "")
 
 
-def _tables(equations: Equations, notation: Notation) -> Block:
+def _tables(equations: IndexedEquations, notation: Notation) -> Block:
     """The tables of a body with loops: what is there, and why there is not more."""
     rows: list[list[Content]] = []
     kinds = {

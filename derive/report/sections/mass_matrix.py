@@ -12,6 +12,7 @@ from derive.artifacts import MARK
 from derive.ir.model import Model
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import TRANSLATIONS
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, Identity, amplitude
 from derive.mechanics.terms import Reason
 from derive.report.document.formula import Equation, Formula, Matrix, Name, Part
@@ -87,7 +88,7 @@ def mass_matrix(model: Model, equations: Equations) -> MassPattern:
     lower = model.pattern("mass", "M").entries
     entries = frozenset(lower) | {(j, i) for i, j in lower}
     rows = [known for name, known in row_identities(equations).items() if name != SHAPE]
-    if equations.indexed:
+    if isinstance(equations, IndexedEquations):
         rows += [amplitude(i).identity for i in range(1, equations.modes + 1)]
         given = dict(_of_blocks(equations, rows, entries))
     else:
@@ -104,7 +105,7 @@ BLOCKS = {
 
 
 def _of_blocks(
-    equations: Equations, rows: Sequence[Identity], entries: frozenset[tuple[int, int]]
+    equations: IndexedEquations, rows: Sequence[Identity], entries: frozenset[tuple[int, int]]
 ) -> Iterator[tuple[tuple[int, int], Reason]]:
     """Zeros of the lower triangle with the reasons of their blocks."""
     reasons = {block: equations.reason(*families) for block, families in BLOCKS.items()}
@@ -223,7 +224,8 @@ def mass_blocks(equations: Equations, matrix: MassPattern, notation: Notation) -
         "The other entries are zero in every state; the table below gives the reasons."
     )
     shown = Picture(picture(matrix), f"Pattern of the mass matrix: {matrix.count} entries", "", HINT)
-    written = _written(equations.mass, notation) if not equations.indexed and matrix.size <= WRITTEN else ()
+    expanded = not isinstance(equations, IndexedEquations)
+    written = _written(equations.mass, notation) if expanded and matrix.size <= WRITTEN else ()
     return (Heading("Mass matrix", "mass"), Paragraph((words,)), shown, *written, *_zeros_of(matrix, notation))
 
 

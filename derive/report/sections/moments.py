@@ -9,6 +9,7 @@ from itertools import groupby
 import sympy as sp
 
 from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.sums import ModeSum, TableSum
 from derive.mechanics.symbols import Family, identity
 from derive.report.document.anchors import anchor
@@ -41,7 +42,7 @@ def moments(equations: Equations, notation: Notation) -> tuple[tuple[Moment, ...
     """d1, D2, d3, J and the other named moments, by families; Q is defined in the kinematics."""
     listed = [d for d in equations.definitions if not d.zero and d.section not in ("oo", "Q")]
     result = [Moment(d.symbol, notation.parts(d.expr), d.equation) for d in listed]
-    if equations.indexed:
+    if isinstance(equations, IndexedEquations):
         result += [Moment(c.symbol, _contracted(c, notation), c.source) for c in equations.table_sums]
         result += [Moment(t.symbol, _summed(t, notation), t.source) for t in equations.mode_sums]
     return tuple(tuple(group) for _, group in groupby(result, key=lambda moment: moment.family))

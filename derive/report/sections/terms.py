@@ -12,6 +12,7 @@ from itertools import groupby
 import sympy as sp
 
 from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, Identity, identity
 from derive.report.document.anchors import anchor
 from derive.report.document.formula import Equation, FormulaRow, Part
@@ -71,7 +72,7 @@ def row_blocks(
 
 def _short(equations: Equations) -> Substitution | None:
     """The substitution that writes the rows out in coordinates; None if that makes too many summands."""
-    if equations.indexed:
+    if isinstance(equations, IndexedEquations):
         return None
     written = expansion(equations)
     count = 0
@@ -85,7 +86,7 @@ def _short(equations: Equations) -> Substitution | None:
 def row_names(equations: Equations) -> dict[str, str]:
     """The rows with what their virtual displacements are."""
     result = {row.name: _meaning(identity(row.v)) for row in equations.rows}
-    if equations.indexed and equations.modes:
+    if isinstance(equations, IndexedEquations) and equations.modes:
         result[SHAPE] = f"each of the {equations.modes} shapes"
     return result
 

@@ -8,6 +8,7 @@ from itertools import groupby
 import sympy as sp
 
 from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, identity
 from derive.mechanics.terms import Reason, Term
 from derive.report.document.formula import NumberToken
@@ -34,7 +35,7 @@ FEW, SUMMANDS = 8, 4
 def vanished_blocks(equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """Integrals that vanish by reason, and terms of (15) that are no part of the model."""
     result: list[Block] = [Heading("What vanishes", "zeros")]
-    if not equations.indexed:
+    if not isinstance(equations, IndexedEquations):
         result += _integrals(equations, notation)
     terms = [(v.term, v.reason) for v in equations.vanished]
     if terms:

@@ -12,6 +12,7 @@ from formula_number import Draw, magnitude, number, total
 
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.bodies.spatial_tables import DOCS
+from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import MASS, Family, amplitude, identity, owned, quantity
 from derive.report.document.formula import Call, Equation, FormulaRow, Matrix, Name
 from derive.report.notation.expressions import notation
@@ -35,7 +36,7 @@ def draw(name: str) -> Draw:
     found = Draw(notation(equations))
     found.add(*(t.expr for t in equations.terms), *(v.term.expr for v in equations.vanished))
     found.add(*(s for d in equations.definitions for s in (d.symbol, d.expr)))
-    if not equations.indexed:
+    if not isinstance(equations, IndexedEquations):
         found.add(*(s for c in equations.coefficients for s in (c.symbol, c.value)))
     for symbol in list(found.symbols):  # sines and products of omega are what they are
         if identity(symbol).family is Family.OMEGA_PRODUCT:
@@ -115,7 +116,7 @@ def test_moments_are_those_derived(name: str) -> None:
     """Of a sum over the shapes one summand is compared."""
     equations, numbers = pages.built(name).equations, draw(name)
     by_name = {d.symbol: d.expr for d in equations.definitions}
-    if equations.indexed:
+    if isinstance(equations, IndexedEquations):
         for c in equations.table_sums:
             by_name[c.symbol] = c.offset + sum(f * entry for f, entry in c.sums)
         by_name |= {t.symbol: t.offset + t.term for t in equations.mode_sums}

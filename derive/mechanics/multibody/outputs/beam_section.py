@@ -25,7 +25,6 @@ from derive.mechanics.bodies.beam_part import part_body, rigid_rows
 from derive.mechanics.bodies.displacement_fields import displacement_fields
 from derive.mechanics.bodies.foreshortening import Foreshortening, pairs
 from derive.mechanics.bodies.reference_conditions import on_piece
-from derive.mechanics.expansion import constants_of
 from derive.mechanics.multibody.bodies.beam import CUT, masses_of_piece, piece_name, place_in_piece
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.scene_mechanics import NOTHING, Resultant, SceneMechanics
@@ -201,7 +200,7 @@ class BeamSection:
             known[own.q] = of_instance.q
         for own_row, row in zip(motion.rows, instance.rows, strict=True):
             known |= {own_row.v: row.v, own_row.a: row.a}
-        for c in constants_of(part):
+        for c in part.constants:
             if c not in gravity:
                 known[c.symbol] = sp.S.Zero if c.zero else self.constant(c.symbol.name, c.value, c.doc, c.unit)
         force1, force2, torque = (row.xreplace(known) for row in rigid_rows(part))
