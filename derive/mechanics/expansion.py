@@ -72,7 +72,7 @@ def expand(body: Body) -> Equations:
         weight_energy=total(work.weight_energy) if body.gravity else None,
         linear_momentum=tuple(map(total, work.linear_momentum)),
         angular_momentum=tuple(map(total, work.angular_momentum)),
-        markers=tuple(marker(motion, point, reasons) for point in body.points),
+        markers=tuple(marker(motion, point) for point in body.points),
         body=body,
     )
 

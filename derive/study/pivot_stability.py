@@ -17,7 +17,6 @@ from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.constraints import kkt_pattern
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.lower import lower
-from derive.mechanics.equations import Equations
 from derive.runtime.compiler import ESSENTIAL
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Matrix
@@ -88,7 +87,6 @@ def frame_stability(variant: SceneVariant, count: int, numberings: int) -> Frame
     label = f"{variant.scene.name}, {variant.frame} frame: "
     show_progress(f"{label}deriving and compiling")
     equations = derive(variant.scene).expanded()
-    assert isinstance(equations, Equations)
     model = lower(equations, explicit=True)
     native = load_scene(explicit_files(model, variant.scene), QUICK)
     k, shape = native.setup(), kkt_pattern(Context(equations))

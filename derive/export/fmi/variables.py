@@ -84,11 +84,10 @@ def fmi_variables(model: HostModel) -> tuple[FmiVariable, ...]:
     Names of the specification stay. Another one that is taken, such as energy.kinetic beside an output energy, is put
     behind the name of the model. Raises SpecError where two of the specification are one.
     """
-    states, multipliers = _names_of_states(model), []
     derived = derive(model.spec)
+    states, multipliers, outputs = _names_of_states(derived), [], []
     if isinstance(derived, Mechanism):
-        multipliers = list(_counted(constraint.of for constraint in derived.expanded().constraints))
-    outputs = _output_names(derived) if isinstance(derived, Mechanism) else []
+        multipliers, outputs = _names_of_multipliers(derived), _output_names(derived)
     parts = model.model.kernel("energy").outputs[0].elements
     energies = [HostVariable(f"energy.{part}", "J", f"{part} energy", None) for part in parts]
     first_state = 1 + len(model.inputs) + len(model.parameters)
@@ -136,18 +135,17 @@ def _rate_unit(unit: str) -> str:
     return known.get(unit, f"{unit}/s")
 
 
-def _names_of_states(model: HostModel) -> list[str]:
-    derived = derive(model.spec)
-    equations = derived.expanded() if isinstance(derived, Mechanism) else derived
-    symbols = chain((c.q for c in equations.coordinates), (row.v for row in equations.rows))
-    return [_structured(part) for symbol in symbols for part in _elements(symbol, equations)]
+def _names_of_states(derived: Equations | Mechanism) -> list[str]:
+    symbols = chain((c.q for c in derived.coordinates), (row.v for row in derived.rows))
+    modes = derived.modes if isinstance(derived, Equations) else 0
+    return [_structured(part) for symbol in symbols for part in _elements(symbol, modes)]
 
 
-def _elements(symbol: sp.Basic, equations: Equations) -> Iterator[Identity]:
+def _elements(symbol: sp.Basic, modes: int) -> Iterator[Identity]:
     """The identity of a symbol, or those of all shapes that a generic symbol stands for."""
     known = identity(symbol)
     if is_indexed(symbol):
-        yield from (replace(known, shapes=(shape,)) for shape in range(1, equations.modes + 1))
+        yield from (replace(known, shapes=(shape,)) for shape in range(1, modes + 1))
     else:
         yield known
 
@@ -159,12 +157,9 @@ def _structured(known: Identity) -> str:
     return f"{known.owner}{'.' if known.owner else ''}{stem}{f'[{indices}]' if indices else ''}"
 
 
-def _counted(owners: Iterable[str]) -> Iterator[str]:
-    """The multipliers of each joint and drive, counted from 1."""
-    counts: dict[str, int] = {}
-    for owner in owners:
-        counts[owner] = counts.get(owner, 0) + 1
-        yield f"{owner}.lambda[{counts[owner]}]"
+def _names_of_multipliers(mechanism: Mechanism) -> list[str]:
+    """The multipliers of each joint and of its drive, counted from 1."""
+    return [f"{j.joint.name}.lambda[{k}]" for j in mechanism.joints for k in range(1, j.multipliers + 1)]
 
 
 def _output_names(mechanism: Mechanism) -> list[str]:

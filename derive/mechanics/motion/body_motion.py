@@ -15,9 +15,11 @@ from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 __all__ = ["MASS", "Motion"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """The motion of a body with some number of shapes: coordinates, rotation tensor Q, moving frame, and moments.
+
+    Bodies with the same number of shapes share one object, by whose identity results are kept.
 
     `moment_sums` define d1, D2, d3, J in terms of the shape integrals; `row_sums` occur in a single equation or contain
     accelerations, and are expanded in place; `products` gives names to products of velocities, which `named` defines.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import sympy as sp
 
@@ -14,6 +15,9 @@ from derive.mechanics.sums import ALPHA, ModeSum, TableSum
 from derive.mechanics.symbols import Family, I, Symbol, amplitude, quantity, vector
 from derive.mechanics.tables import point_tables
 from derive.mechanics.terms import Intermediate, MarkerEquations, ModelConstant
+
+KEPT = 64
+"""The number of points whose motion is kept: equal pieces of a rod have equal points, and so have models of a study."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +110,8 @@ def force_definitions(motion: Motion) -> tuple[Intermediate, ...]:
     )
 
 
-def marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> MarkerEquations:
+@lru_cache(KEPT)
+def marker(motion: Motion, point: MaterialPoint) -> MarkerEquations:
     """Position, velocity and Jacobian of a material point, from the same fields taken at that point."""
 
     axes = range(motion.rotation.rows)
@@ -121,7 +126,7 @@ def marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mark
             for symbol in [quantity(Family.RADIUS, k + 1, derivative=derivative)]
         ),
     )
-    kept, known = zeros.drop_definitions(local, reasons)
+    kept, known = zeros.drop_definitions(local, zeros.reasons_of(point.coefficients))
     vectors = {f: vector(Family.RADIUS, len(axes), derivative=d) for d, f in enumerate((R, RDOT))}
 
     def inertial(field: Field) -> sp.Matrix:

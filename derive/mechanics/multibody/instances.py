@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import sympy as sp
 
-from derive.mechanics import zeros
 from derive.mechanics.equations import Equations
 from derive.mechanics.motion.material_points import marker
-from derive.mechanics.multibody.bodies.body_type import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.kinds import KEPT, BodyInstance, BodyKind
 from derive.mechanics.multibody.point_motion import PointMotion, point_motion
@@ -87,72 +85,77 @@ def _key(instance: BodyInstance, kind: BodyKind) -> Hashable:
 def _equations(request: _Request) -> InstanceEquations:
     instance, kind, repeated = request.instance, request.kind, request.repeated
     component, coordinates, equations = instance.component, instance.coordinates, kind.equations.expanded()
-    moved = _moved(instance, kind)
-    change = moved.change
-    shown = component.markers if instance.moves else ()
+    change, points = _moved(instance, kind)
+    of_body = component.body.constants if instance.has_inertia else ()
+    energies = (equations.kinetic_energy, equations.strain_energy, equations.weight_energy)
     return InstanceEquations(
         coordinates=coordinates.coordinates,
         rows=coordinates.rows,
-        coefficients=tuple(_coefficient(component.group, c) for c in moved.constants),
-        definitions=moved.definitions,
+        coefficients=tuple(_coefficient(component.group, c) for c in (*of_body, *component.point_constants)),
+        definitions=tuple(change.definitions),
         terms=tuple(_terms(equations, coordinates, change)),
         vanished=() if repeated else tuple(_vanished(equations, coordinates)),
         mass_zeros=() if repeated else tuple(_mass_zeros(equations, coordinates)),
-        energies=tuple(
-            sp.expand((e or sp.S.Zero).xreplace(change))
-            for e in (equations.kinetic_energy, equations.strain_energy, equations.weight_energy)
-        ),
-        linear=tuple(sp.expand(e.xreplace(change)) for e in equations.linear_momentum),
-        angular=tuple(sp.expand(e.xreplace(change)) for e in equations.angular_momentum),
-        markers=tuple(_marker(component, name, moved.reasons, coordinates, change) for name in shown),
-        points=moved.points,
-        origin=tuple(coordinates.values[c.q] for c in component.body.motion.coordinates[:2]),
-        free_residual=_free_residual(instance, equations, change) if instance.complete else (),
+        energies=tuple(change(e or sp.S.Zero) for e in energies),
+        linear=tuple(map(change, equations.linear_momentum)),
+        angular=tuple(map(change, equations.angular_momentum)),
+        markers=tuple(_marker(instance, kind, name, change) for name in component.markers) if instance.moves else (),
+        points=points,
+        origin=tuple(coordinates.values[c.q] for c in kind.motion.coordinates[:2]),
+        free_residual=tuple(change(equations.sum_of(row.name)) for row in kind.motion.rigid_rows)
+        if instance.complete
+        else (),
     )
-
-
-def _free_residual(instance: BodyInstance, equations: Equations, change: Symbols) -> tuple[sp.Expr, ...]:
-    rows = instance.component.body.motion.rows[:3]
-    return tuple(sp.expand(equations.sum_of(row.name).xreplace(change)) for row in rows)
 
 
 def point_motions(instance: BodyInstance, kind: BodyKind) -> Mapping[str, PointMotion]:
     """The motions of the markers of an instance in the coordinates of the mechanism."""
-    return _moved(instance, kind).points
+    _, points = _moved(instance, kind)
+    return points
 
 
-@dataclass(frozen=True)
-class _Moved:
-    """The kinematics of an instance: replacements for the symbols of its kind, and the motions of its markers."""
+class _Change:
+    """A change of symbols from those of a kind to those of an instance, which applies to expressions of the kind.
 
-    change: Symbols
-    constants: tuple[ModelConstant, ...]
-    definitions: tuple[Intermediate, ...]
-    reasons: zeros.Reasons
-    points: Mapping[str, PointMotion]
+    It renames the symbols of an instance that keeps its coordinates. Where a joint supports the instance, symbols
+    become expressions or numbers, and definitions that are numbers then have no symbols of their own. `definitions` are
+    those of the instance, in the order in which they follow from each other.
+    """
+
+    def __init__(self, name: str, values: Symbols, definitions: Iterable[Intermediate] = ()) -> None:
+        self.name, self.values, self.definitions = name, dict(values), list(definitions)
+
+    def __call__(self, expr: sp.Expr) -> sp.Expr:
+        """The expression in symbols of the instance, expanded."""
+        return sp.expand(expr.xreplace(self.values))
+
+    def define(self, definitions: Iterable[Intermediate], point: str = "") -> None:
+        """Add definitions of the kind, or of one of its points, under names of the instance."""
+        for d in definitions:
+            if d.zero:
+                continue
+            expr = rounded(self(d.expr))
+            if expr.is_Rational or expr.is_Symbol:
+                self.values[d.symbol] = expr
+                continue
+            symbol = self.values[d.symbol] = owned(d.symbol, self.name, point)
+            where = f"{self.name}_{point}" if point else self.name
+            self.definitions.append(replace(d, symbol=symbol, expr=expr, section=f"{where} {d.section}"))
 
 
-def _moved(instance: BodyInstance, kind: BodyKind) -> _Moved:
-    component, coordinates, motion = instance.component, instance.coordinates, kind.motion
-    of_body = component.body.constants
-    reasons = zeros.reasons_of(of_body)
-    of_points = tuple(c for s in component.sections.values() for c in (*s.point.coefficients, *s.rotations))
-    change: Symbols = {**coordinates.values, **_renamed(component.group, (*of_body, *of_points))}
-    definitions = list(coordinates.definitions)
-    own = kind.equations.expanded().definitions if instance.has_inertia else motion.rotation_definitions
-    definitions += _definitions(component.name, own, change)
-    reasons |= zeros.reasons_of(of_points)
+def _moved(instance: BodyInstance, kind: BodyKind) -> tuple[_Change, Mapping[str, PointMotion]]:
+    """The kinematics of an instance: what the symbols of its kind become, and the motions of its cross-sections."""
+    component, coordinates = instance.component, instance.coordinates
+    constants = (*component.body.constants, *component.point_constants)
+    renamed = {c.symbol: owned(c.symbol, component.group) for c in constants if not _is_shared(c)}
+    change = _Change(component.name, {**coordinates.values, **renamed}, coordinates.definitions)
+    change.define(kind.equations.expanded().definitions if instance.has_inertia else kind.motion.rotation_definitions)
     points = {}
     for name, section in component.sections.items():
-        moved = point_motion(motion, section.point, section.rotations, reasons)
-        definitions += _definitions(component.name, moved.definitions, change)
-        points[name] = moved.replaced(change)
-    constants = (*(of_body if instance.has_inertia else ()), *of_points)
-    return _Moved(change, constants, tuple(definitions), reasons, points)
-
-
-def _renamed(group: str, coefficients: tuple[ModelConstant, ...]) -> Symbols:
-    return {c.symbol: owned(c.symbol, group) for c in coefficients if not _is_shared(c)}
+        motion = point_motion(kind.motion, section.point, section.rotations)
+        change.define(motion.definitions)
+        points[name] = motion.replaced(change.values)
+    return change, points
 
 
 def _is_shared(c: ModelConstant) -> bool:
@@ -166,34 +169,13 @@ def _coefficient(group: str, c: ModelConstant) -> ModelConstant:
     return replace(c, symbol=owned(c.symbol, group), doc=f"{c.doc}; {group}")
 
 
-def _definitions(
-    name: str, definitions: tuple[Intermediate, ...], change: Symbols, point: str = ""
-) -> list[Intermediate]:
-    """Definitions under names of the scene; `change` receives their symbols, or the values of constant ones."""
-    result = []
-    for d in definitions:
-        if d.zero:
-            continue
-        expr = rounded(sp.expand(d.expr.xreplace(change)))
-        if expr.is_Rational or expr.is_Symbol:
-            change[d.symbol] = expr
-            continue
-        symbol = owned(d.symbol, name, point)
-        change[d.symbol] = symbol
-        where = f"{name}_{point}" if point else name
-        result.append(replace(d, symbol=symbol, expr=expr, section=f"{where} {d.section}"))
-    return result
-
-
-def _terms(equations: Equations, coordinates: CoordinateMap, change: Symbols) -> list[Term]:
-    result = []
+def _terms(equations: Equations, coordinates: CoordinateMap, change: _Change) -> Iterator[Term]:
     for row, weights in zip(coordinates.rows, coordinates.weights, strict=True):
         for old, weight in weights.items():
-            for term in equations.terms:
-                expr = sp.expand(weight * term.expr.xreplace(change)) if term.row == old else sp.S.Zero
+            for term in (term for term in equations.terms if term.row == old):
+                expr = change(weight * term.expr)
                 if expr != 0:
-                    result.append(replace(term, row=row.name, expr=expr))
-    return result
+                    yield replace(term, row=row.name, expr=expr)
 
 
 def _kept(coordinates: CoordinateMap) -> dict[str, str]:
@@ -219,37 +201,28 @@ def _mass_zeros(equations: Equations, coordinates: CoordinateMap) -> list[tuple[
     ]
 
 
-def _marker(
-    component: Component, name: str, reasons: zeros.Reasons, coordinates: CoordinateMap, change: Symbols
-) -> MarkerEquations:
+def _marker(instance: BodyInstance, kind: BodyKind, name: str, change: _Change) -> MarkerEquations:
     """A marker with its Jacobian and load in the coordinates that the body keeps."""
-    free = marker(component.body.motion, component.sections[name].point, reasons)
-    own = dict(change)
-    definitions = tuple(_definitions(component.name, free.definitions, own, name))
-    force_definitions = tuple(_definitions(component.name, free.force_definitions, own, name))
-    rows = [row.name for row in component.body.motion.rows]
+    component, free = instance.component, marker(kind.motion, instance.component.sections[name].point)
+    own, of_force = (_Change(component.name, change.values) for _ in range(2))
+    own.define(free.definitions, name)
+    of_force.values |= own.values
+    of_force.define(free.force_definitions, name)
+    numbers = {row.name: i for i, row in enumerate(kind.motion.rows)}
 
-    def combined(values: Mapping[str, sp.Expr], weights: Mapping[str, sp.Expr]) -> sp.Expr:
-        return sp.expand(sp.Add(*(w * values[old].xreplace(own) for old, w in weights.items())))
+    def combined(values: Sequence[sp.Expr]) -> list[sp.Expr]:
+        """The sums of the values of the rows of the free body that make up each row of the instance."""
+        every = instance.coordinates.weights
+        return [of_force(sp.Add(*(w * values[numbers[row]] for row, w in weights.items()))) for weights in every]
 
-    load = dict(zip(rows, free.load, strict=True))
-    columns = {row: free.jacobian[:, j] for j, row in enumerate(rows)}
-    jacobian = [
-        [combined({old: column[i] for old, column in columns.items()}, weights) for weights in coordinates.weights]
-        for i in range(2)
-    ]
     return replace(
         free,
         name=f"{component.specified}_{name}",
         doc=f"{free.doc} of {component.name}",
-        definitions=definitions,
-        position=_vector(free.position, own),
-        velocity=_vector(free.velocity, own),
-        jacobian=sp.ImmutableMatrix(jacobian),
-        force_definitions=force_definitions,
-        load=tuple(combined(load, weights) for weights in coordinates.weights),
+        definitions=tuple(own.definitions),
+        position=free.position.applyfunc(own),
+        velocity=free.velocity.applyfunc(own),
+        jacobian=sp.ImmutableMatrix([combined(free.jacobian[i, :]) for i in range(2)]),
+        force_definitions=tuple(of_force.definitions),
+        load=tuple(combined(free.load)),
     )
-
-
-def _vector(column: sp.ImmutableMatrix, change: Symbols) -> sp.ImmutableMatrix:
-    return sp.ImmutableMatrix(column.applyfunc(lambda e: sp.expand(e.xreplace(change))))

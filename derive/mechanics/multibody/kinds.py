@@ -79,6 +79,11 @@ class JointInstance:
     type: JointType
     drive: PrescribedMotion | None
 
+    @property
+    def multipliers(self) -> int:
+        """The number of constraints, one for each row that the joint removes and one for its drive."""
+        return len(self.type.removes) + (self.drive is not None)
+
 
 @dataclass(frozen=True)
 class EliminatedJoint:

@@ -28,6 +28,7 @@ from derive.mechanics.prescribed_motion import drive_motion
 from derive.mechanics.symbols import t
 from derive.mechanics.terms import (
     Constraint,
+    Coordinate,
     Eliminated,
     EquationOfMotion,
     InputSymbol,
@@ -76,6 +77,16 @@ class Mechanism:
     definitions: tuple[Intermediate, ...]
     eliminated: tuple[Eliminated, ...]
 
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The coordinates of all instances."""
+        return tuple(c for instance in self.instances for c in instance.coordinates.coordinates)
+
+    @property
+    def rows(self) -> tuple[EquationOfMotion, ...]:
+        """The equations of motion of all instances, one for each coordinate."""
+        return tuple(row for instance in self.instances for row in instance.coordinates.rows)
+
     def instance(self, name: str) -> BodyInstance:
         """An instance by its name."""
         return next(instance for instance in self.instances if instance.name == name)
@@ -105,8 +116,7 @@ class Mechanism:
 
 
 def _expanded(mechanism: Mechanism) -> Equations:
-    instances = _instances(mechanism)
-    rows = tuple(row for instance in instances.values() for row in instance.rows)
+    instances, rows = _instances(mechanism), mechanism.rows
     points = {GROUND: mechanism.ground, **{name: instance.points for name, instance in instances.items()}}
 
     def at(marker: MarkerRef) -> PointMotion:
@@ -134,7 +144,7 @@ def _expanded(mechanism: Mechanism) -> Equations:
         generalised=(*forces, *dampings),
         constraints=conditions,
     )
-    return _gathered(mechanism, parts, rows, definitions)
+    return _gathered(mechanism, parts, definitions)
 
 
 def _instances(mechanism: Mechanism) -> Instances:
@@ -174,14 +184,9 @@ def _refuse_idle(conditions: tuple[Constraint, ...]) -> None:
         raise SpecError(tuple(Problem(f"joints.{c.of}", f"{c.doc}: {text}") for c, text in texts))
 
 
-def _gathered(
-    mechanism: Mechanism,
-    parts: SceneMechanics,
-    rows: tuple[EquationOfMotion, ...],
-    definitions: tuple[Intermediate, ...],
-) -> Equations:
+def _gathered(mechanism: Mechanism, parts: SceneMechanics, definitions: tuple[Intermediate, ...]) -> Equations:
     scene, instances, conditions, forces = parts.scene, parts.instances, parts.constraints, parts.generalised
-    bodies = list(instances.values())
+    bodies, rows, coordinates = list(instances.values()), mechanism.rows, mechanism.coordinates
     inputs = input_symbols(scene)
     moving = _moving(definitions, inputs)
     outputs, of_outputs = output_equations(mechanism.outputs, parts)
@@ -196,7 +201,6 @@ def _gathered(
     of_bodies = [b for b in bodies if b.rows]
     kinetic, strain, weight = (summed(b.energies[k] for b in of_bodies) for k in range(3))
     number = {row.name: i for i, row in enumerate(rows)}
-    coordinates = tuple(c for b in bodies for c in b.coordinates)
     return Equations(
         name=scene.name,
         doc=mechanism_doc(scene, coordinates, conditions),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import sympy as sp
 
@@ -11,6 +12,7 @@ from derive.mechanics import zeros
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import ONE, RDDOT, RDOT, Field, R
 from derive.mechanics.motion.material_points import (
+    KEPT,
     MaterialPoint,
     acceleration_of_rates,
     radius_and_rate,
@@ -67,9 +69,8 @@ def fixed_point(position: sp.Matrix) -> PointMotion:
     return PointMotion((), sp.ImmutableMatrix(position), still, still, sp.S.Zero, sp.S.Zero, sp.S.Zero)
 
 
-def point_motion(
-    motion: Motion, point: MaterialPoint, rotations: tuple[ModelConstant, ...], reasons: zeros.Reasons
-) -> PointMotion:
+@lru_cache(KEPT)
+def point_motion(motion: Motion, point: MaterialPoint, rotations: tuple[ModelConstant, ...]) -> PointMotion:
     """The motion of a material point from (1) and (5).
 
     rotations: the rotations of the section by each shape and, at second order, by products of two amplitudes.
@@ -98,7 +99,7 @@ def point_motion(
     seen = [Intermediate(symbol, value, point.name, "(6)", doc) for symbol, value, doc in tangents.definitions]
     seen += define(r, at_point, "r = X + u at") + define(rdot, rate, "time derivative of r at")
     lever = define(s, rotation * r, "Q r at") + define(sdot, rotation * rdot, "Q rdot at")
-    kept, known = zeros.drop_definitions((*seen, *lever), reasons)
+    kept, known = zeros.drop_definitions((*seen, *lever), zeros.reasons_of(point.coefficients))
     amplitudes = motion.alpha, motion.alphadot, motion.alphaddot
     rddot = sum((v * a for v, a in zip(tangents.vectors, motion.alphaddot, strict=True)), still)
     world = {R: s, RDOT: sdot, RDDOT: rotation * (rddot + acceleration_of_rates(motion, point))}

@@ -43,6 +43,11 @@ class Component:
     markers: tuple[str, ...]
     specified: str
 
+    @property
+    def point_constants(self) -> tuple[ModelConstant, ...]:
+        """The constants of the cross-sections."""
+        return tuple(c for s in self.sections.values() for c in (*s.point.coefficients, *s.rotations))
+
 
 @dataclass(frozen=True)
 class ComponentDamping:
