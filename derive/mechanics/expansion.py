@@ -19,7 +19,7 @@ from derive.mechanics.motion.full_second_order import DependentAmplitudes
 from derive.mechanics.motion.material_points import marker
 from derive.mechanics.sums import of_index
 from derive.mechanics.symbols import Symbol
-from derive.mechanics.terms import Intermediate, Reason, Term
+from derive.mechanics.terms import EquationOfMotion, Intermediate, Reason, Term
 
 Absent = dict[tuple[str, sp.Expr], list[Symbol]]
 """The vanishing entries of sums by their row and their factor."""
@@ -65,7 +65,7 @@ def expand(body: Body) -> Equations:
         definitions=(*motion.rotation_definitions, *first, *moments),
         terms=terms,
         vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
-        mass=sp.ImmutableMatrix(_mass_matrix(motion, terms)),
+        mass=mass_matrix(motion.rows, terms),
         mass_zeros=_mass_zeros(motion, complete, reasons, _absent((*inertia, *applied), sums)),
         kinetic_energy=total(work.kinetic_energy, *(force.kinetic for force in forces)),
         strain_energy=total(*(force.strain for force in forces)),
@@ -104,14 +104,14 @@ def _absent(terms: Iterable[Term], sums: ExpandedSums) -> Absent:
     return result
 
 
-def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> list[list[sp.Expr]]:
+def mass_matrix(rows: Sequence[EquationOfMotion], terms: Iterable[Term]) -> sp.ImmutableMatrix:
     """The factors of the accelerations in each row."""
-    accelerations = [row.a for row in motion.rows]
-    exprs: dict[str, list[sp.Expr]] = {row.name: [] for row in motion.rows}
+    accelerations = [row.a for row in rows]
+    exprs: dict[str, list[sp.Expr]] = {row.name: [] for row in rows}
     for term in terms:
         exprs[term.row].append(term.expr)
-    factors = [linear_factors(sp.Add(*exprs[row.name]), accelerations) for row in motion.rows]
-    return [[row[a] for a in accelerations] for row in factors]
+    factors = [linear_factors(sp.Add(*exprs[row.name]), accelerations) for row in rows]
+    return sp.ImmutableMatrix([[row[a] for a in accelerations] for row in factors])
 
 
 def linear_factors(expr: sp.Expr, symbols: Sequence[sp.Symbol]) -> dict[sp.Symbol, sp.Expr]:
@@ -136,9 +136,8 @@ def _mass_zeros(
 
     absent: the entries that the terms leave out.
     """
-    full = _mass_matrix(motion, complete)
-    n = len(motion.rows)
-    lower = ((i, j, full[i][j]) for i in range(n) for j in range(i + 1))
+    full, n = mass_matrix(motion.rows, complete), len(motion.rows)
+    lower = ((i, j, full[i, j]) for i in range(n) for j in range(i + 1))
     vanishing = ((i, j, entry) for i, j, entry in lower if entry == 0 or zeros.drop(entry, reasons) == 0)
     return tuple((i, j, _reason(motion, entry, reasons, absent, i, j)) for i, j, entry in vanishing)
 

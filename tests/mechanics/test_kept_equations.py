@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import pytest
+
 import derive
+from derive.mechanics.motion.body_motion import Motion
+from derive.mechanics.motion.kinematics import MovingFrame
 from derive.mechanics.multibody import instances, kinds
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.spec.toml.read import parse
@@ -54,3 +58,21 @@ def test_equations_that_are_kept_are_those_that_would_be_derived() -> None:
     fresh = [pair("1").expanded(), pair("3").expanded()]
     assert kept[0] == kept[2] == fresh[0] and kept[1] == fresh[1] != fresh[0]
     assert [c.value for c in kept[0].coefficients] != [c.value for c in kept[1].coefficients]
+
+
+def test_kinematics_and_virtual_work_are_derived_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both forms of the equations of all beams follow from one derivation, whatever their modes and integrals."""
+
+    def rows(n: int, frame: str) -> int:
+        shapes = ["1", "xi", *(f"xi^{k}" for k in range(2, n + 2))]
+        beam = derive.planar_beam("beam", ansatz=shapes, frame=frame, markers={"tip": 1}, gravity=[0, -9.81])
+        return len(derive.derive(beam).expanded().rows)
+
+    assert rows(2, "mean") == 5
+
+    def again(*_: object) -> None:
+        raise AssertionError("the kinematics or the virtual work is derived again")
+
+    for owner, name in ((MovingFrame, "dot"), (Motion, "product")):
+        monkeypatch.setattr(owner, name, again)
+    assert rows(4, "point") == 7

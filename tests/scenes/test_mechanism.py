@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import derive
+from derive.derivation import lowered_form
 from derive.mechanics.multibody import kinds as module
 from derive.spec.toml.read import parse
 
@@ -71,5 +72,9 @@ def test_expansion_is_the_decision_of_the_lowering(name):
     scene = derive.read(SCENES / f"{name}.toml")
     mechanism = derive.derive(scene)
     equations = mechanism.expanded()
-    assert len(equations.rows) == sum(len(i.coordinates.rows) for i in mechanism.instances)
-    assert derive.lower(mechanism) == derive.lower(equations)
+    assert mechanism.rows == equations.rows and mechanism.coordinates == equations.coordinates
+    numbered = [j.joint.name for j in mechanism.joints for _ in range(j.multipliers)]
+    assert numbered == [constraint.of for constraint in equations.constraints]
+    model = derive.lower(mechanism)
+    assert model == derive.lower(equations)
+    assert lowered_form(mechanism, model) is equations, "a mechanism is expanded once"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import sympy as sp
@@ -127,32 +127,38 @@ def marker(motion: Motion, point: MaterialPoint) -> MarkerEquations:
         ),
     )
     kept, known = zeros.drop_definitions(local, zeros.reasons_of(point.coefficients))
-    vectors = {f: vector(Family.RADIUS, len(axes), derivative=d) for d, f in enumerate((R, RDOT))}
+    at = {f: vector(Family.RADIUS, len(axes), derivative=d) for d, f in enumerate((R, RDOT))}
+    equations = _equations(motion, point, at, tangents.vectors)
 
-    def inertial(field: Field) -> sp.Matrix:
-        return vector_at(motion, field, vectors).applyfunc(lambda e: zeros.drop(e, known))
+    def kept_parts(matrix: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
+        return matrix.applyfunc(lambda e: zeros.drop(e, known))
 
-    def work(field: Field) -> sp.Expr:
-        return zeros.drop(work_at(motion, field, vectors), known)
+    return replace(
+        equations,
+        definitions=kept,
+        position=kept_parts(equations.position),
+        velocity=kept_parts(equations.velocity),
+        jacobian=kept_parts(equations.jacobian),
+        load=tuple(zeros.drop(e, known) for e in equations.load),
+    )
 
-    columns, load = [], []
-    for field in (*motion.translations, *motion.frame.rotations()):
-        columns.append(inertial(field))
-        load.append(work(field))
-    for tangent in tangents.vectors:
-        vectors[PHI] = tangent
-        columns.append(inertial(motion.frame.deformation()))
-        load.append(work(motion.frame.deformation()))
+
+def _equations(
+    motion: Motion, point: MaterialPoint, at: Mapping[str, sp.Matrix], tangents: Iterable[sp.Matrix]
+) -> MarkerEquations:
+    """The equations of a marker from r and rdot there, and from dr/dalpha_i of each mode or of a generic one."""
+    displacements = [(field, at) for field in (*motion.translations, *motion.frame.rotations())]
+    displacements += [(motion.frame.deformation(), {**at, PHI: tangent}) for tangent in tangents]
     return MarkerEquations(
         name=point.name,
         doc=point.doc,
-        definitions=kept,
+        definitions=(),
         force=sp.ImmutableMatrix(force_vector(motion)),
         force_definitions=force_definitions(motion),
-        load=tuple(load),
-        position=sp.ImmutableMatrix(inertial(motion.position)),
-        velocity=sp.ImmutableMatrix(inertial(motion.velocity)),
-        jacobian=sp.ImmutableMatrix.hstack(*columns),
+        load=tuple(work_at(motion, field, values) for field, values in displacements),
+        position=sp.ImmutableMatrix(vector_at(motion, motion.position, at)),
+        velocity=sp.ImmutableMatrix(vector_at(motion, motion.velocity, at)),
+        jacobian=sp.ImmutableMatrix.hstack(*(vector_at(motion, field, values) for field, values in displacements)),
     )
 
 
@@ -176,18 +182,5 @@ def indexed_marker(motion: Motion, number: int, point: MaterialPoint, deforms: b
         mode_sums.append(ModeSum(rdot[k], sp.S.Zero, amplitude(I, 1) * tangent, "its rate"))
     if not deforms:
         r, rdot = sp.Matrix(x), sp.zeros(dimension, 1)
-    at = {R: r, RDOT: rdot, PHI: sp.Matrix(tangents)}
-    displacements = (*motion.translations, *motion.frame.rotations(), motion.frame.deformation())
-    return MarkerEquations(
-        name=point.name,
-        doc=point.doc,
-        definitions=(),
-        mode_sums=tuple(mode_sums),
-        table_sums=table_sums,
-        force=sp.ImmutableMatrix(force_vector(motion)),
-        force_definitions=force_definitions(motion),
-        load=tuple(work_at(motion, d, at) for d in displacements),
-        position=sp.ImmutableMatrix(vector_at(motion, motion.position, at)),
-        velocity=sp.ImmutableMatrix(vector_at(motion, motion.velocity, at)),
-        jacobian=sp.ImmutableMatrix.hstack(*(vector_at(motion, d, at) for d in displacements)),
-    )
+    equations = _equations(motion, point, {R: r, RDOT: rdot}, [sp.Matrix(tangents)])
+    return replace(equations, mode_sums=tuple(mode_sums), table_sums=table_sums)

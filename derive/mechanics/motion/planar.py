@@ -17,12 +17,17 @@ from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 @cache
 def planar_motion(n: int, second_order: bool = False) -> Motion:
     """The motion of a planar body with n shapes; at second order r is quadratic in their amplitudes."""
+    return _rigid_motion(second_order).with_modes(n)
+
+
+@cache
+def _rigid_motion(second_order: bool) -> Motion:
     coordinates = _coordinates()
     rows = tuple(map(_row, coordinates))
     rotation, phi = PlanarRotation(coordinates[2].q), rows[2]
     generator = rotation.generator  # about e3, which both frames share
     moment_sums, row_sums = planar_sums(second_order)
-    rigid = Motion(
+    return Motion(
         coordinates=coordinates,
         rows=rows,
         rates=tuple(row.v for row in rows),
@@ -38,7 +43,6 @@ def planar_motion(n: int, second_order: bool = False) -> Motion:
         rotation_generators=((generator, generator),),
         identities={("phi", "centrifugal"): "planar motion: omega x (J . omega) = 0"},
     )
-    return rigid.with_modes(n)
 
 
 def _coordinates() -> tuple[Coordinate, ...]:

@@ -104,6 +104,11 @@ class SpatialMoments:
 @cache
 def spatial_motion(n: int, truncated: bool = False) -> Motion:
     """The motion of a body in space with n shapes; truncated at second order, r is quadratic in their amplitudes."""
+    return _rigid_motion(truncated).with_modes(n)
+
+
+@cache
+def _rigid_motion(truncated: bool) -> Motion:
     rows = _rows()
     rotation, quaternion = symbols_of_rotation(), tuple(quantity(Family.QUATERNION, k) for k in range(4))
     omega, omegadot = (tuple(getattr(row, x) for row in rows[3:]) for x in ("v", "a"))
@@ -111,7 +116,7 @@ def spatial_motion(n: int, truncated: bool = False) -> Motion:
     named = tuple(Intermediate(s, p, "oo", "(5)", "products of omega") for p, s in products.items())
     axes = sp.eye(3)
     moment_sums, row_sums = spatial_sums(truncated)
-    rigid = Motion(
+    return Motion(
         coordinates=_coordinates(),
         rows=rows,
         rates=(*(row.v for row in rows[:3]), *quaternion_rates(quaternion, omega)),
@@ -127,7 +132,6 @@ def spatial_motion(n: int, truncated: bool = False) -> Motion:
         rotation_generators=tuple((skew(axes[:, k]), skew(rotation[k, :])) for k in range(3)),
         identities={},
     )
-    return rigid.with_modes(n)
 
 
 def _coordinates() -> tuple[Coordinate, ...]:

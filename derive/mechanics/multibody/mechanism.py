@@ -12,6 +12,7 @@ import sympy as sp
 
 from derive.errors import Problem, SpecError
 from derive.mechanics.equations import Equations
+from derive.mechanics.expansion import mass_matrix
 from derive.mechanics.generic_forces import DAMPING_TERM
 from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
@@ -214,7 +215,7 @@ def _gathered(mechanism: Mechanism, parts: SceneMechanics, definitions: tuple[In
         definitions=definitions,
         terms=terms,
         vanished=tuple(v for b in bodies for v in b.vanished),
-        mass=_mass(rows, terms),
+        mass=mass_matrix(rows, terms),
         mass_zeros=tuple((number[i], number[j], why) for b in bodies for i, j, why in b.mass_zeros),
         kinetic_energy=kinetic,
         strain_energy=strain + summed(f.potential for f in forces),
@@ -303,18 +304,6 @@ def _markers(bodies: Iterable[InstanceEquations]) -> Iterator[MarkerEquations]:
             columns = sp.zeros(2, before), m.jacobian, sp.zeros(2, after)
             load = (*[sp.S.Zero] * before, *m.load, *[sp.S.Zero] * after)
             yield replace(m, jacobian=sp.ImmutableMatrix.hstack(*columns), load=load)
-
-
-def _mass(rows: tuple[EquationOfMotion, ...], terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
-    """The factors of the accelerations in each row."""
-    column = {row.a: j for j, row in enumerate(rows)}
-    number = {row.name: i for i, row in enumerate(rows)}
-    accelerations = frozenset(column)
-    entries = sp.MutableSparseMatrix(len(rows), len(rows), {})
-    for term in terms:
-        for a in term.expr.free_symbols & accelerations:
-            entries[number[term.row], column[a]] += term.expr.coeff(a)
-    return sp.ImmutableMatrix(entries.applyfunc(sp.expand))
 
 
 def _of_time(body: InstanceEquations, moving: frozenset[sp.Symbol]) -> bool:
