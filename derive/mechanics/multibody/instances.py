@@ -124,19 +124,22 @@ class _Change:
 
     def __init__(self, name: str, values: Symbols, definitions: Iterable[Intermediate] = ()) -> None:
         self.name, self.values, self.definitions = name, dict(values), list(definitions)
+        self._renames = all(value.is_Symbol for value in self.values.values())
 
     def __call__(self, expr: sp.Expr) -> sp.Expr:
-        """The expression in symbols of the instance, expanded."""
-        return sp.expand(expr.xreplace(self.values))
+        """An expanded expression of the kind in symbols of the instance, expanded, which new names alone leave it."""
+        changed = expr.xreplace(self.values)
+        return changed if self._renames else sp.expand(changed)
 
     def define(self, definitions: Iterable[Intermediate], point: str = "") -> None:
         """Add definitions of the kind, or of one of its points, under names of the instance."""
         for d in definitions:
             if d.zero:
                 continue
-            expr = rounded(self(d.expr))
+            expr = rounded(sp.expand(d.expr.xreplace(self.values)))
             if expr.is_Rational or expr.is_Symbol:
                 self.values[d.symbol] = expr
+                self._renames &= expr.is_Symbol
                 continue
             symbol = self.values[d.symbol] = owned(d.symbol, self.name, point)
             where = f"{self.name}_{point}" if point else self.name
@@ -204,9 +207,9 @@ def _mass_zeros(equations: Equations, coordinates: CoordinateMap) -> list[tuple[
 def _marker(instance: BodyInstance, kind: BodyKind, name: str, change: _Change) -> MarkerEquations:
     """A marker with its Jacobian and load in the coordinates that the body keeps."""
     component, free = instance.component, marker(kind.motion, instance.component.sections[name].point)
-    own, of_force = (_Change(component.name, change.values) for _ in range(2))
+    own = _Change(component.name, change.values)
     own.define(free.definitions, name)
-    of_force.values |= own.values
+    of_force = _Change(component.name, own.values)
     of_force.define(free.force_definitions, name)
     numbers = {row.name: i for i, row in enumerate(kind.motion.rows)}
 
