@@ -88,7 +88,7 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False) -> Model:
     if not isinstance(derived, (Equations, Mechanism)):
         raise TypeError(f"the equations that derive.derive(spec) returns are needed, not {type(derived).__name__}")
     if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
-        return lower_flat(expanded(derived), sensitivities=sensitivities)
+        return lower_flat(derived.expanded(), sensitivities=sensitivities)
     estimate = cost_model.estimate_costs(derived.body)
     try:
         flat = estimate.selected(derived.lowering) == "flat"
@@ -118,9 +118,4 @@ def lowered_form(derived: Equations | Mechanism, model: Model) -> Equations:
     """The form of the equations from which `model` was lowered: with sums over the modes, or expanded."""
     if isinstance(derived, Equations) and model.lowering == "table":
         return derived
-    return expanded(derived)
-
-
-def expanded(derived: Equations | Mechanism) -> Equations:
-    """The equations with all sums over the modes expanded, and with the rows of every instance of a mechanism."""
-    return derived.expanded() if isinstance(derived, (IndexedEquations, Mechanism)) else derived
+    return derived.expanded()

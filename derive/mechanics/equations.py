@@ -44,7 +44,7 @@ class Equations:
     """The equations of motion of one model: the sum of the terms of each row is zero (no load at markers).
 
     There is a row for each coordinate velocity, and no term vanishes. `IndexedEquations` keep their sums over the modes
-    instead, in a row for a generic mode; `expand` expands them.
+    instead, in a row for a generic mode, and `expanded()` returns this form of them.
 
     The equations of a mechanism are those of its bodies, with `constraints`: the sum of a row is then what the
     multipliers contribute, sum lambda_k jacobian_k. `poses` are those of its bodies, `inputs` and `outputs` those of
@@ -94,6 +94,10 @@ class Equations:
         """Whether moments of second-order fields enter through second order, as c9, c10 and in C5."""
         return self.body is not None and self.body.truncated
 
+    def expanded(self) -> Equations:
+        """Return the equations with a row for each coordinate, which these are."""
+        return self
+
     @property
     def force(self) -> tuple[sp.Expr, ...]:
         """The forces h of M vdot + h = 0: the rows with all accelerations set to zero."""
@@ -113,7 +117,8 @@ class Equations:
 
         The row of mode 1 has the name `alpha1`.
         """
-        return self.substituted(self.sum_of(name))
+        form = self.expanded()
+        return form.substituted(form.sum_of(name))
 
     def substituted(self, expr: sp.Expr) -> sp.Expr:
         """An expression with every definition and coefficient substituted."""

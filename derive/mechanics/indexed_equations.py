@@ -56,10 +56,6 @@ class IndexedEquations(Equations):
         """The reason why a quantity vanishes: the tables of these families are zero."""
         return Reason(tuple((t.symbol, t.zero) for t in map(self.table, families)))
 
-    def row(self, name: str) -> sp.Expr:
-        """The left-hand side of one of the expanded equations of motion, see `Equations.row`."""
-        return self.expanded().row(name)
-
     def _sums(self) -> list[tuple[str, sp.Expr | str]]:
         result: list[tuple[str, sp.Expr | str]] = []
         for c in self.table_sums:
