@@ -28,6 +28,7 @@ from derive.runtime.compiler import FLAGS
 MODULES: dict[str, dict[str, Any]] = {
     "batch": {"quick": True},
     "beam_accelerations": {"quick": True},
+    "constant_elimination": {"quick": True},
     "loops_by_hand": {"quick": True},
     "python_calls": {"quick": True},
     "tool_speed": {"quick": True},
