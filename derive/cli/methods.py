@@ -1,21 +1,19 @@
-"""`tisserand study methods`: the stability of integrators, forms and shapes on one scene and on small ones."""
+"""`tisserand study methods`: the stability of integrators and formulations on a scene."""
 
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 
-from derive.artifacts import MARK, File, check_folder, sha256, write
-from derive.cli.result_files import planned_files
+from derive.artifacts import check_folder, write
+from derive.cli.result_files import planned_files, print_result, study_files
 from derive.spec.model.scene import Scene
-from derive.study.methods.method_study import MethodStudy, method_study
+from derive.study.methods.failures import failure_table, failures
+from derive.study.methods.method_study import method_study
 from derive.study.methods.methods_chart import methods_svg
-from derive.study.methods.methods_page import methods_html
-from derive.study.methods.methods_table import methods_csv, methods_data, methods_text
+from derive.study.methods.methods_table import methods_data, methods_html, methods_text
 from derive.study.methods.scene_methods import Method
 from derive.terminal import show_progress
-from derive.version import VERSION
 
 NAME = "methods"
 EXPECTED_SIZE = 1_000_000
@@ -29,24 +27,8 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
     chosen = [Method(name) for name in options.integrators]
     study = method_study(scene, chosen, options.steps, options.states, show_progress)
     show_progress()
-    data = methods_data(study)
-    files = _files(study, data)
+    data, table = methods_data(study), failure_table(failures(study))
+    files = study_files(NAME, data, {"svg": methods_svg(study), "html": methods_html(study), "csv": table.csv})
     write(files, folder)
-    written = [str(folder / file.path) for file in files]
-    if options.json:
-        print(json.dumps({**data, "files": written}, indent=2))
-    else:
-        print("\n".join([methods_text(study), "", *(f"wrote {name}" for name in written)]))
+    print_result(methods_text(study), data, [str(folder / file.path) for file in files], options.json)
     return 0
-
-
-def _files(study: MethodStudy, data: dict[str, object]) -> tuple[File, ...]:
-    """Picture, page and table, and the record with all numbers, which vouches for the table."""
-    table = methods_csv(study)
-    record = {"generator": f"{MARK} {VERSION}. Do not edit.", **data, "files": {f"{NAME}.csv": sha256(table.encode())}}
-    return (
-        File(f"{NAME}.svg", methods_svg(study)),
-        File(f"{NAME}.html", methods_html(study)),
-        File(f"{NAME}.csv", table, record=f"{NAME}.json"),
-        File(f"{NAME}.json", json.dumps(record, indent=2) + "\n"),
-    )

@@ -6,12 +6,15 @@ which no name of a plot has; studies and sweeps name them after themselves.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from derive.artifacts import File
+from derive.artifacts import MARK, BinaryFile, File, sha256
 from derive.errors import Problem, SpecError, quoted
 from derive.spec.model.plots import Plot
+from derive.version import VERSION
 
 STUDY_FILES = {
     "accuracy": ("svg", "html", "csv", "json"),
@@ -38,6 +41,29 @@ def planned_files(study: str, model: str, folder: Path) -> list[File]:
         text = f"simulations of a model called {quoted(model)} write {both} to {folder}, and so does {study}"
         raise SpecError((Problem("name", f"{text}; choose another name"),))
     return [File(f"{study}.{ending}", "", record=f"{study}.json" if ending in RECORDED else None) for ending in endings]
+
+
+def study_files(study: str, data: Mapping[str, Any], content: Mapping[str, str | bytes]) -> list[File | BinaryFile]:
+    """The files of a study from their texts or bytes by their endings, and the record with all numbers.
+
+    The record vouches for the tables among the files.
+    """
+    record = f"{study}.json"
+    files: list[File | BinaryFile] = []
+    for ending, text in content.items():
+        content_bytes = text.encode() if isinstance(text, str) else text
+        files.append(BinaryFile(f"{study}.{ending}", content_bytes, record=record if ending in RECORDED else None))
+    hashes = {file.path: sha256(file.data) for file in files if file.record}
+    everything = {"generator": f"{MARK} {VERSION}. Do not edit.", **data, "files": hashes}
+    return [*files, File(record, json.dumps(everything, indent=2) + "\n")]
+
+
+def print_result(text: str, data: Mapping[str, Any], written: Sequence[str], as_json: bool) -> None:
+    """Print the result of a command as text or as JSON, with the names of the files that it has written."""
+    if as_json:
+        print(json.dumps({**data, "files": written}, indent=2))
+    else:
+        print("\n".join([text, "", *(f"wrote {name}" for name in written)]))
 
 
 def picture_names(plots: Sequence[Plot]) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""`tisserand study`: compare frames, models or methods on a scene with beams."""
+"""`tisserand study`: compare frames or models of beams, or methods, on a scene."""
 
 from __future__ import annotations
 
@@ -31,8 +31,11 @@ EXPECTED_SIZE = 100_000
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the study that is asked for, a key of `STUDIES`."""
-    scene = _scene(options.spec)
+    """Run the study that is asked for, a key of `STUDIES`. Raises SpecError if it needs a beam and there is none."""
+    scene = read_scene(options.spec)
+    if options.study != methods.NAME and not beam_bodies(scene):
+        message = f"there is no beam here, and study {options.study} compares models of beams"
+        raise SpecError((Problem("bodies", f"{message}; see scenes/crank_slider_3.toml"),), str(options.spec))
     try:
         if options.study != STABILITY:  # which needs no values of inputs
             scene = with_functions(scene, {})
@@ -41,15 +44,6 @@ def run(options: argparse.Namespace) -> int:
         raise (with_lines(error, options.spec) if error.source is None else error) from None
     finally:
         show_progress()
-
-
-def _scene(path: Path) -> Scene:
-    """Read the scene of a file. Raises SpecError if it has no beam or no [simulation]."""
-    scene = read_scene(path)
-    if not beam_bodies(scene):
-        message = "there is no beam here, and only beams have a frame to study; see scenes/crank_slider_3.toml"
-        raise SpecError((Problem("bodies", message),), str(path))
-    return scene
 
 
 def _frames(scene: Scene, options: argparse.Namespace) -> int:

@@ -1,22 +1,20 @@
-"""Where methods fail, each on a small case: theory, ringing, dead centres, momentum, attitude, shapes."""
+"""Where methods fail, each on a small case: estimates, ringing, dead centres, momentum, attitude, shapes."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from derive.mechanics.bodies.reference_conditions import assumed_shapes
-from derive.spec.model.body import AssumedDeflection, Frame
-from derive.study.methods import stability_functions as theory
-from derive.study.methods.attitude import tumble
-from derive.study.methods.cases import Driven
-from derive.study.methods.dead_centre import dead_centres
-from derive.study.methods.free_flight import MomentumDrift, momentum_drifts
-from derive.study.methods.implicit_steps import Rule
-from derive.study.methods.ringing import decay, ringing
-from derive.study.methods.shape_bases import (
+from bench.method_failures.attitude import tumble
+from bench.method_failures.dead_centre import dead_centres
+from bench.method_failures.free_flight import MomentumDrift, momentum_drifts
+from bench.method_failures.lines import small_failures
+from bench.method_failures.picture import failures_svg
+from bench.method_failures.ringing import decay, ringing
+from bench.method_failures.shape_bases import (
     basis_conditions,
     exact_condition,
     four_monomials_mass,
@@ -26,27 +24,15 @@ from derive.study.methods.shape_bases import (
     shapes,
     solution_error,
 )
-from derive.study.methods.step_control import step_controls
-
-
-def test_limits_on_the_imaginary_axis() -> None:
-    assert theory.step_limit(theory.classical()) == pytest.approx(np.sqrt(8), rel=1e-8)
-    assert theory.step_limit(theory.dormand_prince_5()) == pytest.approx(0.9972, abs=1e-4)
-    eighth = theory.dormand_prince_8()
-    limit = theory.step_limit(eighth)
-    assert limit == pytest.approx(5.960, abs=1e-3)
-    assert all(eighth(y) <= 1 for y in np.linspace(0.05, limit - 1e-6, 500)) and eighth(limit + 1e-3) > 1
-
-
-def test_implicit_methods_have_no_limit_and_leave_rho_of_high_frequencies() -> None:
-    for rho in (0.0, 0.5, 0.8, 1.0):
-        growth = theory.generalised_alpha(rho)
-        assert theory.step_limit(growth) == np.inf
-        assert growth(1e5) == pytest.approx(rho, abs=1e-3)
-    assert [theory.step_limit(theory.bdf(order)) for order in (1, 2)] == [np.inf, np.inf]
-    assert [theory.last_growth(theory.bdf(order)) for order in (2, 3, 4, 5)] == pytest.approx(
-        [0, 1.94, 4.71, 9.39], abs=0.02
-    )
+from bench.method_failures.small_cases import SmallCases, small_cases
+from bench.method_failures.small_scenes import Driven
+from bench.method_failures.step_control import step_controls
+from bench.method_failures.tables import tables
+from conftest import ROOT
+from derive.mechanics.bodies.reference_conditions import assumed_shapes
+from derive.spec.model.body import AssumedDeflection, Frame
+from derive.study.methods.failures import failure_lines
+from derive.study.methods.implicit_steps import Rule
 
 
 def test_estimates_hold_at_any_phase_of_a_vibration() -> None:
@@ -139,3 +125,63 @@ def test_rigid_motion_left_in_the_shapes() -> None:
     assert "(1) = 1, a translation" in left.error and "(xi) = xi, a rotation" in left.error
     without = np.delete(np.delete(four_monomials_mass(0.01), 3, 0), 3, 1)  # without the shape 1
     assert np.linalg.cond(without) < 1e6  # a check at a deformed state passes
+
+
+FAILURES = (
+    "step control: fast vibrations",
+    "dead centre",
+    "trapezoidal rule: momentum",
+    "trapezoidal rule: multipliers",
+    "gimbal lock",
+    "monomials, many shapes",
+    "rigid motion left in the shapes",
+)
+"""The lines of the output: the rows of PHYSICS.md, section 4, on methods that small cases show."""
+
+
+@cache
+def cases() -> SmallCases:
+    return small_cases()
+
+
+@pytest.mark.long
+def test_every_failure_has_a_line_that_agrees_with_theory() -> None:
+    lines = small_failures(cases())
+    assert tuple(line.failure for line in lines) == FAILURES
+    assert [line.failure for line in lines if not line.agrees] == []
+    text = "\n".join(failure_lines(lines))
+    for line in lines:
+        assert f"  {line.failure}: " in text
+    assert text.count("agrees: ") == len(FAILURES) and "DIFFERS" not in text
+
+
+@pytest.mark.long
+def test_a_line_differs_where_its_measurement_does() -> None:
+    """Each line alone, if what it measures is what it warns of."""
+    s = cases()
+    worse = {
+        "step control: fast vibrations": replace(s, controls=tuple(replace(c, own=9.0) for c in s.controls)),
+        "dead centre": replace(s, dead_centres=(*s.dead_centres[:2], replace(s.dead_centres[2], reported=np.nan))),
+        "trapezoidal rule: momentum": replace(s, momentum=tuple(replace(m, drift=0.1) for m in s.momentum)),
+        "trapezoidal rule: multipliers": replace(s, ringing=tuple(replace(r, factor=1.0) for r in s.ringing)),
+        "gimbal lock": replace(s, tumble=replace(s.tumble, quaternion=s.tumble.angles)),
+        "monomials, many shapes": replace(s, bases=tuple(replace(b, legendre=b.monomials) for b in s.bases)),
+        "rigid motion left in the shapes": replace(s, rigid=replace(s.rigid, rank=s.rigid.fields)),
+    }
+    assert tuple(worse) == FAILURES
+    for name, changed in worse.items():
+        assert [line.failure for line in small_failures(changed) if not line.agrees] == [name]
+        assert "\n".join(failure_lines(small_failures(changed))).count("DIFFERS: ") == 1
+
+
+@pytest.mark.long
+def test_the_tables_and_the_picture() -> None:
+    text = "\n".join(line for table in tables(cases()) for line in table.text)
+    for title in ("errors of a vibration", "ringing of multipliers", "dead centres", "angular momentum", "monomials"):
+        assert title in text
+    svg = failures_svg(cases())
+    assert svg == failures_svg(cases()) and "mathdefault" not in svg and "Dead centres: G loses rank" in svg
+    committed = (ROOT / "docs/method_failures.svg").read_text()
+    assert [line for line in committed.splitlines() if "<title>" in line] == [
+        line for line in svg.splitlines() if "<title>" in line
+    ]

@@ -17,6 +17,7 @@ from derive.simulation.integration.step_limit import natural_frequencies
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse, read
 from derive.study.methods import drift
+from derive.study.methods import stability_functions as theory
 from derive.study.methods.conditioning import conditioning
 from derive.study.methods.drift import DriftRun, conserves, drift_order, drift_run, drift_runs, exponent
 from derive.study.methods.formulations import FormRun, form_run
@@ -36,6 +37,26 @@ def crank_slider() -> MethodScene:
     scene = read(ROOT / "scenes/crank_slider_3.toml")
     assert isinstance(scene, Scene)
     return method_scene(replace(variant(scene, 1, "mean").scene, plots=()))
+
+
+def test_limits_on_the_imaginary_axis() -> None:
+    assert theory.step_limit(theory.classical()) == pytest.approx(np.sqrt(8), rel=1e-8)
+    assert theory.step_limit(theory.dormand_prince_5()) == pytest.approx(0.9972, abs=1e-4)
+    eighth = theory.dormand_prince_8()
+    limit = theory.step_limit(eighth)
+    assert limit == pytest.approx(5.960, abs=1e-3)
+    assert all(eighth(y) <= 1 for y in np.linspace(0.05, limit - 1e-6, 500)) and eighth(limit + 1e-3) > 1
+
+
+def test_implicit_methods_have_no_limit_and_leave_rho_of_high_frequencies() -> None:
+    for rho in (0.0, 0.5, 0.8, 1.0):
+        growth = theory.generalised_alpha(rho)
+        assert theory.step_limit(growth) == np.inf
+        assert growth(1e5) == pytest.approx(rho, abs=1e-3)
+    assert [theory.step_limit(theory.bdf(order)) for order in (1, 2)] == [np.inf, np.inf]
+    assert [theory.last_growth(theory.bdf(order)) for order in (2, 3, 4, 5)] == pytest.approx(
+        [0, 1.94, 4.71, 9.39], abs=0.02
+    )
 
 
 @pytest.mark.parametrize("pieces", [1, 2])
@@ -75,7 +96,7 @@ def hermite_frequency(elements: int) -> float:
 
 def test_explicit_steps_are_stable_up_to_their_limit_alone() -> None:
     of = crank_slider()
-    frequency = highest_frequency(of, of.states(13))
+    frequency = highest_frequency(of, of.motion(13).states)
     assert frequency.unloaded == pytest.approx(4218, abs=1)
     assert 0 < frequency.largest / frequency.unloaded - 1 < 0.005
     rk4, adaptive, alpha, trapezoidal = step_limits(
@@ -106,7 +127,7 @@ def test_drift_of_accelerations_grows_with_the_square_of_the_time_and_the_fourth
 def test_the_energy_changes_by_the_work_of_the_drive_alone() -> None:
     """The error falls with the fourth power of the step at least; a run that fails keeps the rows up to there."""
     of = crank_slider()
-    assert conserves(of, of.states(5))
+    assert conserves(of, of.motion(5).states)
     coarse, fine = (drift_run(of, Method.RK4, True, STEP / n, 400 * n).energy[-1] for n in (1, 2))
     assert 1e-9 < fine < coarse / 10 < 1e-6
     assert drift_run(of, Method.ADAPTIVE, True, STEP, 400).energy[-1] < 1e-6
@@ -132,7 +153,7 @@ def test_a_scene_that_dissipates_has_no_energy_to_keep() -> None:
     scene = parse(text, str(ROOT / "scenes/damped.toml"))
     assert isinstance(scene, Scene)
     of = method_scene(scene)
-    moving = [(t, q, v + 1.0) for t, q, v in of.states(3)]
+    moving = [(t, q, v + 1.0) for t, q, v in of.motion(3).states]
     assert not conserves(of, moving)
     (run, _) = drift_runs(of, 1e-3, 20, [Method.RK4], False, lambda _: None)
     assert len(run.energy) == 0
@@ -196,7 +217,7 @@ def test_the_trapezoidal_rule_is_the_generalised_alpha_method_with_rho_1() -> No
 
 def test_conditioning_along_the_motion() -> None:
     of = crank_slider()
-    along = conditioning(of, of.states(13))
+    along = conditioning(of, of.motion(13).states)
     assert along.kkt.max() == pytest.approx(2.9e3, rel=0.02)
     assert np.ptp(along.mass) < 1e-3 * along.mass.max()  # in the mean frame M hardly changes with the deformation
     assert 0.05 < along.singular.min() < along.singular.max() < 1

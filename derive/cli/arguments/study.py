@@ -63,7 +63,7 @@ def add_study(commands: Any) -> None:
 
 def _add_methods(studies: Any) -> None:
     methods = add_command(studies, "methods", "limits of steps, drift, ringing, conditioning: by theory and experiment")
-    methods.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene with a beam")
+    methods.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene, which may be rigid")
     methods.add_argument(
         "--steps", type=count, default=100_000, metavar="N", help="steps of the runs that show drift (default: 100000)"
     )

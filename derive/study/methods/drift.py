@@ -30,7 +30,7 @@ ENDLESS = 1e30
 CONSERVED = 1e-5
 """Power that drives do not account for, relative to that of all parts, above which the energy is no measure."""
 ORDER_STEPS = 10_000
-"""The number of steps of the run that shows the order of the drift: fewer would drift by rounding errors."""
+"""The number of short steps of the run that shows the order of the drift: fewer would drift by rounding errors."""
 ROUNDED = 1e-13
 """Drift below this, relative to the size of the scene, may be rounding errors of ORDER_STEPS steps."""
 FAR = 0.01
@@ -161,7 +161,7 @@ class DriftOrder:
     step: float
 
 
-def drift_order(of: MethodScene, h: float, steps: int = ORDER_STEPS) -> DriftOrder:
+def drift_order(of: MethodScene, h: float, steps: int) -> DriftOrder:
     """The order of the drift, from runs over the same time with steps of h and h/2 (s).
 
     Raises TisserandError where a run fails, where there is no more drift than rounding errors, and where there is so

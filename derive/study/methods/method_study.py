@@ -1,4 +1,4 @@
-"""The study of methods on one scene, and on small scenes in which a failure can be seen by itself."""
+"""The study of methods on a scene: limits of steps, drift, formulations and conditioning."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from dataclasses import dataclass
 from derive.errors import TisserandError, first_line
 from derive.simulation.errors import SimulationError
 from derive.spec.model.scene import Scene
-from derive.study.methods.attitude import Tumble, tumble
 from derive.study.methods.conditioning import Conditioning, conditioning
-from derive.study.methods.dead_centre import DeadCentre, dead_centres
-from derive.study.methods.drift import FEWEST, DriftOrder, DriftRun, conserves, drift_order, drift_runs
+from derive.study.methods.drift import FEWEST, ORDER_STEPS, DriftOrder, DriftRun, conserves, drift_order, drift_runs
 from derive.study.methods.formulations import FormRun, form_runs
-from derive.study.methods.free_flight import MomentumDrift, momentum_drifts
-from derive.study.methods.ringing import Ringing, ringing
 from derive.study.methods.scene_methods import IMPLICIT, Method, MethodScene, method_scene
-from derive.study.methods.shape_bases import BasisCondition, RigidMotionLeft, basis_conditions, rigid_motion_left
 from derive.study.methods.stability_functions import classical, step_limit
-from derive.study.methods.step_control import StepControl, step_controls
 from derive.study.methods.step_limits import HighestFrequency, StepLimit, highest_frequency, step_limits
 
 HALF = 0.5
-"""The step of long runs, divided by the limit of RK4."""
+"""The step of long runs, divided by the limit of RK4, where stability limits explicit steps."""
+RESOLVED = 4.0
+"""The steps of RK4 in a mean step of the adaptive method, by which they resolve the motion as well."""
+RESOLVED_ORDER_STEPS = 1000
+"""The number of such steps that show the order of the drift; those that stability limits are shorter, and more."""
+ELASTIC = 0.1
+"""The highest frequency at rest over that in motion below which the latter is one of rigid bodies, as of a pendulum."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +30,9 @@ class MethodStudy:
     """The results of a study of methods; `along` names the motion of `period` (s) from which the states are taken; `h`
     (s) is the step of long runs.
 
-    conserved: whether the work of drives alone changes the energy. order: None for a scene without constraints, and
-    where it cannot be measured. notes: the parts that could not be done, and why.
+    limits: empty where the motion asks for shorter steps than stability, as that of a rigid mechanism does. conserved:
+    whether the work of drives alone changes the energy. order: None for a scene without constraints, and where it
+    cannot be measured. notes: the parts that could not be done, and why.
     """
 
     name: str
@@ -41,25 +42,24 @@ class MethodStudy:
     steps: int
     frequency: HighestFrequency
     limits: tuple[StepLimit, ...]
-    controls: tuple[StepControl, ...]
     conserved: bool
     drifts: tuple[DriftRun, ...]
     order: DriftOrder | None
     forms: tuple[FormRun, ...]
     conditioning: Conditioning
-    ringing: tuple[Ringing, ...]
-    dead_centres: tuple[DeadCentre, ...]
-    momentum: tuple[MomentumDrift, ...]
-    tumble: Tumble
-    bases: tuple[BasisCondition, ...]
-    rigid: RigidMotionLeft
     notes: tuple[str, ...]
+
+    @property
+    def step_text(self) -> str:
+        """The text on how the step of long runs is chosen."""
+        return "half the limit of rk4" if self.limits else "which resolve the motion"
 
     @property
     def missing_energies(self) -> str:
         """The text on why runs have no energies; empty if all have."""
         if self.drifts and not self.conserved:
-            return "no energies: damping or loads change the energy of this scene as well"
+            text = "no energies: damping or loads change the energy of this scene as well"
+            return f"{text}, or a drive moves the support of a body, whose energy the model leaves out"
         if any(len(run.t) and not len(run.energy) for run in self.drifts):
             return f"no energies of runs of fewer than {FEWEST} steps"
         return ""
@@ -91,26 +91,30 @@ def method_study(
     check_memory(of, steps)
     notes: tuple[str, ...] = () if of.alpha else (f"{', '.join(m.value for m in IMPLICIT)}: left out; {of.missing}",)
     methods = [m for m in methods if of.alpha or m not in IMPLICIT]
-    along = of.states(states)
-    frequency = highest_frequency(of, along)
-    if not frequency.largest > 0:
-        raise TisserandError(
-            f"{scene.name}: nothing vibrates, so that no step is unstable; choose a scene with a beam that bends"
-        )
-    h = HALF * step_limit(classical()) / frequency.largest
-    limits = step_limits(of, frequency, methods, progress)
-    conserved = conserves(of, of.states(9))
+    motion = of.motion(states)
+    frequency, mean_step, stable = (
+        highest_frequency(of, motion.states),
+        of.period / motion.steps,
+        step_limit(classical()),
+    )
+    limits: list[StepLimit] = []
+    if is_stiff(frequency, stable, mean_step):
+        h = HALF * stable / frequency.largest
+        limits = step_limits(of, frequency, methods, progress)
+    else:
+        h = mean_step / RESOLVED
+        notes += (_without_limits(frequency, stable, mean_step),)
+    conserved = conserves(of, of.motion(9).states)
     drifts = drift_runs(of, h, steps, methods, conserved, progress)
     forms, order = [], None
     if of.native.nlambda:
         forms = form_runs(of, h, progress)
         try:
-            order = drift_order(of, h)
+            order = drift_order(of, h, ORDER_STEPS if limits else RESOLVED_ORDER_STEPS)
         except TisserandError as error:
             notes += (f"index 3 drift: not measured; {first_line(error)}",)
     else:
         notes += ("index 3 drift, formulations: left out; this scene has no constraints",)
-    progress("small cases: estimates of errors, dead centres, free flight, tumbling, shapes")
     return MethodStudy(
         scene.name,
         of.along,
@@ -119,17 +123,29 @@ def method_study(
         steps,
         frequency,
         tuple(limits),
-        step_controls(),
         conserved,
         tuple(drifts),
         order,
         tuple(forms),
-        conditioning(of, along),
-        ringing() if of.alpha else (),
-        dead_centres(),
-        momentum_drifts(),
-        tumble(),
-        basis_conditions(),
-        rigid_motion_left(),
+        conditioning(of, motion.states),
         notes,
+    )
+
+
+def is_stiff(frequency: HighestFrequency, stable: float, mean_step: float) -> bool:
+    """Whether stability limits the explicit steps of a scene, and not the accuracy of its motion, as of rigid bodies.
+
+    stable: omega h up to which RK4 is stable. mean_step: that of the adaptive method, s.
+    """
+    elastic = frequency.unloaded > ELASTIC * frequency.largest > 0
+    return elastic and HALF * stable <= RESOLVED * mean_step * frequency.largest
+
+
+def _without_limits(frequency: HighestFrequency, stable: float, mean_step: float) -> str:
+    """The note on a motion that asks for shorter steps than stability; mean_step: of the adaptive method, s."""
+    if not frequency.largest > 0:
+        return "largest stable step: left out; nothing vibrates, so that no step is unstable"
+    return (
+        f"largest stable step: left out; at {frequency.largest:.3g} rad/s rk4 is stable with steps up to "
+        f"{stable / frequency.largest:.2g} s, which do not resolve the motion: those of adaptive have {mean_step:.2g} s"
     )

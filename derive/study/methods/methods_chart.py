@@ -1,14 +1,14 @@
-"""The picture of a study of methods: six panels, each with the failure that it shows and its remedy."""
+"""The picture of a study of methods: a panel for each failure that it shows, with its remedy."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from derive.study.methods.cases import Driven
 from derive.study.methods.method_study import MethodStudy
 from derive.study.methods.scene_methods import Method
 from derive.study.methods.step_limits import GROWTH
@@ -17,8 +17,8 @@ from derive.visual import chart_style as style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-WIDTH, HEIGHT, COLUMNS = 11.2, 7.6, 3
-"""The size of the picture, inches, and the number of panels of a row."""
+PANEL_WIDTH, PANEL_HEIGHT, COLUMNS = 3.0, 2.48, 3
+"""The size of a panel, inches, and the largest number of panels in a row."""
 LEFT, RIGHT, GAP, HEAD, FOOT, ABOVE = 0.62, 0.12, 0.72, 0.3, 0.55, 0.62
 """Margins, the gap between columns, and the height above each row of panels for its title, inches."""
 EMPTY = 36
@@ -36,41 +36,63 @@ METHODS = {
 }
 """The colours of methods."""
 
-Drawing = Callable[["Axes", MethodStudy], None]
+
+@dataclass(frozen=True)
+class MethodPanel:
+    """A panel of the picture: its title, the text below that, and the function that draws it."""
+
+    title: str
+    text: str
+    draw: Callable[[Axes], None]
 
 
 def methods_svg(study: MethodStudy) -> str:
     """The text of the picture. The same numbers give the same bytes."""
+    panels = [
+        MethodPanel(
+            "Energy is kept, or not",
+            "less the work of the drives, over the kinetic energy",
+            lambda a: _energy(a, study),
+        ),
+    ]
+    if study.limits:
+        panels.insert(
+            0, MethodPanel("Explicit steps have a limit", "implicit ones do not", lambda a: _growth(a, study))
+        )
+    if study.conditioning.weakest:
+        panels.insert(
+            -1, MethodPanel("Constraints drift", "unless each step is projected", lambda a: _position(a, study))
+        )
+        text = "smallest singular value, 0 at a dead centre"
+        panels.append(MethodPanel("The rank of G along the motion", text, lambda a: _singular(a, study)))
+    return panels_svg(f"{study.name}: where methods fail, and what avoids it", panels)
+
+
+def panels_svg(title: str, panels: Sequence[MethodPanel]) -> str:
+    """The text of a picture of panels, as many of them in each row as in the others or one less."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    panels: tuple[tuple[str, str, Drawing], ...] = (
-        ("Explicit steps have a limit", "implicit ones do not", _growth),
-        ("Constraints drift", "unless each step is projected", _position),
-        ("Energy is kept, or not", "less the work of the drives, over the kinetic energy", _energy),
-        ("Multipliers ring", "unless rho < 1 (rigid crank-slider, index 3)", _ringing),
-        ("Dead centres: G loses rank", "smallest singular value, rigid crank-slider", _dead_centres),
-        ("Monomials lose all digits", "Legendre polynomials (mean frame) do not", _bases),
-    )
+    rows = -(-len(panels) // COLUMNS)
+    columns = -(-len(panels) // rows)
+    width = LEFT + RIGHT + columns * PANEL_WIDTH + (columns - 1) * GAP
+    height = HEAD + rows * (ABOVE + PANEL_HEIGHT + FOOT)
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update({**style.SETTINGS, "font.size": 8.5})
-        figure = Figure(figsize=(WIDTH, HEIGHT))
-        rows = -(-len(panels) // COLUMNS)
-        width = (WIDTH - LEFT - RIGHT - (COLUMNS - 1) * GAP) / COLUMNS
-        height = (HEIGHT - HEAD - rows * (ABOVE + FOOT)) / rows
-        for number, (title, text, draw) in enumerate(panels):
-            row, column = divmod(number, COLUMNS)
-            x = LEFT + column * (width + GAP)
-            top = HEIGHT - HEAD - row * (ABOVE + height + FOOT)
-            axes = figure.add_axes((x / WIDTH, (top - ABOVE - height) / HEIGHT, width / WIDTH, height / HEIGHT))
+        figure = Figure(figsize=(width, height))
+        for number, panel in enumerate(panels):
+            row, column = divmod(number, columns)
+            x = LEFT + column * (PANEL_WIDTH + GAP)
+            top = height - HEAD - row * (ABOVE + PANEL_HEIGHT + FOOT)
+            at = (x / width, (top - ABOVE - PANEL_HEIGHT) / height, PANEL_WIDTH / width, PANEL_HEIGHT / height)
+            axes = figure.add_axes(at)
             axes.tick_params(length=3)
-            draw(axes, study)
-            y = (top - ABOVE + 0.34) / HEIGHT
-            figure.text(x / WIDTH, y, title, fontweight="bold", fontsize=9.5)
-            figure.text(x / WIDTH, y - 0.19 / HEIGHT, text, fontsize=8.5)
-        title = f"{study.name}: where methods fail, and what avoids it"
-        figure.text(LEFT / WIDTH, 1 - 0.12 / HEIGHT, title, va="top", fontweight="bold", fontsize=11)
+            panel.draw(axes)
+            y = (top - ABOVE + 0.34) / height
+            figure.text(x / width, y, panel.title, fontweight="bold", fontsize=9.5)
+            figure.text(x / width, y - 0.19 / height, panel.text, fontsize=8.5)
+        figure.text(LEFT / width, 1 - 0.12 / height, title, va="top", fontweight="bold", fontsize=11)
         return style.figure_svg(figure, title)
 
 
@@ -133,12 +155,13 @@ def _over_time(axes: Axes, study: MethodStudy, of: Callable[[Any], Any], floor: 
                 axes.text(run.t[-1] * 0.75, values[-1], text, color=colour, ha="right", va="center")
     axes.set_xscale("log")
     _powers(axes.xaxis)
-    _logarithmic(axes)
+    logarithmic(axes)
     axes.set_xlim(left=study.h * max(1, study.steps // 5000))
     axes.set_xlabel(f"time, s ({study.steps} steps)")
 
 
-def _logarithmic(axes: Axes) -> None:
+def logarithmic(axes: Axes) -> None:
+    """Make the axis of ordinates logarithmic."""
     axes.set_yscale("log")
     _powers(axes.yaxis)
 
@@ -149,60 +172,8 @@ def _powers(axis: Any) -> None:
     axis.set_minor_formatter("")
 
 
-def _ringing(axes: Axes, study: MethodStudy) -> None:
-    for run, colour in zip(study.ringing, (BROWN, ORANGE, GREEN, BLUE), strict=False):
-        n = np.arange(1, len(run.amplitude) + 1)
-        axes.plot(n, np.maximum(run.amplitude, 1e-11), color=colour, linewidth=1.6)
-        above = run.amplitude > 1e-7
-        at = int(np.flatnonzero(above)[-1]) if run.rho < 1 else 100
-        name = "rho = 1 (trapezoidal)" if run.rho == 1 else f"{run.rho:g}"
-        axes.text(
-            n[at] + 2,
-            max(run.amplitude[at] * (3 if run.rho == 1 else 1.4), 1e-11),
-            name,
-            color=colour,
-            ha="center" if run.rho == 1 else "left",
-        )
-    _logarithmic(axes)
-    axes.set_ylim(1e-8, 10)
-    axes.set_xlabel("step")
-    axes.set_ylabel("alternating part / multipliers")
-
-
-def _dead_centres(axes: Axes, study: MethodStudy) -> None:
-    colours = {(Driven.CRANK, 2.0): GREEN, (Driven.CRANK, 1.0): PURPLE, (Driven.SLIDER, 2.0): ORANGE}
-    names = {
-        (Driven.CRANK, 2.0): "crank driven, rod longer",
-        (Driven.CRANK, 1.0): "crank driven, rod as long as the crank",
-        (Driven.SLIDER, 2.0): "slider driven",
-    }
-    for case in study.dead_centres:
-        key = case.driven, case.rod
-        axes.plot(np.degrees(case.angles), case.singular, color=colours[key], linewidth=1.6, label=names[key])
-        axes.plot(
-            np.degrees(case.dead),
-            [0.0] * len(case.dead),
-            linestyle="none",
-            marker="x",
-            color=colours[key],
-            markeredgewidth=2,
-        )
-    axes.set_xticks(range(0, 361, 90))
-    axes.set_ylim(-0.04, axes.get_ylim()[1] * 1.45)
-    axes.legend(loc="upper left", fontsize=7.5, labelspacing=0.2, borderaxespad=0.1)
-    axes.set_xlabel("crank angle, deg (crosses: singular)")
-
-
-def _bases(axes: Axes, study: MethodStudy) -> None:
-    n = [b.count for b in study.bases]
-    axes.plot(n, [b.monomials for b in study.bases], color=ORANGE, marker="s", markersize=3.5)
-    axes.plot(n, [b.legendre for b in study.bases], color=BLUE, marker="o", markersize=3.5)
-    axes.axhline(2.0**53, color=style.INK, linewidth=0.7, dashes=(2, 2))
-    axes.text(2, 2.0**53 * 2, "all digits of a double", va="bottom")
-    axes.text(n[-1], 60, "Legendre", color=BLUE, ha="right")
-    axes.text(11, 1e10, "monomials", color=ORANGE, ha="right")
-    _logarithmic(axes)
-    axes.set_ylim(0.5, 1e19)
-    axes.set_xticks([2, 5, 10, 15, 20])
-    axes.set_xlabel("number of shapes N")
-    axes.set_ylabel("cond(c8)")
+def _singular(axes: Axes, study: MethodStudy) -> None:
+    c = study.conditioning
+    axes.plot(c.t, c.singular, color=GREEN, linewidth=1.6)
+    axes.set_ylim(0, 1.3 * float(c.singular.max()))
+    axes.set_xlabel(f"time, s ({study.along})")

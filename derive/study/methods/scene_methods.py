@@ -61,6 +61,11 @@ class MethodRun:
     lam: Matrix
     steps: int
 
+    @property
+    def states(self) -> list[State]:
+        """The states of the rows."""
+        return [(float(t), q, v) for t, q, v in zip(self.t, self.q, self.v, strict=True)]
+
 
 @dataclass(frozen=True, eq=False)
 class MethodScene:
@@ -161,16 +166,18 @@ class MethodScene:
         )
         return MethodRun(a.t, a.q, a.v, a.lam, a.counts["steps"])
 
-    def states(self, count: int) -> list[State]:
-        """`count` states of the motion, equally spaced over a period. Raises SimulationError if it ends before."""
+    def motion(self, count: int) -> MethodRun:
+        """A run of the adaptive method over a period, with `count` rows that are equally spaced in time.
+
+        Raises SimulationError if it ends before.
+        """
         assert self.scene.simulation is not None
         try:
             times = np.linspace(0.0, self.period, count)
-            r = self.adaptive_run(times, self.scene.simulation.tolerance, per_row=MAX_STEPS_PER_ROW)
+            return self.adaptive_run(times, self.scene.simulation.tolerance, per_row=MAX_STEPS_PER_ROW)
         except AdaptiveError as error:
             advice = f"a study of methods needs a motion that goes on for {self.along}; give a shorter duration"
             raise SimulationError(f"{error}; {advice}") from error
-        return [(float(t), q, v) for t, q, v in zip(r.t, r.q, r.v, strict=True)]
 
 
 def method_scene(scene: Scene) -> MethodScene:

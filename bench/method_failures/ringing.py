@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.method_failures.small_scenes import crank_slider
 from derive.runtime.native_call import Vector
-from derive.study.methods.cases import crank_slider
 from derive.study.methods.formulations import alternation
 from derive.study.methods.scene_methods import method_scene
 

@@ -12,10 +12,10 @@ from math import sqrt
 
 import numpy as np
 
+from bench.method_failures.small_scenes import bent_beam
 from derive.generated_models import generated
 from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.loading import load_scene
-from derive.study.methods.cases import bent_beam
 from derive.study.methods.implicit_steps import Rule, initial_values, march
 from derive.study.states import start_state
 

@@ -12,6 +12,7 @@ from math import asin, cos, pi, sin
 
 import numpy as np
 
+from bench.method_failures.small_scenes import ANGLE, Driven, crank_slider
 from derive.generated_models import generated
 from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.loading import load_scene
@@ -20,7 +21,6 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.constraints.scaling import spectrum
 from derive.simulation.errors import SingularConfiguration
 from derive.simulation.simulate import simulate
-from derive.study.methods.cases import ANGLE, Driven, crank_slider
 
 ANGLES = np.linspace(0.0, 2 * pi, 361)
 """The crank angles, rad: dead centres are among them."""
