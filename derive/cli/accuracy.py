@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-from derive.artifacts import MARK, File, check_folder, sha256, write
-from derive.cli.result_files import planned_files
+from derive.artifacts import BinaryFile, File, check_folder, write
+from derive.cli.result_files import planned_files, print_result, study_files
 from derive.spec.model.scene import Scene
 from derive.study.accuracy.chart import LadderChart, accuracy_svg
 from derive.study.accuracy.fixed_steps import fixed_step_lines
 from derive.study.accuracy.ladder_run import LadderRun
 from derive.study.accuracy.measurement import Line, retimed
 from derive.study.accuracy.models import LadderRange, ladder
-from derive.study.accuracy.page import accuracy_html
 from derive.study.accuracy.peers import read_peers
-from derive.study.accuracy.plotted_beams import plotted_beams
-from derive.study.accuracy.reference import compared_plot, reference
-from derive.study.accuracy.table import accuracy_csv, accuracy_data, accuracy_text
+from derive.study.accuracy.reference import compared_plot, plotted_beams, reference
+from derive.study.accuracy.table import accuracy_data, accuracy_html, accuracy_text, run_table
 from derive.study.timing import machine_description
 from derive.terminal import show_progress, show_result
-from derive.version import VERSION
 
 NAME = "accuracy"
 EXPECTED_SIZE = 1_000_000
@@ -44,24 +41,14 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
     data = accuracy_data(chart)
     files = _files(chart, data)
     write(files, folder)
-    written = [str(folder / file.path) for file in files]
-    if options.json:
-        print(json.dumps({**data, "files": written}, indent=2))
-    else:
-        print("\n".join([accuracy_text(chart), "", *(f"wrote {name}" for name in written)]))
+    print_result(accuracy_text(chart), data, [str(folder / file.path) for file in files], options.json)
     return INTERRUPTED if interrupted else 0
 
 
-def _files(chart: LadderChart, data: dict[str, object]) -> tuple[File, ...]:
-    """Chart, page and table, and the record with all numbers, which vouches for the table."""
-    table = accuracy_csv(chart)
-    record = {"generator": f"{MARK} {VERSION}. Do not edit.", **data, "files": {f"{NAME}.csv": sha256(table.encode())}}
-    return (
-        File(f"{NAME}.svg", accuracy_svg(chart)),
-        File(f"{NAME}.html", accuracy_html(chart)),
-        File(f"{NAME}.csv", table, record=f"{NAME}.json"),
-        File(f"{NAME}.json", json.dumps(record, indent=2) + "\n"),
-    )
+def _files(chart: LadderChart, data: dict[str, Any]) -> list[File | BinaryFile]:
+    """Chart, page and table, and the record with all numbers."""
+    texts = {"svg": accuracy_svg(chart), "html": accuracy_html(chart), "csv": run_table(chart).csv}
+    return study_files(NAME, data, texts)
 
 
 def study(scene: Scene, options: argparse.Namespace, record: Callable[[LadderChart], None]) -> tuple[LadderChart, bool]:

@@ -86,14 +86,23 @@ class StudyTable:
     @property
     def data(self) -> list[dict[str, Any]]:
         """The rows as plain data, by the names of the columns."""
-        names = [column.name for column in self.columns]
-        return [dict(zip(names, map(plain, row), strict=True)) for row in self.rows]
+        return [named(self.columns, row) for row in self.rows]
+
+    @property
+    def reversed(self) -> StudyTable:
+        """The table with its rows in reverse order."""
+        return replace(self, rows=self.rows[::-1])
 
     def only(self, names: Sequence[str]) -> StudyTable:
         """The table with some of its columns, by their names, in the order of `names`."""
         at = {column.name: number for number, column in enumerate(self.columns)}
         rows = tuple(tuple(row[at[name]] for name in names) for row in self.rows)
         return replace(self, columns=tuple(self.columns[at[name]] for name in names), rows=rows)
+
+
+def named(columns: Sequence[StudyColumn], row: Row) -> dict[str, Any]:
+    """The values of a row as plain data, by the names of the columns."""
+    return {column.name: plain(value) for column, value in zip(columns, row, strict=True)}
 
 
 def columns(*heads: str, format: Callable[[Any], str] = str) -> tuple[StudyColumn, ...]:

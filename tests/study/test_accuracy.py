@@ -25,15 +25,12 @@ from derive.spec.toml.read import read
 from derive.study.accuracy.chart import LadderChart, accuracy_svg
 from derive.study.accuracy.chart_labels import duration, label_groups, milliseconds, spread
 from derive.study.accuracy.doubts import doubt, doubt_lines
-from derive.study.accuracy.headline import headline, headline_texts
+from derive.study.accuracy.headline import candidates, front, headline, headline_texts, recommended
 from derive.study.accuracy.measurement import Line, Point, compiled, motion, plot_errors
 from derive.study.accuracy.models import LadderModel, LadderRange, Shapes, ladder, model_scene
-from derive.study.accuracy.page import accuracy_html
-from derive.study.accuracy.pareto import candidates, front, recommended
 from derive.study.accuracy.peers import Peer
-from derive.study.accuracy.plotted_beams import plotted_beams
-from derive.study.accuracy.reference import Reference, compared_plot, reference
-from derive.study.accuracy.table import accuracy_csv, accuracy_data, accuracy_text, cheapest
+from derive.study.accuracy.reference import Reference, compared_plot, plotted_beams, reference
+from derive.study.accuracy.table import accuracy_data, accuracy_html, accuracy_text, cheapest, run_table
 from svg_text import outside, text_boxes
 
 SCENE = ROOT / "scenes" / "crank_slider_3.toml"
@@ -126,7 +123,7 @@ def test_the_chart_says_what_it_shows() -> None:
     assert "errors below that of the reference" in accuracy_text(chart)
     page = accuracy_html(chart)
     assert "it does not start" in page and "http" not in page.replace("http://www.w3.org", "")
-    rows = list(csv.DictReader(accuracy_csv(chart).splitlines()))
+    rows = list(csv.DictReader(run_table(chart).csv.splitlines()))
     assert len(rows) == 7 and rows[-1]["valid"] == "False"
 
 

@@ -18,10 +18,10 @@ from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse, read
 from derive.study.methods import drift
 from derive.study.methods import stability_functions as theory
-from derive.study.methods.conditioning import conditioning
 from derive.study.methods.drift import DriftRun, conserves, drift_order, drift_run, drift_runs, exponent
 from derive.study.methods.formulations import FormRun, form_run
 from derive.study.methods.implicit_steps import Rule, initial_values, march
+from derive.study.methods.method_study import conditioning
 from derive.study.methods.scene_methods import Method, MethodScene, method_scene
 from derive.study.methods.step_limits import highest_frequency, step_limits
 from derive.study.states import start_state

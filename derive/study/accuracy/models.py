@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from itertools import product
-from typing import assert_never
+from typing import Any, assert_never
 
 from derive.mechanics.bodies.deflection_projection import projection
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
@@ -22,6 +22,7 @@ from derive.spec.model.scene import BeamBody, RigidBody, Scene
 from derive.spec.parsing import choices
 from derive.spec.tables.beam_shapes import frame_from
 from derive.study.accuracy.rigid_beam import rigid_beam, rigid_loads
+from derive.study.table import columns
 from derive.terminal import beam_count
 
 
@@ -115,6 +116,15 @@ class LadderModel:
             return f"{self.count} shapes"
         names = [f"P{n}" for n in (2, self.count + 1)]
         return names[0] if self.count == 1 else ", ".join(names) if self.count == 2 else " to ".join(names)
+
+
+MODEL_COLUMNS = columns("model", "order", "shapes", "number_of_shapes", "beams", "frame")
+"""The columns of the tables of ladders that describe a model."""
+
+
+def model_row(model: LadderModel, label: str) -> tuple[Any, ...]:
+    """The values of `MODEL_COLUMNS`, with the text that names the model."""
+    return label, model.order.value, model.shapes.value, model.count, model.pieces, model.frame
 
 
 @dataclass(frozen=True)

@@ -1,41 +1,71 @@
-"""The numbers of a ladder: as a table for a terminal, as CSV, and as plain data."""
+"""The numbers of a ladder: a table of its models as text and on a page, and one of all runs as CSV and plain data."""
 
 from __future__ import annotations
 
-import csv
-import io
 import textwrap
 from typing import Any
 
 from derive.percentages import percent
-from derive.study.accuracy.chart import LadderChart, peer_text
-from derive.study.accuracy.doubts import doubt_lines
-from derive.study.accuracy.headline import headline_texts
+from derive.rendering import render
+from derive.study.accuracy.chart import LadderChart, accuracy_svg, peer_text
+from derive.study.accuracy.chart_labels import grouped, milliseconds
+from derive.study.accuracy.doubts import doubt_lines, doubt_reason
+from derive.study.accuracy.headline import Candidate, headline_texts
 from derive.study.accuracy.measurement import Line, Point
-from derive.study.accuracy.pareto import Candidate
+from derive.study.accuracy.models import MODEL_COLUMNS, model_row
+from derive.study.table import StudyColumn, StudyTable, columns, named
 from derive.terminal import WIDTH
 
 COLUMNS_OF_PEERS = ("cpu_s", "rms_error", "largest_error")
-COLUMNS = (
-    "model", "order", "shapes", "number_of_shapes", "beams", "frame", "coordinates", "valid", "integrator", "tolerance",
-    "step_s", "rms_error", "largest_error", "cpu_s", "cpu_least_s", "cpu_most_s", "evaluations", "operations",
-)  # fmt: skip
+LINE_COLUMNS = (*MODEL_COLUMNS, *columns("coordinates", "valid"))
+"""The columns of a model with its runs."""
+COST = columns("cpu_s", "cpu_least_s", "cpu_most_s", "evaluations", "operations")
+RUN_COLUMNS = (*columns("tolerance", "step_s", "rms_error", "largest_error"), *COST)
+"""The columns of a run."""
+MODELS = (
+    StudyColumn("model"),
+    StudyColumn("rms", percent, doc="the measured error of the plot over its peak"),
+    StudyColumn("largest", percent),
+    StudyColumn("implied", percent, doc="the error that a monitor estimates for the beam that it doubts"),
+    StudyColumn("ms", milliseconds),
+    StudyColumn("evaluations", grouped),
+    StudyColumn("operations", grouped),
+    StudyColumn("coordinates"),
+    StudyColumn("setting"),
+    StudyColumn("valid", lambda valid: "" if valid else "not valid", head=""),
+    StudyColumn("doubt"),
+)
+"""The columns of a model with one of its runs."""
+IN_TEXT = ("model", "coordinates", "rms", "largest", "ms", "evaluations", "operations", "valid")
+ON_PAGE = ("model", "rms", "largest", "implied", "ms", "evaluations", "operations", "coordinates", "setting", "doubt")
+
+
+def model_table(chart: LadderChart) -> StudyTable:
+    """A row for each model, from the smallest error on: the cheapest run within 10 % of that error."""
+    rows = []
+    for line in sorted(chart.drawn, key=lambda line: line.best):
+        p = cheapest(line)
+        implied = line.warning.error if line.warning else None
+        sizes = (p.rms, p.worst, implied, p.seconds[0], p.evaluations, p.operations or None, line.coordinates)
+        rows.append((line.label, *sizes, p.setting, line.valid, doubt_reason(line, chart.shown)))
+    return StudyTable(
+        MODELS, tuple(rows), notes=("each row is the cheapest run of a model within 10 % of its smallest error",)
+    )
+
+
+def run_table(chart: LadderChart) -> StudyTable:
+    """A row for each run of each model."""
+    rows = [(*_line(line), line.integrator, *_run(p)) for line in chart.drawn for p in line.points]
+    return StudyTable((*LINE_COLUMNS, *columns("integrator"), *RUN_COLUMNS), tuple(rows))
 
 
 def accuracy_text(chart: LadderChart) -> str:
-    """The table with a line for each model: its smallest error and the cheapest run within 10 % of it; then doubts."""
-    width = max(len(line.label) for line in chart.lines)
+    """The table of models, from the largest error on, then doubts, notes and the result."""
     reference = f"{chart.reference.plots[0].name} of {chart.name}, against {chart.reference.source}"
     if chart.reference.error is not None:
         reference += f", which has an error of {percent(chart.reference.error)} itself"
-    heading = f"{'model':{width}}  coordinates{'rms':>11}{'largest':>11}{'ms':>10}{'evaluations':>13}{'operations':>12}"
-    rows = [reference, heading]
-    for line in sorted(chart.drawn, key=lambda line: -line.best):
-        p = cheapest(line)
-        numbers = f"{percent(p.rms):>11}{percent(p.worst):>11}{1e3 * p.seconds[0]:10.3f}{p.evaluations:13}"
-        numbers += f"{p.operations or '':12}"
-        rows.append(f"{line.label:{width}}{line.coordinates:13}{numbers}{'' if line.valid else '  not valid'}")
-    rows += [f"{peer.name:{width}}               {peer_text(peer.runs[-1])}" for peer in chart.peers]
+    rows = [reference, *model_table(chart).only(IN_TEXT).reversed.text]
+    rows += [f"  {peer.name}: {peer_text(peer.runs[-1])}" for peer in chart.peers]
     doubts = (text.replace(" (hollow, dashed)", "") for text in doubt_lines(chart.lines, chart.shown))
     result = (f"{title}: {text}" for title, text in headline_texts(chart.headline, chart.shown))
     for texts in (doubts, chart.notes, result):
@@ -46,23 +76,24 @@ def accuracy_text(chart: LadderChart) -> str:
     return "\n".join(rows)
 
 
+def accuracy_html(chart: LadderChart) -> str:
+    """The page: the headline, the chart, whose lines show their numbers, and the table; it loads no other files."""
+    values = {
+        "name": chart.name,
+        "headline": headline_texts(chart.headline, chart.shown),
+        "picture": accuracy_svg(chart, alone=False),
+        "table": model_table(chart).only(ON_PAGE),
+        "warnings": list(dict.fromkeys(line.warning.warning for line in chart.drawn if line.warning)),
+        "notes": chart.notes,
+        "failed": [(line.label, line.failure) for line in chart.lines if not line.points],
+    }
+    return render("study/accuracy.html.jinja", values)
+
+
 def cheapest(line: Line) -> Point:
     """The cheapest run of a model within 10 % of its smallest error."""
     best = min(p.rms for p in line.points)
     return min((p for p in line.points if p.rms <= 1.1 * best), key=lambda p: p.seconds[0])
-
-
-def accuracy_csv(chart: LadderChart) -> str:
-    """The CSV text with a row for each run."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for line in chart.drawn:
-        model = _model(line)
-        for p in line.points:
-            numbers = (line.integrator, p.tolerance, p.step, p.rms, p.worst, *p.seconds, p.evaluations, p.operations)
-            writer.writerow([*model.values(), *numbers])
-    return stream.getvalue()
 
 
 def accuracy_data(chart: LadderChart) -> dict[str, Any]:
@@ -75,22 +106,11 @@ def accuracy_data(chart: LadderChart) -> dict[str, Any]:
         "reference": {"source": chart.reference.source, "error": chart.reference.error},
         "models": [
             {
-                **_model(line),
+                **named(LINE_COLUMNS, _line(line)),
                 "warning": line.warning.data if line.warning else None,
                 "failure": line.failure,
                 "integrator": line.integrator,
-                "runs": [
-                    {
-                        "tolerance": p.tolerance,
-                        "step_s": p.step,
-                        "rms_error": p.rms,
-                        "largest_error": p.worst,
-                        "cpu_s": dict(zip(("median", "least", "most"), p.seconds, strict=True)),
-                        "evaluations": p.evaluations,
-                        "operations": p.operations,
-                    }
-                    for p in line.points
-                ],
+                "runs": [named(RUN_COLUMNS, _run(p)) for p in line.points],
             }
             for line in chart.lines
         ],
@@ -101,13 +121,23 @@ def accuracy_data(chart: LadderChart) -> dict[str, Any]:
         "notes": list(chart.notes),
         "asked": chart.error,
         "shown": list(chart.shown),
-        "recommended": _run(result.recommended),
-        "cheaper": _run(result.cheaper),
-        "better": _run(result.better),
+        "recommended": _candidate(result.recommended),
+        "cheaper": _candidate(result.cheaper),
+        "better": _candidate(result.better),
     }
 
 
-def _run(run: Candidate | None) -> dict[str, Any] | None:
+def _line(line: Line) -> tuple[Any, ...]:
+    """The values of `LINE_COLUMNS`."""
+    return (*model_row(line.model, line.label), line.coordinates, line.valid)
+
+
+def _run(p: Point) -> tuple[Any, ...]:
+    """The values of `RUN_COLUMNS`."""
+    return p.tolerance, p.step, p.rms, p.worst, *p.seconds, p.evaluations, p.operations
+
+
+def _candidate(run: Candidate | None) -> dict[str, Any] | None:
     """A run of the headline as plain data."""
     if run is None:
         return None
@@ -116,18 +146,4 @@ def _run(run: Candidate | None) -> dict[str, Any] | None:
         "setting": run.point.setting,
         "rms_error": run.point.rms,
         "cpu_s": run.point.seconds[0],
-    }
-
-
-def _model(line: Line) -> dict[str, Any]:
-    m = line.model
-    return {
-        "model": line.label,
-        "order": m.order.value,
-        "shapes": m.shapes.value,
-        "number_of_shapes": m.count,
-        "beams": m.pieces,
-        "frame": m.frame,
-        "coordinates": line.coordinates,
-        "valid": line.valid,
     }

@@ -5,15 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from derive.errors import TisserandError, first_line
+from derive.runtime.native_call import Vector
+from derive.simulation.compiled_scene import kkt_matrix, mass_matrix
+from derive.simulation.constraints.redundancy import involved
+from derive.simulation.constraints.scaling import spectrum
 from derive.simulation.errors import SimulationError
 from derive.spec.model.scene import Scene
-from derive.study.methods.conditioning import Conditioning, conditioning
 from derive.study.methods.drift import FEWEST, ORDER_STEPS, DriftOrder, DriftRun, conserves, drift_order, drift_runs
 from derive.study.methods.formulations import FormRun, form_runs
 from derive.study.methods.scene_methods import IMPLICIT, Method, MethodScene, method_scene
 from derive.study.methods.stability_functions import classical, step_limit
 from derive.study.methods.step_limits import HighestFrequency, StepLimit, highest_frequency, step_limits
+from derive.study.states import State
 
 HALF = 0.5
 """The step of long runs, divided by the limit of RK4, where stability limits explicit steps."""
@@ -26,13 +32,28 @@ ELASTIC = 0.1
 
 
 @dataclass(frozen=True, eq=False)
+class Conditioning:
+    """The condition along the motion, t (n,) in s: the condition numbers of M and of the KKT matrix in SI units, and
+    the smallest singular value of G, whose columns are in the metric of M and whose rows have a typical length of 1.
+
+    weakest: the multipliers with a share in the smallest value of all.
+    """
+
+    t: Vector
+    mass: Vector
+    kkt: Vector
+    singular: Vector
+    weakest: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class MethodStudy:
     """The results of a study of methods; `along` names the motion of `period` (s) from which the states are taken; `h`
     (s) is the step of long runs.
 
-    limits: empty where the motion asks for shorter steps than stability, as that of a rigid mechanism does. conserved:
-    whether the work of drives alone changes the energy. order: None for a scene without constraints, and where it
-    cannot be measured. notes: the parts that could not be done, and why.
+    stiff: whether stability limits explicit steps; they resolve the motion otherwise, and there are no `limits`.
+    conserved: whether the work of drives alone changes the energy. order: None for a scene without constraints, and
+    where it cannot be measured. notes: the parts that could not be done, and why.
     """
 
     name: str
@@ -41,6 +62,7 @@ class MethodStudy:
     h: float
     steps: int
     frequency: HighestFrequency
+    stiff: bool
     limits: tuple[StepLimit, ...]
     conserved: bool
     drifts: tuple[DriftRun, ...]
@@ -52,7 +74,7 @@ class MethodStudy:
     @property
     def step_text(self) -> str:
         """The text on how the step of long runs is chosen."""
-        return "half the limit of rk4" if self.limits else "which resolve the motion"
+        return "half the limit of rk4" if self.stiff else "which resolve the motion"
 
     @property
     def missing_energies(self) -> str:
@@ -98,7 +120,7 @@ def method_study(
         step_limit(classical()),
     )
     limits: list[StepLimit] = []
-    if is_stiff(frequency, stable, mean_step):
+    if stiff := is_stiff(frequency, stable, mean_step):
         h = HALF * stable / frequency.largest
         limits = step_limits(of, frequency, methods, progress)
     else:
@@ -110,7 +132,7 @@ def method_study(
     if of.native.nlambda:
         forms = form_runs(of, h, progress)
         try:
-            order = drift_order(of, h, ORDER_STEPS if limits else RESOLVED_ORDER_STEPS)
+            order = drift_order(of, h, ORDER_STEPS if stiff else RESOLVED_ORDER_STEPS)
         except TisserandError as error:
             notes += (f"index 3 drift: not measured; {first_line(error)}",)
     else:
@@ -122,6 +144,7 @@ def method_study(
         h,
         steps,
         frequency,
+        stiff,
         tuple(limits),
         conserved,
         tuple(drifts),
@@ -148,4 +171,19 @@ def _without_limits(frequency: HighestFrequency, stable: float, mean_step: float
     return (
         f"largest stable step: left out; at {frequency.largest:.3g} rad/s rk4 is stable with steps up to "
         f"{stable / frequency.largest:.2g} s, which do not resolve the motion: those of adaptive have {mean_step:.2g} s"
+    )
+
+
+def conditioning(of: MethodScene, states: Sequence[State]) -> Conditioning:
+    """The conditioning in some states of the motion."""
+    native, k = of.native, of.k
+    spectra = [spectrum(native, k, t, q) for t, q, _ in states]
+    smallest = np.array([s.smallest for s in spectra])
+    weakest = involved(spectra[int(np.argmin(smallest))], native.multipliers) if native.nlambda else ()
+    return Conditioning(
+        np.array([t for t, _, _ in states]),
+        np.array([np.linalg.cond(mass_matrix(native, q, k)) for _, q, _ in states]),
+        np.array([np.linalg.cond(kkt_matrix(native, t, q, k)) for t, q, _ in states]),
+        smallest,
+        weakest,
     )
