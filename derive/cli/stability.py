@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 
-from derive.artifacts import MARK, File, check_folder, sha256, write
+from derive.artifacts import check_folder, write
 from derive.cli.arguments.stability import NEVER
-from derive.cli.result_files import planned_files
+from derive.cli.result_files import planned_files, print_result, study_files
 from derive.errors import Problem, SpecError
 from derive.spec.model.scene import Scene
 from derive.spec.set_values import with_values
@@ -16,9 +15,8 @@ from derive.study.accuracy.models import LadderRange, ladder
 from derive.study.stability.chart import stability_svg
 from derive.study.stability.ladder_stability import KnownLoss, LadderStability, ladder_stability
 from derive.study.stability.parameter import ParameterRange, studied
-from derive.study.stability.table import stability_csv, stability_data, stability_text
+from derive.study.stability.table import mode_table, stability_data, stability_text
 from derive.terminal import show_progress
-from derive.version import VERSION
 
 NAME = "stability"
 EXPECTED_SIZE = 5_000_000
@@ -28,7 +26,6 @@ EXPECTED_SIZE = 5_000_000
 def run(scene: Scene, options: argparse.Namespace) -> int:
     """Run the study and write its chart, table and data."""
     folder = options.out or Path("results") / scene.name
-    record = f"{NAME}.json"
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
     names = [name for name, _ in options.set]
     if repeated := sorted({name for name in names if names.count(name) > 1}):
@@ -37,23 +34,10 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
     result = study(scene, options)
     show_progress()
     data = {**stability_data(result), "set": list(map(str, changes))}
-    table = stability_csv(result)
-    text = json.dumps(
-        {"generator": f"{MARK} {VERSION}. Do not edit.", **data, "files": {f"{NAME}.csv": sha256(table.encode())}},
-        indent=2,
-    )
-    files = (
-        File(f"{NAME}.svg", stability_svg(result)),
-        File(f"{NAME}.csv", table, record=record),
-        File(record, f"{text}\n"),
-    )
+    files = study_files(NAME, data, {"svg": stability_svg(result), "csv": mode_table(result).csv})
     write(files, folder)
-    written = [str(folder / file.path) for file in files]
-    if options.json:
-        print(json.dumps({**data, "files": written}, indent=2))
-    else:
-        changed = [f"{scene.name}: {change}" for change in changes]
-        print("\n".join([*changed, stability_text(result), "", *(f"wrote {name}" for name in written)]))
+    text = "\n".join([*(f"{scene.name}: {change}" for change in changes), stability_text(result)])
+    print_result(text, data, [str(folder / file.path) for file in files], options.json)
     return 0
 
 

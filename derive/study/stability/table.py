@@ -2,29 +2,31 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from typing import Any
 
 from derive.percentages import percent
+from derive.study.accuracy.models import MODEL_COLUMNS, model_row
 from derive.study.stability.ladder_stability import CONVERGED, LadderStability, distance
 from derive.study.stability.model_path import ModelPath
 from derive.study.stability.thresholds import Interval, Threshold
-from derive.terminal import table, wrapped
+from derive.study.table import StudyColumn, StudyTable, columns, named
+from derive.terminal import wrapped
 
-COLUMNS = (
-    "model", "order", "shapes", "number_of_shapes", "beams", "frame", "parameter", "spin_rad_s", "growth_rate_1_s",
-    "frequency_rad_s", "rounding_error_1_s", "grows",
-)  # fmt: skip
+MODE_COLUMNS = columns("parameter", "spin_rad_s", "growth_rate_1_s", "frequency_rad_s", "rounding_error_1_s", "grows")
+"""The columns of a mode of a model at a value of the parameter."""
 
 
 def stability_text(of: LadderStability) -> str:
     """The table of the models: where each loses its stability, how far that is from the truth, and wrong verdicts."""
     truth = "exact" if of.known else "reference"
-    rows = [["model", "loses stability at", f"from the {truth}", "further changes at", "wrong verdict"]]
-    rows += [_row(of, path) for path in _listed(of) if not path.failure]
-    lines = [head(of), *wrapped([*filter(None, [of.motion]), *truth_sentences(of)], "  "), "", *table(rows, left=1)]
+    shown = (
+        *columns("model", "loses stability at"),
+        StudyColumn(f"from the {truth}", lambda near: percent(near, signed=True)),
+        *columns("further changes at", "wrong verdict"),
+    )
+    table = StudyTable(shown, tuple(_row(of, path) for path in _listed(of) if not path.failure))
+    lines = [head(of), *wrapped([*filter(None, [of.motion]), *truth_sentences(of)], "  "), "", *table.text]
     failures = [f"{path.model.label}: {path.failure}" for path in _listed(of) if path.failure]
     gaps = [gap_text(path) for path in _listed(of) if path.gaps and not path.failure]
     return "\n".join([*lines, *wrapped([*failures, *gaps], "  ")])
@@ -77,15 +79,14 @@ def _listed(of: LadderStability) -> Sequence[ModelPath]:
     return of.paths if of.reference in of.paths else (*of.paths, of.reference)
 
 
-def _row(of: LadderStability, path: ModelPath) -> list[str]:
-    near = distance(path.loss, of.true_loss)
-    return [
+def _row(of: LadderStability, path: ModelPath) -> tuple[Any, ...]:
+    return (
         path.model.label,
         loss_text(path),
-        "" if near is None else percent(near, signed=True),
+        distance(path.loss, of.true_loss),
         ", ".join(f"{c.value:.7g}" for c in further(path)),
         "; ".join(verdict_text(interval) for interval in of.wrong(path)) if of.converged else "undecided",
-    ]
+    )
 
 
 def loss_text(path: ModelPath) -> str:
@@ -114,21 +115,18 @@ def gap_text(path: ModelPath) -> str:
     return f"{path.model.label}: no steady motion {where}: {first.failure}"
 
 
-def stability_csv(of: LadderStability) -> str:
-    """The CSV text: a row for each mode of each model at each value of the parameter; one for a conjugate pair."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(COLUMNS)
+def mode_table(of: LadderStability) -> StudyTable:
+    """A row for each mode of each model at each value of the parameter; one for a conjugate pair."""
+    rows = []
     for path in _listed(of):
-        model = list(_model(path).values())
         for point in path.points:
             if point.eigenvalues is None:
                 continue
             known = point.eigenvalues
             for value, error, grows in zip(known.values, known.errors, known.grows, strict=True):
                 numbers = (point.value, known.spin, float(value.real), float(value.imag), float(error), bool(grows))
-                writer.writerow([*model, *numbers])
-    return stream.getvalue()
+                rows.append((*model_row(path.model, path.model.label), *numbers))
+    return StudyTable((*MODEL_COLUMNS, *MODE_COLUMNS), tuple(rows))
 
 
 def stability_data(of: LadderStability) -> dict[str, Any]:
@@ -152,7 +150,7 @@ def stability_data(of: LadderStability) -> dict[str, Any]:
         },
         "models": [
             {
-                **_model(path),
+                **named(MODEL_COLUMNS, model_row(path.model, path.model.label)),
                 "coordinates": path.coordinates,
                 "loss": path.loss,
                 "distance_to_exact": None if of.known is None else distance(path.loss, of.known.value),
@@ -169,16 +167,4 @@ def stability_data(of: LadderStability) -> dict[str, Any]:
             }
             for path in _listed(of)
         ],
-    }
-
-
-def _model(path: ModelPath) -> dict[str, Any]:
-    m = path.model
-    return {
-        "model": m.label,
-        "order": m.order.value,
-        "shapes": m.shapes.value,
-        "number_of_shapes": m.count,
-        "beams": m.pieces,
-        "frame": m.frame,
     }
