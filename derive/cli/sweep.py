@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Iterator
@@ -11,8 +10,8 @@ from concurrent.futures import Executor
 from contextlib import contextmanager
 from pathlib import Path
 
-from derive.artifacts import MARK, BinaryFile, File, check_folder, sha256, write
-from derive.cli.result_files import planned_files
+from derive.artifacts import BinaryFile, File, check_folder, write
+from derive.cli.result_files import planned_files, print_result, study_files
 from derive.errors import SpecError
 from derive.spec.toml.read import read, with_lines
 from derive.study.sweep.cluster import dask_executor
@@ -22,9 +21,8 @@ from derive.study.sweep.plan import Plan, RunOptions, make_plan
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.run import SweepFailed, run_plan
 from derive.study.sweep.samples import parsed_samples
-from derive.study.sweep.table import sweep_csv, sweep_data, sweep_npz, sweep_text
+from derive.study.sweep.table import sample_table, sweep_data, sweep_npz, sweep_text
 from derive.terminal import duration_text, show_progress
-from derive.version import VERSION
 
 NAME = "sweep"
 SAMPLE_SIZE = 500
@@ -61,18 +59,15 @@ def run(options: argparse.Namespace) -> int:
             print(text, file=sys.stderr)
         result = _run(plan, store, options)
         data = sweep_data(result, plan)
-        files = _tables(result, data, plan)
+        files = _files(result, data, plan)
     drawing = sweep_svg(result)
     write(files, folder)
     if drawing:
         write([File(picture.name, drawing)], picture.parent)
     store.unlink(missing_ok=True)
     written = [*(str(folder / file.path) for file in files), *([str(picture)] if drawing else [])]
-    if options.json:
-        print(json.dumps({**data, "files": written}, indent=2))
-    else:
-        missing = [] if drawing else [f"  no picture: {len(samples.varying)} names vary, and it shows one or two"]
-        print("\n".join([sweep_text(data, samples), *missing, "", *(f"wrote {file}" for file in written)]))
+    missing = [] if drawing else [f"  no picture: {len(samples.varying)} names vary, and it shows one or two"]
+    print_result("\n".join([sweep_text(data, samples), *missing]), data, written, options.json)
     return 0
 
 
@@ -115,14 +110,7 @@ def _executor(scheduler: str | None) -> Iterator[tuple[Executor, int] | tuple[No
             yield given
 
 
-def _tables(result: SweepResult, data: dict[str, object], plan: Plan) -> list[File | BinaryFile]:
-    """The tables, and the record with all settings, which vouches for them."""
-    record = f"{NAME}.json"
-    tables = [
-        BinaryFile(f"{NAME}.csv", sweep_csv(result).encode(), record=record),
-        BinaryFile(f"{NAME}.npz", sweep_npz(result), record=record),
-    ]
-    hashes = {file.path: sha256(file.data) for file in tables}
-    identity = {IDENTITY: dict(plan.identity)}
-    content = {"generator": f"{MARK} {VERSION}. Do not edit.", **data, **identity, "files": hashes}
-    return [*tables, File(record, json.dumps(content, indent=2) + "\n")]
+def _files(result: SweepResult, data: dict[str, object], plan: Plan) -> list[File | BinaryFile]:
+    """The tables, and the record with all settings."""
+    tables: dict[str, str | bytes] = {"csv": sample_table(result).csv, "npz": sweep_npz(result)}
+    return study_files(NAME, {**data, IDENTITY: dict(plan.identity)}, tables)

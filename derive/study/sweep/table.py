@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -14,20 +13,17 @@ from derive.spec.set_values import SetValue
 from derive.study.sweep.plan import Plan
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.samples import Samples
-from derive.terminal import table
+from derive.study.table import StudyColumn, StudyTable, columns, general
 
 SHOWN = 5
 """The largest numbers of reasons and of notes that are printed."""
 
 
-def sweep_csv(result: SweepResult) -> str:
-    """The CSV text with a row for each sample: its values, its outputs with all digits, and its failure, if any."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow([*result.samples.names, *result.labels, "failure"])
-    for number, (given, values) in enumerate(zip(result.samples.values.tolist(), result.values.tolist(), strict=True)):
-        writer.writerow([*map(repr, given), *map(repr, values), result.failures.get(number, "")])
-    return stream.getvalue()
+def sample_table(result: SweepResult) -> StudyTable:
+    """A row for each sample: its values, its outputs with all digits, and its failure, if any."""
+    both = zip(result.samples.values.tolist(), result.values.tolist(), strict=True)
+    rows = tuple((*given, *values, result.failures.get(number, "")) for number, (given, values) in enumerate(both))
+    return StudyTable(columns(*result.samples.names, *result.labels, "failure"), rows)
 
 
 def sweep_npz(result: SweepResult) -> bytes:
@@ -109,12 +105,7 @@ def sweep_text(data: dict[str, Any], samples: Samples) -> str:
             f"  note: {_count(data['damaged'], 'line')} of the interrupted sweep damaged, and left out; "
             "the samples of such lines are computed again"
         )
-    rows = [["", "minimum", "at", "maximum", "at"]]
-    for output in data["outputs"]:
-        ends = (output["least"], output["largest"])
-        cells = (cell for end in ends for cell in (f"{end['value']:.6g}", sample_text(end["at"], samples)))
-        rows.append([f"{output['name']}{', ' if output['unit'] else ''}{output['unit']}", *cells])
-    lines += table(rows)
+    lines += _extremes(data["outputs"], samples).text
     if data["failed"]:
         lines.append(f"  warning: {_count(data['failed'], 'sample')} failed, without values (nan):")
         lines += _texts(data["failures"], samples)
@@ -124,6 +115,23 @@ def sweep_text(data: dict[str, Any], samples: Samples) -> str:
     for warning in data["warnings"]:
         lines.append(f"  warning: at {sample_text(warning['sample'], samples)}: {warning['text']}")
     return "\n".join(lines)
+
+
+def _extremes(outputs: Sequence[dict[str, Any]], samples: Samples) -> StudyTable:
+    """The smallest and the largest value of each output, and the samples that have them."""
+    at = StudyColumn("at", lambda sample: sample_text(sample, samples))
+    shown = (
+        StudyColumn("output", head=""),
+        StudyColumn("minimum", general(6)),
+        at,
+        StudyColumn("maximum", general(6)),
+        at,
+    )
+    rows = []
+    for output in outputs:
+        ends = (output["least"]["value"], output["least"]["at"], output["largest"]["value"], output["largest"]["at"])
+        rows.append((", ".join(filter(None, (output["name"], output["unit"]))), *ends))
+    return StudyTable(shown, tuple(rows))
 
 
 def _changed(change: SetValue, samples: Samples) -> str:
