@@ -8,6 +8,7 @@ from pathlib import Path
 
 from derive.artifacts import File, check_folder, write
 from derive.cli import accuracy, methods, stability
+from derive.cli.result_files import print_result
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError
 from derive.lowering.elimination_orders import EliminationRule
@@ -54,10 +55,8 @@ def _frames(scene: Scene, options: argparse.Namespace) -> int:
     rows = compare_frames(scene, options.pieces, names, options.runs, elimination)
     show_progress()
     write([File(target.name, frame_cost_svg(scene.name, names, rows))], target.parent)
-    if options.json:
-        print(json.dumps({**frame_cost_data(scene.name, names, rows, elimination), "files": [str(target)]}, indent=2))
-    else:
-        print(f"{frame_cost_text(scene.name, names, rows, elimination)}\n\nwrote {target}")
+    data = frame_cost_data(scene.name, names, rows, elimination)
+    print_result(frame_cost_text(scene.name, names, rows, elimination), data, [str(target)], options.json)
     return 0
 
 

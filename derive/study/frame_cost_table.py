@@ -8,12 +8,30 @@ from typing import Any
 
 from derive.lowering.elimination_orders import EliminationRule
 from derive.study.frame_cost import PAPER, FrameComparison, FrameCost
+from derive.study.table import Row, StudyColumn, StudyTable
 from derive.study.timing import DRIFT, STABLE, Ratio, machine_description
-from derive.terminal import beam_count, magnitude, table, wrapped
+from derive.terminal import beam_count, magnitude, wrapped
 
-HEAD = (
-    *("beams", "frame", "nnz(M)", "nnz(KKT)", "fill-in", "LDL^T", "in code", "force", "accel", "cond(M)", "cond(KKT)"),
-    *("force", "accel", "step", "spread", "paper"),
+COLUMNS = tuple(
+    StudyColumn(name, head=head, unit=unit)
+    for name, head, unit in (
+        ("pieces", "beams", ""),
+        ("frame", "frame", ""),
+        ("mass", "nnz(M)", ""),
+        ("kkt", "nnz(KKT)", ""),
+        ("fill", "fill-in", ""),
+        ("flops", "LDL^T", "flops"),
+        ("factorise", "in code", "flops"),
+        ("force", "force", "flops"),
+        ("accel", "accel", "flops"),
+        ("condition_mass", "cond(M)", ""),
+        ("condition_kkt", "cond(KKT)", ""),
+        ("force_ns", "force", "ns"),
+        ("accel_ns", "accel", "ns"),
+        ("step_ns", "step", "ns"),
+        ("spread", "spread", "of step"),
+        ("paper", "paper", ""),
+    )
 )
 ELIMINATIONS = {
     EliminationRule.SAFE: "elimination: each multiplier after all of its coordinates, safe in every state with "
@@ -22,7 +40,6 @@ ELIMINATIONS = {
     "found: not safe in every state, since a pivot vanishes where the entry that pairs the two does; it is checked",
 }
 """The notes on each elimination order."""
-UNITS = ("", "", "", "", "", "flops", "flops", "flops", "flops", "", "", "ns", "ns", "ns", "of step", "")
 
 
 def frame_cost_data(
@@ -60,34 +77,31 @@ def frame_cost_text(
 ) -> str:
     """The table with its notes."""
     first, second = frames
-    cells: list[Sequence[str]] = [HEAD, UNITS]
-    for row in rows:
-        cells += [*_block(frames, row), [""]]
-    return "\n".join(
-        [
-            f"{name}: the {first} frame against the {second} frame",
-            *table(cells[:-1], left=2),
-            *_notes(frames, rows, elimination),
-        ]
-    )
+    blocks = (_block(frames, row) for row in rows)
+    between: Row = (None,) * len(COLUMNS)
+    lines = [line for block in blocks for line in (between, *block)][1:]
+    table = StudyTable(COLUMNS, tuple(lines), f"{name}: the {first} frame against the {second} frame", 2)
+    return "\n".join([*table.text, *_notes(frames, rows, elimination)])
 
 
-def _block(frames: tuple[str, str], row: FrameComparison) -> list[list[str]]:
-    times, lines = row.times, []
+def _block(frames: tuple[str, str], row: FrameComparison) -> list[Row]:
+    """The rows of both frames, and that of their ratios."""
+    times, lines = row.times, list[Row]()
     for side, (frame, framed) in enumerate(zip(frames, row.costs, strict=True)):
         taken = (times.force[side], times.accel[side], times.per_step[side])
-        lines.append([str(row.pieces) if not side else "", frame, *_counts(framed), *(_nano(x) for x in taken)])
+        nanoseconds = (_nano(x) for x in taken)
+        lines.append((None if side else row.pieces, frame, *_counts(framed), *nanoseconds, None, None))
     pairs = zip(_numbers(row.costs[0]), _numbers(row.costs[1]), strict=True)
     measured = (times.force_ratio, times.accel_ratio, times.integration_ratio)
     paper = _paper(frames, row.pieces)
     lines.append(
-        [
-            *("", "ratio"),
+        (
+            *(None, "ratio"),
             *(f"{a / b:.2f}" if b else "" for a, b in pairs),
             *(f"{x.median:.2f}" for x in measured),
             _spread(times.integration_ratio),
-            f"{paper:.2f}" if paper else "",
-        ]
+            f"{paper:.2f}" if paper else None,
+        )
     )
     return lines
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from dataclasses import asdict
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from derive.percentages import percent
 from derive.study.elimination import VANISHING
 from derive.study.pivot_orders import THRESHOLD
-from derive.study.pivot_stability import FrameStability, PivotStatistics
+from derive.study.pivot_stability import FrameStability, StateStatistics
+from derive.study.table import StudyColumn, StudyTable, columns, plain
 from derive.study.verdict import verdict
-from derive.terminal import beam_count, magnitude, table, wrapped
+from derive.terminal import beam_count, magnitude, wrapped
 
 LEGEND = (
     "constrained: minimum degree (AMD) in which multipliers are eliminated after their coordinates: the generated code",
@@ -33,14 +32,7 @@ LEGEND = (
 
 def pivot_data(name: str, pieces: int, frames: tuple[FrameStability, FrameStability]) -> dict[str, Any]:
     """All numbers as plain data; a number that is not finite becomes None."""
-    content = {
-        "name": name,
-        "pieces": pieces,
-        "frames": [asdict(frame) for frame in frames],
-        "verdict": verdict(*frames),
-    }
-    data: dict[str, Any] = _finite(content)
-    return data
+    return {"name": name, "pieces": pieces, "frames": plain(frames), "verdict": verdict(*frames)}
 
 
 def pivot_text(name: str, pieces: int, along: str, frames: tuple[FrameStability, FrameStability]) -> str:
@@ -49,9 +41,9 @@ def pivot_text(name: str, pieces: int, along: str, frames: tuple[FrameStability,
     return "\n".join(
         [
             f"{title}: {count} states of {along}, undeformed and as simulated; no exchange of pivots",
-            *table(_entries(frames), left=2),
+            *_entries(frames).text,
             "",
-            *table(_orders(frames), left=3),
+            *_orders(frames).text,
             "",
             *wrapped(verdict(*frames)),
         ]
@@ -63,37 +55,50 @@ def pivot_legend() -> str:
     return "\n".join(wrapped(LEGEND))
 
 
-def _entries(frames: Sequence[FrameStability]) -> list[list[str]]:
-    head = ("frame", "states", "nnz(M)", "vanish", "nnz(KKT)", "vanish", "fill-in", "LDL^T flops", "cond(KKT)")
-    rows = [[*head, "scaled", "error of LU with pivoting"]]
-    for one in frames:
-        for kind, looked in (("undeformed", one.undeformed), ("simulated", one.simulated)):
-            counted = (one.counts.mass, looked.vanishing_mass, one.counts.kkt, looked.vanishing_kkt, one.counts.fill)
-            sizes = (looked.condition, looked.scaled_condition, looked.pivoted_backward_error)
-            rows.append([one.frame, kind, *map(str, counted), str(one.counts.flops), *map(magnitude, sizes)])
-    return rows
+STATES = columns("frame", "states")
+ENTRIES = (
+    *STATES,
+    StudyColumn("mass", head="nnz(M)"),
+    StudyColumn("vanishing_mass", head="vanish"),
+    StudyColumn("kkt", head="nnz(KKT)"),
+    StudyColumn("vanishing_kkt", head="vanish"),
+    *columns("fill-in", "LDL^T flops"),
+    *columns("cond(KKT)", "scaled", "error of LU with pivoting", format=magnitude),
+)
+ORDERS = (
+    *columns("order"),
+    *STATES,
+    *columns("no diagonal", "vanish", "fail"),
+    *columns("smallest", "growth", "worst", "error", format=magnitude),
+    StudyColumn("broken", percent),
+)
 
 
-def _orders(frames: Sequence[FrameStability]) -> list[list[str]]:
-    rows = [
-        ["order", "frame", "states", "no diagonal", "vanish", "fail", "smallest", "growth", "worst", "error", "broken"]
-    ]
+def _entries(frames: Sequence[FrameStability]) -> StudyTable:
+    """The entries of the matrices in both frames, and their conditions."""
+    rows = []
+    for frame, kind, looked in _kinds(frames):
+        counted = (frame.counts.mass, looked.vanishing_mass, frame.counts.kkt, looked.vanishing_kkt)
+        sizes = (looked.condition, looked.scaled_condition, looked.pivoted_backward_error)
+        rows.append((frame.frame, kind, *counted, frame.counts.fill, frame.counts.flops, *sizes))
+    return StudyTable(ENTRIES, tuple(rows), left=2)
+
+
+def _orders(frames: Sequence[FrameStability]) -> StudyTable:
+    """The pivots of each order in both frames."""
+    rows = []
     for order in frames[0].broken:
-        for one in frames:
-            for kind, looked in (("undeformed", one.undeformed), ("simulated", one.simulated)):
-                last = percent(one.broken[order]) if kind == "simulated" else ""
-                rows.append([order, one.frame, kind, *_cells(looked.orders[order]), last])
-    return rows
+        for frame, kind, looked in _kinds(frames):
+            p = looked.orders[order]
+            pivots = (p.without_diagonal, p.vanishing, p.failures)
+            sizes = (p.smallest, p.typical_growth, p.growth, p.backward_error)
+            broken = frame.broken[order] if kind == "simulated" else None
+            rows.append((order, frame.frame, kind, *pivots, *sizes, broken))
+    return StudyTable(ORDERS, tuple(rows), left=3)
 
 
-def _cells(p: PivotStatistics) -> list[str]:
-    sizes = (p.smallest, p.typical_growth, p.growth, p.backward_error)
-    return [*map(str, (p.without_diagonal, p.vanishing, p.failures)), *map(magnitude, sizes)]
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(x) for key, x in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(x) for x in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+def _kinds(frames: Sequence[FrameStability]) -> Iterator[tuple[FrameStability, str, StateStatistics]]:
+    """Each frame with the name and the statistics of both kinds of its states."""
+    for frame in frames:
+        yield frame, "undeformed", frame.undeformed
+        yield frame, "simulated", frame.simulated

@@ -1,4 +1,7 @@
-"""The table of all studies: columns that are declared once, and values from which text, CSV, data and HTML follow."""
+"""The table of all studies: columns that are declared once, and values, from which text, CSV, data and HTML follow.
+
+HTML is made by the template `study/table.html.jinja` from `head`, `cells` and `footnotes`.
+"""
 
 from __future__ import annotations
 
@@ -110,9 +113,9 @@ def columns(*heads: str, format: Callable[[Any], str] = str) -> tuple[StudyColum
     return tuple(StudyColumn(head, format) for head in heads)
 
 
-def fixed(digits: int, suffix: str = "") -> Callable[[float], str]:
+def fixed(digits: int) -> Callable[[float], str]:
     """The format with a number of digits behind the point; empty for a number that is not finite."""
-    return lambda value: f"{value:.{digits}f}{suffix}" if isfinite(value) else ""
+    return lambda value: f"{value:.{digits}f}" if isfinite(value) else ""
 
 
 def general(digits: int) -> Callable[[float], str]:

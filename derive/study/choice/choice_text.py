@@ -7,17 +7,32 @@ from dataclasses import asdict
 from typing import Any
 
 from derive.percentages import percent
+from derive.study.accuracy.chart_labels import grouped, milliseconds
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.table import cheapest
 from derive.study.choice.model_runs import FLEXIBLE
 from derive.study.choice.screening import Screening
 from derive.study.choice.search import Choice
 from derive.study.choice.trials import accurate, implied_error
+from derive.study.table import Row, StudyColumn, StudyTable, general
 
 STEPS = 2
 """The largest number of cheaper, and of more accurate, models beside the chosen one."""
 GAIN = 0.9
 """A finer run of the chosen model is a step up if its error is at most this part of that of the chosen run."""
+
+
+TRIED = (
+    StudyColumn("model", head="tried"),
+    StudyColumn("tolerance", general(6)),
+    StudyColumn("measured", percent),
+    StudyColumn("implied", percent),
+    StudyColumn("ms", milliseconds),
+    StudyColumn("evaluations", grouped),
+    StudyColumn("operations", grouped),
+    StudyColumn("verdict", head=""),
+)
+"""The columns of a model that was tried, with one of its runs."""
 
 
 def choice_text(name: str, plots: Sequence[str], screened: Sequence[Screening], choice: Choice) -> str:
@@ -29,10 +44,8 @@ def choice_text(name: str, plots: Sequence[str], screened: Sequence[Screening], 
     lines += ["", f"Reference: {known.model.label}, which agrees to {percent(known.error)} with"]
     lines += [f"  {a.label}: {percent(a.difference)}" for a in known.agreements]
     lines += _shares(choice)
-    width = max(len(line.model.label) for line in choice.tried)
-    lines += ["", f"  {'tried':{width}}  tolerance  measured  implied        ms  evaluations  operations"]
-    lines += [f"  {line.model.label:{width}}  {_tried(line, choice)}" for line in choice.tried]
-    return "\n".join([*lines, "", *_verdict(choice)])
+    table = StudyTable(TRIED, tuple(_tried(line, choice) for line in choice.tried))
+    return "\n".join([*lines, "", *table.text, "", *_verdict(choice)])
 
 
 def _shares(choice: Choice) -> list[str]:
@@ -50,17 +63,15 @@ def _shares(choice: Choice) -> list[str]:
     ]
 
 
-def _tried(line: Line, choice: Choice) -> str:
+def _tried(line: Line, choice: Choice) -> Row:
+    """The values of `TRIED` of a model that was tried."""
     if not line.points:
-        return f"fails: {line.failure}"
+        return (line.model.label, *(None,) * 6, f"fails: {line.failure}")
     p = shown(line, choice)
-    implied = percent(line.warning.error) if line.warning else "-"
-    numbers = (
-        f"{p.tolerance:9g}{percent(p.rms):>10}{implied:>9}{1e3 * p.seconds[0]:10.3f}{p.evaluations:13}{p.operations:12}"
-    )
-    if line.failure:
-        return f"{numbers}  fails: {line.failure}"
-    return numbers + ("  good" if accurate(line, p, choice.error, choice.reference.error) else "")
+    implied = line.warning.error if line.warning else None
+    good = "good" if accurate(line, p, choice.error, choice.reference.error) else ""
+    verdict = f"fails: {line.failure}" if line.failure else good
+    return (line.model.label, p.tolerance, p.rms, implied, p.seconds[0], p.evaluations, p.operations, verdict)
 
 
 def shown(line: Line, choice: Choice) -> Point:
