@@ -91,7 +91,7 @@ def test_a_study_moves_as_a_simulation_does(
     assert by_inputs == by_functions
 
 
-TIMED = {"cpu_s", "recommended", "cheaper", "better", "files"}
+TIMED = {"cpu_s", "cpu_least_s", "cpu_most_s", "recommended", "cheaper", "better", "files"}
 """What a clock decides, and the names of files."""
 
 
