@@ -48,23 +48,14 @@ class MethodPanel:
 
 def methods_svg(study: MethodStudy) -> str:
     """The text of the picture. The same numbers give the same bytes."""
-    panels = [
-        MethodPanel(
-            "Energy is kept, or not",
-            "less the work of the drives, over the kinetic energy",
-            lambda a: _energy(a, study),
-        ),
-    ]
-    if study.limits:
-        panels.insert(
-            0, MethodPanel("Explicit steps have a limit", "implicit ones do not", lambda a: _growth(a, study))
-        )
-    if study.conditioning.weakest:
-        panels.insert(
-            -1, MethodPanel("Constraints drift", "unless each step is projected", lambda a: _position(a, study))
-        )
-        text = "smallest singular value, 0 at a dead centre"
-        panels.append(MethodPanel("The rank of G along the motion", text, lambda a: _singular(a, study)))
+    constrained = bool(study.conditioning.weakest)
+    limits = MethodPanel("Explicit steps have a limit", "implicit ones do not", lambda axes: _growth(axes, study))
+    text = "less the work of the drives, over the kinetic energy"
+    energy = MethodPanel("Energy is kept, or not", text, lambda axes: _energy(axes, study, legend=not constrained))
+    drift = MethodPanel("Constraints drift", "unless each step is projected", lambda axes: _position(axes, study))
+    text = "smallest singular value, 0 at a dead centre"
+    rank = MethodPanel("The rank of G along the motion", text, lambda axes: _singular(axes, study))
+    panels = [*([limits] if study.limits else []), *([drift, energy, rank] if constrained else [energy])]
     return panels_svg(f"{study.name}: where methods fail, and what avoids it", panels)
 
 
@@ -74,7 +65,7 @@ def panels_svg(title: str, panels: Sequence[MethodPanel]) -> str:
     from matplotlib.figure import Figure
 
     rows = -(-len(panels) // COLUMNS)
-    columns = -(-len(panels) // rows)
+    columns = max(2, -(-len(panels) // rows))  # the title needs the width of two
     width = LEFT + RIGHT + columns * PANEL_WIDTH + (columns - 1) * GAP
     height = HEAD + rows * (ABOVE + PANEL_HEIGHT + FOOT)
     with mpl.rc_context():
@@ -122,14 +113,21 @@ def _growth(axes: Axes, study: MethodStudy) -> None:
 
 def _position(axes: Axes, study: MethodStudy) -> None:
     _over_time(axes, study, lambda run: run.position, FLOOR)
-    low, high = axes.get_ylim()
-    axes.set_ylim(low, high * (high / low) ** 0.75)
-    axes.legend(loc="upper left", fontsize=7.5, handlelength=2.6, labelspacing=0.15, borderaxespad=0.1)
+    _legend(axes)
     axes.set_ylabel("largest |g|, m")
 
 
-def _energy(axes: Axes, study: MethodStudy) -> None:
+def _legend(axes: Axes) -> None:
+    """Name the curves above them."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high * (high / low) ** 0.75)
+    axes.legend(loc="upper left", fontsize=7.5, handlelength=2.6, labelspacing=0.15, borderaxespad=0.1)
+
+
+def _energy(axes: Axes, study: MethodStudy, legend: bool) -> None:
     _over_time(axes, study, lambda run: run.energy, FLOOR)
+    if legend and axes.lines:
+        _legend(axes)
     if not axes.lines:
         text = "\n".join(textwrap.wrap(study.missing_energies, EMPTY))
         axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center")
@@ -176,4 +174,4 @@ def _singular(axes: Axes, study: MethodStudy) -> None:
     c = study.conditioning
     axes.plot(c.t, c.singular, color=GREEN, linewidth=1.6)
     axes.set_ylim(0, 1.3 * float(c.singular.max()))
-    axes.set_xlabel(f"time, s ({study.along})")
+    axes.set_xlabel("time, s")
