@@ -18,7 +18,7 @@ from derive.study.methods.drift import FEWEST, ORDER_STEPS, DriftOrder, DriftRun
 from derive.study.methods.formulations import FormRun, form_runs
 from derive.study.methods.scene_methods import IMPLICIT, Method, MethodScene, method_scene
 from derive.study.methods.stability_functions import classical, step_limit
-from derive.study.methods.step_limits import HighestFrequency, StepLimit, highest_frequency, step_limits
+from derive.study.methods.step_limits import LONGEST, HighestFrequency, StepLimit, highest_frequency, step_limits
 from derive.study.states import State
 
 HALF = 0.5
@@ -120,7 +120,7 @@ def method_study(
         step_limit(classical()),
     )
     limits: list[StepLimit] = []
-    if stiff := is_stiff(frequency, stable, mean_step):
+    if stiff := is_stiff(frequency, stable, mean_step, of.period):
         h = HALF * stable / frequency.largest
         limits = step_limits(of, frequency, methods, progress)
     else:
@@ -155,13 +155,13 @@ def method_study(
     )
 
 
-def is_stiff(frequency: HighestFrequency, stable: float, mean_step: float) -> bool:
+def is_stiff(frequency: HighestFrequency, stable: float, mean_step: float, period: float) -> bool:
     """Whether stability limits the explicit steps of a scene, and not the accuracy of its motion, as of rigid bodies.
 
-    stable: omega h up to which RK4 is stable. mean_step: that of the adaptive method, s.
+    stable: omega h up to which RK4 is stable. mean_step: that of the adaptive method, s. period: of the motion, s.
     """
     elastic = frequency.unloaded > ELASTIC * frequency.largest > 0
-    return elastic and HALF * stable <= RESOLVED * mean_step * frequency.largest
+    return elastic and HALF * stable / frequency.largest <= min(RESOLVED * mean_step, period / LONGEST)
 
 
 def _without_limits(frequency: HighestFrequency, stable: float, mean_step: float) -> str:
