@@ -31,7 +31,7 @@ NOTHING = sp.zeros(3, 1)
 def test_place_of_a_material_point_is_1_with_14() -> None:
     X, shapes = vector("X"), (vector("Phi1"), vector("Phi2"))
     point = MaterialPoint("P", "", sp.ImmutableMatrix(X), tuple(map(sp.ImmutableMatrix, shapes)))
-    found = marker(MOTION, point, {})
+    found = marker(MOTION, point)
     local = {d.symbol: d.expr for d in found.definitions}
     u = printed_continuum.displacement_14(sp.symbols("alpha1:3"), shapes)
     assert (plain(found.position.xreplace(local)) - printed_continuum.position_1(C, Q, X, u)).expand() == NOTHING
