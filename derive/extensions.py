@@ -24,11 +24,11 @@ from derive.mechanics.multibody.joints.relative_rows import (
     Axes,
     RelativeRow,
 )
-from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.quantity import value as quantity_expression
+from derive.spec.model.keys import Key, KeyType
 
 __all__ = [
     "ALONG_AXIS",

@@ -19,7 +19,7 @@ from derive.mechanics.bodies.reference_conditions import ConditionError
 from derive.mechanics.equations import Equations
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.parsing import choices
-from derive.spec.tables.beam_shapes import frame_from
+from derive.spec.tables.beam import frame_from
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from example_scenes import EVERYTHING, SMALL, errors, small
 import derive
 from derive.cli.main import main
 from derive.errors import SpecError
-from derive.spec.tables.scene_bodies import MAX_NAMED
+from derive.spec.tables.shared import MAX_NAMED
 from derive.spec.toml.read import parse
 
 NUMBER = 'a number is needed, such as 2, 0.5 or "1/3"'

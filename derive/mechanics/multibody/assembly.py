@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import chain
-from typing import Any, assert_never
+from typing import Any
 
 import sympy as sp
 
@@ -20,7 +20,6 @@ from derive.mechanics.multibody.instances import point_motions
 from derive.mechanics.multibody.joints.joint_elimination import minimal_coordinates
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion, Support
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.kinds import (
     BodyInstance,
     BodyKinds,
@@ -38,6 +37,7 @@ from derive.mechanics.quantity import finite_function, time_derivatives
 from derive.mechanics.symbols import DOTS, Symbol, element, t
 from derive.mechanics.terms import Eliminated, Intermediate, ModelConstant
 from derive.mechanics.time_functions import TimeOperation
+from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import NAMED, CustomJoint, Drive, Joint, Scene, SceneBody
@@ -203,10 +203,8 @@ class _Assembly:
                 return self._located(value)
             case KeyType.MARKER_PAIR:
                 return tuple(map(self._located, value))
-            case KeyType.JOINT | KeyType.DRIVE | KeyType.SPRING | KeyType.CHOICE:
+            case _:  # a name, a word or a truth value
                 return value
-            case _ as never:
-                assert_never(never)
 
     def _outputs(self) -> tuple[OutputInstance, ...]:
         result = []

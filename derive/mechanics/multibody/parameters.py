@@ -11,9 +11,9 @@ from derive.mechanics.multibody.bodies.body_type import Constant
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import elements
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.keys import Key, KeyType, quantities
 from derive.mechanics.multibody.outputs.registry import output_type
 from derive.mechanics.terms import ParameterSymbol
+from derive.spec.model.keys import Key, KeyType, quantities
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, CustomJoint, Scene
 from derive.spec.model.scene_functions import function_parameters, time_functions

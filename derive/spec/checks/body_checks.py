@@ -8,14 +8,13 @@ from pydantic import ValidationError
 
 from derive.spec.model.body import AssumedDeflection
 from derive.spec.parsing.faults import Fault, KeyPath
-from derive.spec.tables.beam_parts import AxialTable
-from derive.spec.tables.beam_shapes import ShapeKeys
+from derive.spec.tables.beam import AXIAL, DEFLECTION
 
 
 def shape_faults(path: KeyPath, beam: object) -> list[Fault]:
     """Faults of the ansatz and the axial ansatz in their frame; none if one of them cannot be read."""
     try:
-        deflection = ShapeKeys.model_validate(beam).deflection()
+        deflection = DEFLECTION.validate_python(beam)
     except ValidationError:
         return []
     return [*_faults((*path, "ansatz"), deflection), *_axial_faults(path, beam, deflection)]
@@ -36,7 +35,7 @@ def _axial_faults(path: KeyPath, beam: object, deflection: AssumedDeflection) ->
     if not isinstance(beam, Mapping) or beam.get("axial") is None:
         return []
     try:
-        axial = AxialTable.model_validate(beam["axial"]).axial()
+        axial = AXIAL.validate_python(beam["axial"])
     except ValidationError:
         return []
     from derive.mechanics.bodies.displacement_fields import axial_shapes

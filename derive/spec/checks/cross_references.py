@@ -8,17 +8,17 @@ from derive.errors import quoted
 from derive.mechanics.multibody.bodies.beam import WHOLE_BEAM
 from derive.mechanics.multibody.joints.joint_type import JointType
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.keys import KeyType
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.body_checks import shape_faults
 from derive.spec.checks.initial_values import body_start_faults, joint_start_faults
 from derive.spec.checks.name_clashes import column_faults, name_faults, piece_counts
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.checks.scene_parameters import parameter_faults
+from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene import NAMED
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean
-from derive.spec.tables.scene_bodies import RigidTable
+from derive.spec.tables.scene_bodies import RIGID
 
 
 def scene_faults(data: Raw) -> list[Fault]:
@@ -134,7 +134,7 @@ def _weightless(view: SceneData) -> Iterator[Fault]:
     unreadable = any(view.pair("joints", name) is None for name in view.tables["joints"])
     for name, body in view.bodies.items():
         missing = [key for key in ("mass", "inertia") if key not in body]
-        misspelt = any(key not in RigidTable.model_fields for key in body)
+        misspelt = any(key not in RIGID.model.model_fields for key in body)
         if view.kind(name) != "rigid" or not missing or name in prescribed or unreadable or misspelt:
             continue
         such = " and ".join(f"{key} = 1.0" for key in missing)
@@ -175,7 +175,7 @@ def _inputs(view: SceneData) -> Iterator[Fault]:
 
 def _outputs(view: SceneData) -> Iterator[Fault]:
     """Faults of outputs that refer to joints, drives or springs that do not exist, or to sections of rigid bodies."""
-    sections = {KeyType.JOINT: "joints", KeyType.DRIVE: "drives", KeyType.SPRING: "springs"}
+    sections: dict[object, str] = {KeyType.JOINT: "joints", KeyType.DRIVE: "drives", KeyType.SPRING: "springs"}
     for name, table in view.tables["outputs"].items():
         output_type = OUTPUTS.get(str(table.get("kind")))
         for key in output_type.keys if output_type else ():

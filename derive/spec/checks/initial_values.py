@@ -12,7 +12,7 @@ from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.body import ShapeFamily
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, readable
-from derive.spec.tables.beam_shapes import ShapeKeys
+from derive.spec.tables.beam import DEFLECTION
 
 
 def body_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Fault]:
@@ -21,7 +21,7 @@ def body_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Fault]:
     if not isinstance(start, dict) or start.get("guess") is True:  # a guess is approached by the nearest curve
         return
     try:
-        deflection = ShapeKeys.model_validate(body).deflection()
+        deflection = DEFLECTION.validate_python(body)
     except ValidationError:
         return
     # SymPy takes its time to import, which a specification that fails before has not to wait for.

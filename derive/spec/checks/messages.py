@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from derive.spec.checks import key_hints
+from derive.spec.checks.table_paths import TablePlace, place
 from derive.spec.model.body import BEAM_QUANTITIES
-from derive.spec.parsing.faults import Fault, KeyPath, path_text, unknown_key
+from derive.spec.parsing.faults import Fault, KeyPath, path_text, similar_key, unknown_key
 from derive.spec.parsing.values import kind_of
-from derive.spec.tables.beam_shapes import FrameTable, ShapeFamilyTable
-from derive.spec.tables.body import BodyFrameTable, NodalTable, SymbolicTable, UnitsTable, kind_of_body
-from derive.spec.tables.damping import DampingTable
-from derive.spec.tables.free_beam import BeamTable
-from derive.spec.tables.initial_values import BeamStartTable
-from derive.spec.tables.shared import ParameterTable
-from derive.spec.tables.spatial_start import RotationTable, SpatialStartTable
-from derive.spec.tables.specification import SCENE, specification_table
+from derive.spec.tables.beam import BEAM, BEAM_BODY, BEAM_KEYS
+from derive.spec.tables.body import NODAL, SYMBOLIC
+from derive.spec.tables.scene_bodies import RIGID
+from derive.spec.tables.shared import Example
+from derive.spec.tables.simulation import SIMULATION
+from derive.spec.tables.specification import GROUND_TABLE, SCENE, SCENE_TABLE, specification_table
 
 MAX_FAULTS = 100
 
@@ -32,135 +30,89 @@ def key_faults(error: ValidationError, data: Mapping[str, object]) -> list[Fault
     return faults
 
 
-_TABLES = {
-    "damping": ", such as { ratio = 0.01 }",
-    "axial": ', such as { ansatz = ["xi"], stiffness = 1e6 }',
-}
-
-
 def _fault(error: ErrorDetails, data: Mapping[str, object]) -> Fault:
-    path = _path(error["loc"])
+    at = place(specification_table(), error["loc"])
     match error["type"]:
         case "value_error":
-            return Fault(path, str(error["ctx"]["error"]))
+            return Fault(at.path, str(error["ctx"]["error"]))
         case "missing":
-            return Fault(path, f"this key is missing; write {_example(path, data)}")
+            return Fault(at.path, f"this key is missing; write {_example(at, data)}")
         case "extra_forbidden":
-            return Fault(path, _unknown_key(path, data))
+            return Fault(at.path, _unknown_key(at, error["loc"], data))
         case "model_type":
-            such = _TABLES.get(str(path[-1]) if path else "", "")
-            return Fault(path, f"a table is needed here{such}, not {kind_of(error['input'])}")
+            example = _example_of(at)
+            such = f", such as {example.value}" if example and example.value else ""
+            return Fault(at.path, f"a table is needed here{such}, not {kind_of(error['input'])}")
         case "invalid_key":
-            return Fault(path, "a key has to be text")
+            return Fault(at.path, "a key has to be text")
     raise AssertionError(f"pydantic reports {error['type']}, for which there is no sentence yet")
 
 
-def _path(location: KeyPath) -> KeyPath:
-    """The path of keys in the data, without the parts that pydantic inserts for unions and keys of dicts."""
-    path: KeyPath = ()
-    skip = False
-    for part in location:
-        if skip:
-            skip = False
-            continue
-        path += (part,)
-        skip = _is_union(path)
-    return path[:-1] if path[-1:] == ("[key]",) else path
+_SYMBOLS = {
+    **{key: parameter.symbol for key, parameter in BEAM_QUANTITIES.items()},
+    "inertia": "I",
+    "speed": "Omega",
+    "stiffness": "k",
+    "damping": "d",
+    "rest": "l0",
+}
+"""The symbols of parameters in examples, by the keys whose values they are."""
 
 
-def _is_union(path: KeyPath) -> bool:
-    match path:
-        case (
-            ("body",)
-            | ("body", "start", "rotation")
-            | ("beam" | "body", "frame")
-            | ("beam", "ansatz")
-            | ("body", "units")
-            | ("beam" | "body", "gravity", int())
-        ):
-            return True
-        case ("beam", *keys):
-            return key_hints.is_beam_union(keys)
-    return key_hints.is_union(path)
+def _example_of(at: TablePlace) -> Example | None:
+    metadata = at.field.metadata if at.field else ()
+    return next((item for item in metadata if isinstance(item, Example)), None)
 
 
-def _example(path: KeyPath, data: Mapping[str, object]) -> str:
-    match path:
+def _example(at: TablePlace, data: Mapping[str, object]) -> str:
+    """An example of a missing key."""
+    match at.path:
         case (*_, "gravity", int(i), "symbol"):
             return f'symbol = "g{i + 1}"'
         case (*_, "gravity", int(), "default"):
             return "default = -9.81"
-        case (*_, str(key), "symbol") if key in BEAM_QUANTITIES:
-            return f'symbol = "{BEAM_QUANTITIES[key].symbol}"'
-        case ("body", "nodes"):
-            return 'nodes = "block.npz"'
-        case ("body", "units"):
-            return 'units = "SI", or those of the files, such as { length = "mm", mass = "t", time = "s" }'
-        case ("body", "units", key):
-            return {"length": 'length = "mm"', "mass": 'mass = "t"'}.get(str(key), 'time = "s"')
-        case ("body", "modes"):
-            return "modes = 8"
-        case ("body", "start", "rotation", "axis"):
-            return "axis = [0, 0, 1]"
-        case ("body", "start", "rotation", "angle"):
-            return "angle = 0.5"
-        case (_, "frame", "kind") | (_, _, "frame", "kind"):
-            return 'kind = "point"'
-        case (*_, "ansatz", key):
-            return 'kind = "pinned"' if key == "kind" else "count = 3"
+        case (*_, key, "symbol"):
+            return f'symbol = "{_SYMBOLS.get(str(key), "a")}"'
         case ("name",):
             kind = "mechanism" if any(key in data for key in SCENE) else "block" if "body" in data else "free_beam"
             return f'name = "{kind}"'
-    return key_hints.example(path)
+    example = _example_of(at)
+    assert example is not None, f"there is no example of {at.path} yet"
+    return example.text
 
 
-def _table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel]:
-    """The model of the table at a path."""
-    match path:
-        case ():
-            return specification_table()
-        case ("beam",):
-            return BeamTable
-        case ("body",):
-            return SymbolicTable if kind_of_body(data.get("body")) == "symbolic" else NodalTable
-        case ("beam", "frame"):
-            return FrameTable
-        case ("beam", "ansatz") | ("bodies", _, "ansatz"):
-            return ShapeFamilyTable
-        case ("body", "frame"):
-            return BodyFrameTable
-        case ("body", "units"):
-            return UnitsTable
-        case ("body", "damping"):
-            return DampingTable
-        case ("beam", *keys) if of_beam := key_hints.beam_table(keys):
-            return of_beam
-        case ("beam", "start"):
-            return BeamStartTable
-        case ("body", "start"):
-            return SpatialStartTable
-        case ("body", "start", "rotation"):
-            return RotationTable
-    return key_hints.table(path, data) or ParameterTable
-
-
-def _unknown_key(path: KeyPath, data: Mapping[str, object]) -> str:
-    key, body = str(path[-1]), data.get("body")
+def _unknown_key(at: TablePlace, location: KeyPath, data: Mapping[str, object]) -> str:
+    path, key, table = at.path, str(at.path[-1]), at.table
     if len(path) == 1:
-        tables = {"beam": {*BeamTable.model_fields}, "body": {*NodalTable.model_fields, *SymbolicTable.model_fields}}
+        tables = {"beam": (BEAM.model,), "body": (NODAL.model, SYMBOLIC.model)}
         if any(name in data for name in SCENE):
-            tables = key_hints.PLAIN_TABLES
+            tables = {"ground": (GROUND_TABLE,), "scene": (SCENE_TABLE,), "simulation": (SIMULATION.model,)}
         for name in sorted(tables, key=lambda name: name not in data):
-            if key in tables[name]:
+            if any(key in model.model_fields for model in tables[name]):
                 return f"this key belongs in the table [{name}]"
     if path[1:] == ("name",):
         return f"this key belongs above the table [{path[0]}]"
-    if path[0] == "body" and len(path) == 2 and kind_of_body(body) == "symbolic" and key in NodalTable.model_fields:
+    if table is SYMBOLIC.model and key in NODAL.model.model_fields:
         return "a symbolic body has no such key: its numbers are run-time parameters; leave this or `integrals` out"
-    table = _table(path[:-1], data)
     # A drive has keys of its own for how it begins.
     if "start" in table.model_fields and path[0] != "drives":
-        start: KeyPath = (*path[:-1], "start")
-        if key in _table(start, data).model_fields:
-            return f"this key belongs in the table [{path_text(start)}]"
-    return key_hints.unknown(path, data) or unknown_key(key, table.model_fields)
+        start = place(specification_table(), (*location[:-1], "start"))
+        if start.value and key in start.value.model_fields:
+            return f"this key belongs in the table [{path_text(start.path)}]"
+    if table in (RIGID.model, BEAM_BODY.model):
+        return _unknown_key_of_body(key, table is BEAM_BODY.model)
+    return unknown_key(key, table.model_fields)
+
+
+def _unknown_key_of_body(key: str, beam: bool) -> str:
+    """The message on an unknown key of a rigid body or a beam, which may belong to the other."""
+    of_beam, of_rigid, keys = BEAM_BODY.model.model_fields, RIGID.model.model_fields, ", ".join(BEAM_KEYS)
+    if key in of_beam and not beam:
+        return f"a rigid body has no such key; leave it out, or make the body a beam by one of {keys}"
+    if key in of_rigid and beam:
+        return f"a beam has no such key; leave it out, or make the body rigid: without {keys}"
+    if key == "gravity":
+        return "gravity acts on all bodies; write it in the table [scene]"
+    own, other, what = (of_beam, of_rigid, "beam") if beam else (of_rigid, of_beam, "rigid body")
+    both = [*own, *(key for key in other if key not in own)]
+    return f"unknown key{similar_key(key, both, f'the keys of a {what} are ' + ', '.join(own))}"

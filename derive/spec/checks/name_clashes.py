@@ -11,16 +11,16 @@ from collections.abc import Iterator, Mapping
 from derive.errors import quoted
 from derive.mechanics.multibody.forces.registry import kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.keys import quantities
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.body import DEFAULT_ANSATZ
+from derive.spec.model.keys import quantities
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import NAMED
 from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
-from derive.spec.tables.beam_shapes import MAX_SHAPES
+from derive.spec.tables.value_types import MAX_SHAPES
 
 RESERVED = {"t": "it is the time", "pi": "it is the number pi"}
 GRAVITY = dict.fromkeys(("g_1", "g_2"), "it is a component of gravity")

@@ -12,11 +12,11 @@ from derive.spec.model.body import NodeData
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, Faults, KeyPath, readable
 from derive.spec.parsing.values import MAX_MODES
-from derive.spec.tables.body import MAX_AROUND, NodalTable
-from derive.spec.tables.shared import MAX_MARKERS
+from derive.spec.tables.shared import MAX_MARKERS, TomlTable
+from derive.spec.tables.value_types import MAX_AROUND
 
 
-def nodes_of(body: Mapping[str, object], table: NodalTable | None, folder: Path) -> tuple[NodeData | None, Faults]:
+def nodes_of(body: Mapping[str, object], table: TomlTable | None, folder: Path) -> tuple[NodeData | None, Faults]:
     """The data of a body of nodes, and the faults of the data and of the keys that refer to them.
 
     `table` is the body if its keys are right. If they are not, the files are looked at none the less.
@@ -24,7 +24,7 @@ def nodes_of(body: Mapping[str, object], table: NodalTable | None, folder: Path)
     if "nodes" not in body:
         return None, Faults()
     arrays_found = read_nodes(body["nodes"], folder)
-    units = Units() if table is None else table.scales()
+    units = getattr(table, "units", Units())
     checked = node_data(arrays_found, units)
     faults = Faults([*arrays_found.faults, *checked.faults])
     if isinstance(body["nodes"], NodeData) and units != Units():

@@ -7,15 +7,14 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
-from derive.mechanics.multibody.keys import KeyType
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene import NAMED
 from derive.spec.parsing import scene_values
 from derive.spec.parsing.faults import KeyPath, readable
-from derive.spec.tables.markers import MAX_NAMED
 from derive.spec.tables.scene_bodies import kind_of_scene_body
-from derive.spec.tables.shared import MAX_MARKERS
+from derive.spec.tables.shared import MAX_MARKERS, MAX_NAMED
 
 Raw = Mapping[str, object]
 MARKERS = (KeyType.MARKER, KeyType.BEAM_MARKER, KeyType.MARKER_PAIR)

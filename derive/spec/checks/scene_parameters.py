@@ -9,21 +9,23 @@ from derive.errors import quoted
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.keys import Key, quantities
 from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
-from derive.spec.model.body import BEAM_QUANTITIES
+from derive.spec.model.body import (
+    ACCELERATION_UNIT,
+    BEAM_QUANTITIES,
+    DEFAULT_LENGTH,
+    AttachedMass,
+    AxialDeformation,
+    BeamDamping,
+)
+from derive.spec.model.keys import Key, declared_keys, quantities
 from derive.spec.model.markers import GROUND
-from derive.spec.model.scene import NAMED
+from derive.spec.model.scene import NAMED, RigidBody
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
-from derive.spec.tables.beam_parts import AXIAL_UNITS, MASS_UNITS
-from derive.spec.tables.damping import DAMPING_UNITS
-from derive.spec.tables.drives import speed_unit
-from derive.spec.tables.scene_bodies import LENGTH_UNIT
-
-GRAVITY_UNIT = "m/s^2"
+from derive.spec.tables.scene_elements import speed_unit
 
 
 class SceneConstant(NamedTuple):
@@ -101,16 +103,16 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
     """All constants of a scene that may be parameters."""
     scene = view.data.get("scene")
     if isinstance(scene, Mapping):
-        yield from _components(("scene", "gravity"), scene.get("gravity"), "gravity", GRAVITY_UNIT)
+        yield from _components(("scene", "gravity"), scene.get("gravity"), "gravity", ACCELERATION_UNIT)
     for name, body in view.bodies.items():
         of = f"of the body {name}"
         if view.is_beam(name):
             yield from beam_constants(("bodies", name), body, f" {of}")
             continue
         kind = view.kind(name)
-        for key, unit in (MASS_UNITS if kind == "rigid" else _units(BODIES[kind].keys)).items():
+        for key, unit in _units(declared_keys(RigidBody) if kind == "rigid" else BODIES[kind].keys).items():
             yield SceneConstant(("bodies", name, key), body.get(key), f"{key} {of}", unit)
-        yield from _components(("bodies", name, "centre"), body.get("centre"), f"the centre {of}", LENGTH_UNIT)
+        yield from _components(("bodies", name, "centre"), body.get("centre"), f"the centre {of}", DEFAULT_LENGTH.unit)
         yield from _markers(("bodies", name, "markers"), body.get("markers"), of)
     ground = view.data.get(GROUND)
     if isinstance(ground, Mapping):
@@ -135,14 +137,14 @@ def beam_constants(path: KeyPath, beam: Mapping[str, object], of: str = "") -> I
         yield SceneConstant((*path, key), beam.get(key), f"{key}{of}", like.unit)
     axial, damping, masses = beam.get("axial"), beam.get("damping"), beam.get("masses")
     if isinstance(axial, Mapping):
-        for key, unit in AXIAL_UNITS.items():
+        for key, unit in _units(declared_keys(AxialDeformation)).items():
             yield SceneConstant((*path, "axial", key), axial.get(key), f"axial {key}{of}", unit)
     if isinstance(damping, Mapping):
-        for key, unit in DAMPING_UNITS.items():
+        for key, unit in _units(declared_keys(BeamDamping)).items():
             yield SceneConstant((*path, "damping", key), damping.get(key), f"{key} in the damping{of}", unit)
     for name, mass in masses.items() if isinstance(masses, Mapping) else ():
         if isinstance(mass, Mapping):
-            for key, unit in MASS_UNITS.items():
+            for key, unit in _units(declared_keys(AttachedMass)).items():
                 what = f"{key} of the attached mass {name}{of}"
                 yield SceneConstant((*path, "masses", str(name), key), mass.get(key), what, unit)
 
@@ -176,4 +178,4 @@ def _components(path: KeyPath, value: object, what: str, unit: str) -> Iterator[
 
 def _markers(path: KeyPath, markers: object, of: str) -> Iterator[SceneConstant]:
     for name, at in markers.items() if isinstance(markers, Mapping) else ():
-        yield from _components((*path, str(name)), at, f"the marker {name} {of}", LENGTH_UNIT)
+        yield from _components((*path, str(name)), at, f"the marker {name} {of}", DEFAULT_LENGTH.unit)

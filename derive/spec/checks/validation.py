@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -17,13 +19,13 @@ from derive.spec.checks.messages import key_faults
 from derive.spec.checks.plotted_columns import column_faults
 from derive.spec.checks.scene_parameters import beam_constants
 from derive.spec.files.reference_curves import Rows, references
-from derive.spec.model.body import BEAM_QUANTITIES, NodeData
+from derive.spec.model.body import BEAM_QUANTITIES, NodeData, PlanarBeam, SymbolicBody
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.parsing.faults import Fault, KeyPath, line_of, path_text
 from derive.spec.parsing.names import name_problem
-from derive.spec.tables.body import NodalTable, SymbolicTable, kind_of_body
-from derive.spec.tables.shared import MAX_MARKERS
-from derive.spec.tables.specification import SCENE, SpecificationTable, specification_table
+from derive.spec.tables.body import kind_of_body, nodal_body
+from derive.spec.tables.shared import MAX_MARKERS, TomlTable
+from derive.spec.tables.specification import SCENE, plots, scene, specification_table
 
 Curves = Mapping[str, Rows]
 
@@ -117,17 +119,18 @@ def _mixed(kinds: list[str]) -> Fault:
     return Fault((kinds[-1],), f"a file specifies {what}, and here are {tables}; leave one of them out")
 
 
-def _specified(specification: SpecificationTable, nodes: NodeData | None, curves: Mapping[str, Rows]) -> Specification:
-    name, body = specification.name, specification.body
-    if specification.bodies is not None:
-        return specification.scene_of(curves)
-    if isinstance(body, SymbolicTable):
-        return body.body(name)
-    if isinstance(body, NodalTable):
+def _specified(table: Any, nodes: NodeData | None, curves: Mapping[str, Rows]) -> Specification:
+    """The specification that a table without faults describes."""
+    if table.bodies is not None:
+        return scene(table, curves)
+    if isinstance(table.body, SymbolicBody):
+        return replace(table.body, name=table.name)
+    others = {"name": table.name, "simulation": table.simulation, "plots": plots(table, curves)}
+    if table.body is not None:
         assert nodes is not None
-        return body.body(name, nodes, specification.settings(), specification.drawn(curves))
-    assert specification.beam is not None
-    return specification.beam.free_beam(name, specification.settings(), specification.drawn(curves))
+        return nodal_body(table.body, nodes, **others)
+    beam: PlanarBeam = table.beam
+    return replace(beam, **others)
 
 
 def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:
@@ -183,7 +186,7 @@ def _marker_names(kind: str, markers: object) -> Iterator[tuple[KeyPath, str, st
 
 
 def _nodes(
-    data: Mapping[str, object], specification: SpecificationTable | None, folder: Path
+    data: Mapping[str, object], specification: TomlTable | None, folder: Path
 ) -> tuple[NodeData | None, list[Fault]]:
     """The data of a body of nodes, if there is one; they are checked even if another key is at fault."""
     body = data.get("body")
@@ -192,5 +195,4 @@ def _nodes(
     # NumPy and SciPy are not for specifications that have no arrays.
     from derive.spec.checks.node_checks import nodes_of
 
-    table = specification.body if specification is not None else None
-    return nodes_of(body, table if isinstance(table, NodalTable) else None, folder)
+    return nodes_of(body, getattr(specification, "body", None), folder)

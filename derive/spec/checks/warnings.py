@@ -8,8 +8,8 @@ from itertools import chain
 
 from derive.errors import quoted
 from derive.spec.checks.scene_data import Raw, SceneData
-from derive.spec.checks.scene_parameters import GRAVITY_UNIT, SceneConstant, beam_constants, scene_constants
-from derive.spec.model.body import BEAM_QUANTITIES
+from derive.spec.checks.scene_parameters import SceneConstant, beam_constants, scene_constants
+from derive.spec.model.body import ACCELERATION_UNIT, BEAM_QUANTITIES
 from derive.spec.parsing.faults import Fault, KeyPath
 from derive.spec.parsing.units import UnknownUnit, unit_size
 
@@ -41,7 +41,7 @@ def _defaults(path: KeyPath, beam: Raw) -> Iterator[Fault]:
 def _gravity(kind: str, table: Raw) -> Iterator[SceneConstant]:
     gravity = table.get("gravity")
     for i, component in enumerate(gravity if isinstance(gravity, (list, tuple)) else ()):
-        yield SceneConstant((kind, "gravity", i), component, f"component {i + 1} of gravity", GRAVITY_UNIT)
+        yield SceneConstant((kind, "gravity", i), component, f"component {i + 1} of gravity", ACCELERATION_UNIT)
 
 
 def _units(constants: Iterator[SceneConstant]) -> Iterator[Fault]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
+from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.plots import Plot
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.simulation import AT_REST, NOT_GIVEN, InitialValues, Simulation, SpatialStart
@@ -37,13 +38,16 @@ class DisplacementOrder(Enum):
 
 
 DEFAULT_ANSATZ = ("1", "xi", "xi^2", "xi^3")
+DEFAULT_POLYNOMIALS = tuple((Fraction(0),) * power + (Fraction(1),) for power in range(len(DEFAULT_ANSATZ)))
 DEFAULT_FRAME: FrameKind = "mean"
 DEFAULT_MASS = Parameter("m", "kg", 1.0)
 DEFAULT_LENGTH = Parameter("l", "m", 1.0)
 DEFAULT_BENDING_STIFFNESS = Parameter("EI", "N m^2", 1.0)
-BEAM_QUANTITIES = {"mass": DEFAULT_MASS, "length": DEFAULT_LENGTH, "bending_stiffness": DEFAULT_BENDING_STIFFNESS}
-"""The defaults of the physical constants of a beam, by their keys."""
 """The free beam of the paper, (21)-(27): defaults for the keys that a specification leaves out."""
+INERTIA_UNIT = "kg m^2"
+ACCELERATION_UNIT = "m/s^2"
+GRAVITY = "Acceleration of free fall in the inertial frame, m/s^2; each component a parameter or a number."
+"""The description of the gravity of a body alone and of a scene."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +60,14 @@ class Frame:
     that c is where the centre of the undeformed beam lies in the floating frame, not the point `at`.
     """
 
-    kind: FrameKind
-    at: Fraction | None = None
+    kind: Annotated[FrameKind, key(KeyType.CHOICE, "", choice_of="the frame", example='"point"')]
+    at: Annotated[
+        Fraction | None,
+        key(
+            KeyType.POSITION,
+            "The position xi of a point frame (default 0), or the end, -1 or 1, of a tangent frame.",
+        ),
+    ] = None
 
 
 FamilyKind = Literal["pinned", "free-free", "clamped-free"]
@@ -65,10 +75,19 @@ FamilyKind = Literal["pinned", "free-free", "clamped-free"]
 
 @dataclass(frozen=True)
 class ShapeFamily:
-    """The first `count` natural modes of a uniform beam: pinned at both ends, free, or clamped at its left end."""
+    """Shape functions with names: the natural modes of a uniform beam, in mass and in stiffness orthogonal."""
 
-    kind: FamilyKind
-    count: int
+    kind: Annotated[
+        FamilyKind,
+        key(
+            KeyType.CHOICE,
+            "Which beam they are modes of: pinned at both ends (half sine waves, for the frame chord), free-free (for "
+            "the frame mean), clamped-free (clamped at the left end, for the frame tangent there).",
+            choice_of="the family",
+            example='"pinned"',
+        ),
+    ]
+    count: Annotated[int, key(KeyType.SHAPE_COUNT, "How many, from that of the lowest frequency on.", example="3")]
 
 
 FAMILY_FRAMES: dict[FamilyKind, Frame] = {
@@ -95,14 +114,35 @@ class AssumedDeflection:
 
 @dataclass(frozen=True)
 class AxialDeformation:
-    """The stretching of a beam: ansatz of the axial displacement, EA (N), and axial force at rest (N).
+    """How a beam stretches. Without this table its axis keeps its length, to the order of its displacements."""
 
-    `preload` is the axial force, positive in tension, that the beam of the given length carries when it is straight.
-    """
-
-    ansatz: tuple[Polynomial, ...]
-    stiffness: Quantity
-    preload: Quantity = Fraction(0)
+    ansatz: Annotated[
+        tuple[Polynomial, ...],
+        key(
+            KeyType.SHAPES,
+            "Polynomials in xi whose sum is the displacement along the axis, before the condition of the frame takes a "
+            "constant from each: no mean displacement, none at the point of the frame, or opposite ones at the ends of "
+            'a chord. ["xi"] is a uniform strain.',
+            example='["xi"]',
+        ),
+    ]
+    stiffness: Annotated[
+        Quantity,
+        key(
+            KeyType.POSITIVE_QUANTITY,
+            "Axial stiffness EA, N: a run-time parameter or a number.",
+            "N",
+            example="1e6",
+        ),
+    ]
+    preload: Annotated[
+        Quantity,
+        key(
+            KeyType.QUANTITY,
+            "Axial force of the straight beam of the given length, N, positive in tension; for beams of order 2.",
+            "N",
+        ),
+    ] = Fraction(0)
 
 
 @dataclass(frozen=True)
@@ -115,57 +155,178 @@ class Marker:
 
 @dataclass(frozen=True)
 class AttachedMass:
-    """A small rigid body that is fixed to the section of a beam at `at` in [-1, 1].
-
-    `mass` (kg) has its centre on the axis of the beam, `inertia` (kg m^2) is about that centre.
-    """
+    """A small rigid body that is fixed to the section of a beam, with its centre of mass on the axis."""
 
     name: str
-    at: Fraction
-    mass: Quantity
-    inertia: Quantity = Fraction(0)
+    at: Annotated[Fraction, key(KeyType.POSITION, "Position xi, from -1 (left end) to 1 (right end).", example="1")]
+    mass: Annotated[Quantity, key(KeyType.POSITIVE_QUANTITY, "Mass, kg.", DEFAULT_MASS.unit, example="0.5")]
+    inertia: Annotated[
+        Quantity,
+        key(KeyType.NOT_NEGATIVE_QUANTITY, "Moment of inertia about its centre of mass, kg m^2.", INERTIA_UNIT),
+    ] = Fraction(0)
 
 
 @dataclass(frozen=True)
 class BeamDamping:
-    """Damping of the deformation of a beam, without the masses that are attached to it.
+    """Damping of the deformation of a beam: a fraction of critical damping, or proportional to mass and stiffness.
 
-    Either `ratio` of critical in each of its free modes, or `mass` times the mass matrix of the deformation plus
-    `stiffness` times K (proportional, 1/s and s). The modes and the mass matrix are those of the mean frame of the
-    whole beam, so that the same deformation is damped alike in every frame and in any number of pieces.
+    It is that of the whole beam without attached masses, the same in every frame and in any number of pieces; rigid
+    motion is not damped.
     """
 
-    ratio: Quantity = Fraction(0)
-    mass: Quantity = Fraction(0)
-    stiffness: Quantity = Fraction(0)
+    ratio: Annotated[
+        Quantity,
+        key(
+            KeyType.NOT_NEGATIVE_QUANTITY,
+            "Fraction of critical damping of each free mode, such as 0.01.",
+            "1",
+            optional=True,
+        ),
+    ] = Fraction(0)
+    mass: Annotated[
+        Quantity,
+        key(
+            KeyType.NOT_NEGATIVE_QUANTITY,
+            "Factor of the mass matrix of the deformation, 1/s: forces against the velocity relative to the mean frame "
+            "of the whole beam.",
+            "1/s",
+            optional=True,
+        ),
+    ] = Fraction(0)
+    stiffness: Annotated[
+        Quantity,
+        key(KeyType.NOT_NEGATIVE_QUANTITY, "Factor of the stiffness matrix, s.", "s", optional=True),
+    ] = Fraction(0)
 
 
 @dataclass(frozen=True)
 class PlanarBeam:
-    """A uniform slender free beam that moves in a plane: the example of the paper, (21)-(27).
-
-    `gravity` is the acceleration of free fall in the inertial frame, m/s^2. `start`, `simulation` and `plots` are for
-    the simulation of the beam alone. The conditions of `frame` are on the beam without its `masses`. Without `axial`
-    the beam does not stretch.
-    """
+    """A uniform slender beam that moves freely in a plane."""
 
     name: str
-    ansatz: tuple[Polynomial, ...] | ShapeFamily
-    frame: Frame
-    mass: Quantity
-    length: Quantity
-    bending_stiffness: Quantity
-    markers: tuple[Marker, ...] = ()
-    orthogonal: bool = False
-    gravity: tuple[Quantity, Quantity] | None = None
-    start: InitialValues = NOT_GIVEN
+    ansatz: Annotated[
+        tuple[Polynomial, ...] | ShapeFamily,
+        key(
+            ShapeFamily,
+            "Polynomials in xi whose sum is the deflection, before the conditions of the frame; or a family of shape "
+            "functions.",
+            default=DEFAULT_POLYNOMIALS,
+            shown=DEFAULT_ANSATZ,
+        ),
+    ]
+    frame: Annotated[
+        Frame,
+        key(
+            Frame,
+            "The floating frame, whose conditions remove rigid-body motion from the ansatz: mean (no mean "
+            "displacement, no mean rotation), point (no displacement and no slope at a point), chord (no displacement "
+            "at the ends), tangent (no displacement and no slope at an end), given (the ansatz is used unchanged). "
+            "A family of shape functions has by default the frame that it is for.",
+            shown=DEFAULT_FRAME,
+            optional=True,
+        ),
+    ]
+    mass: Annotated[
+        Quantity,
+        key(
+            KeyType.POSITIVE_QUANTITY,
+            "Mass, kg: a run-time parameter, or a number that is folded into the code.",
+            DEFAULT_MASS.unit,
+            default=DEFAULT_MASS,
+        ),
+    ]
+    length: Annotated[
+        Quantity,
+        key(
+            KeyType.POSITIVE_QUANTITY,
+            "Length, m: a run-time parameter or a number.",
+            DEFAULT_LENGTH.unit,
+            default=DEFAULT_LENGTH,
+        ),
+    ]
+    bending_stiffness: Annotated[
+        Quantity,
+        key(
+            KeyType.POSITIVE_QUANTITY,
+            "Bending stiffness EI, N m^2: a run-time parameter or a number. Rotary inertia of the cross-sections and "
+            "shear deformation are left out at either order.",
+            DEFAULT_BENDING_STIFFNESS.unit,
+            default=DEFAULT_BENDING_STIFFNESS,
+        ),
+    ]
+    markers: Annotated[
+        tuple[Marker, ...],
+        key(
+            KeyType.BEAM_POINTS,
+            "Named points of the beam and their positions xi, from -1 (left end) to 1 (right end).",
+        ),
+    ] = ()
+    orthogonal: Annotated[
+        bool,
+        key(
+            KeyType.TRUTH,
+            "Whether the shape functions are made orthogonal; by default only in the mean frame.",
+            optional=True,
+        ),
+    ] = False
+    gravity: Annotated[tuple[Quantity, Quantity] | None, key(KeyType.PLANAR_ACCELERATION, GRAVITY)] = None
+    start: Annotated[InitialValues, key(InitialValues, "Initial values of a simulation of the beam alone.")] = NOT_GIVEN
     simulation: Simulation | None = None
     plots: tuple[Plot, ...] = ()
-    damping: BeamDamping | None = None
-    order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
-    ends: Ends | None = None
-    masses: tuple[AttachedMass, ...] = ()
-    axial: AxialDeformation | None = None
+    damping: Annotated[
+        BeamDamping | None,
+        key(
+            BeamDamping,
+            "Damping of the deformation: { ratio = 0.01 } of critical in each free mode of the beam, or "
+            "{ mass = 0.1, stiffness = 1e-5 }, factors of its mass and stiffness matrices, in 1/s and s.",
+            example="{ ratio = 0.01 }",
+        ),
+    ] = None
+    order: Annotated[
+        DisplacementOrder,
+        key(
+            KeyType.ORDER,
+            "The order of the displacements in the amplitudes: 1 as in the paper, where a fast-spinning beam softens "
+            "and no beam buckles; 2 with the shortening of a beam that bends.",
+            default=1,
+        ),
+        key(
+            KeyType.CHOICE,
+            "What a beam of order 2 keeps: truncated (kinetic and potential energy through second order in the "
+            "amplitudes), full (all that the displacements yield; the mass matrix is always positive definite). By "
+            "default truncated in the frames mean, chord and given, and full in the frames point and tangent.",
+            name="terms",
+            choices=("truncated", "full"),
+            choice_of="terms",
+            optional=True,
+        ),
+    ] = DisplacementOrder.FIRST_ORDER
+    ends: Annotated[
+        Ends | None,
+        key(
+            KeyType.CHOICE,
+            "What the shape functions fulfil at both ends of the beam besides the conditions of the frame: pinned (no "
+            "curvature) or free (no curvature, no derivative of it). By default nothing.",
+        ),
+    ] = None
+    masses: Annotated[
+        tuple[AttachedMass, ...],
+        key(
+            AttachedMass,
+            "Attached masses by name: rigid bodies that are fixed to sections of the beam. The conditions of the frame "
+            "and the damping are those of the beam without them.",
+            example="[bodies.rod.masses.tip]",
+        ),
+    ] = ()
+    axial: Annotated[
+        AxialDeformation | None,
+        key(
+            AxialDeformation,
+            'How the beam stretches: { ansatz = ["xi"], stiffness = 1e6 }, the shapes of the displacement along its '
+            "axis and EA in N. By default its axis does not stretch.",
+            example='{ ansatz = ["xi"], stiffness = 1e6 }',
+        ),
+    ] = None
 
     @property
     def deflection(self) -> AssumedDeflection:
@@ -178,12 +339,23 @@ class PlanarBeam:
         return "beam" if self.name.lower() != "beam" else "rod"
 
 
+BEAM_QUANTITIES = {key.name: key.default for key in declared_keys(PlanarBeam) if isinstance(key.default, Parameter)}
+"""The defaults of the physical constants of a beam, by their keys."""
+
+
 Gravity = tuple[Quantity, Quantity, Quantity]
 """The acceleration of free fall in the inertial frame, m/s^2; each component a parameter or a number."""
 
 Lowering = Literal["auto", "flat", "table"]
 BodyFrameKind = Literal["mean", "point", "given"]
 SymbolicFrame = Literal["mean", "given"]
+
+LOWERING = key(
+    KeyType.CHOICE,
+    "Code of sums over the modes: flat (unrolled), table (loops), or auto (the faster, as predicted).",
+    default="auto",
+    choice_of="the lowering",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,18 +397,29 @@ class BodyFrame:
     nearest neighbours `around`; `given`: modes as they stand, refused if they hold a rigid motion.
     """
 
-    kind: BodyFrameKind
-    node: int | None = None
-    around: tuple[int, ...] = ()
+    kind: Annotated[BodyFrameKind, key(KeyType.CHOICE, "", choice_of="the frame", example='"point"')]
+    node: Annotated[int | None, key(KeyType.COUNT, "The node of a point frame, counted from 0.")] = None
+    around: Annotated[
+        tuple[int, ...],
+        key(
+            KeyType.COUNTS,
+            "Nodes whose mean rotation a point frame follows; by default the nearest neighbours of `node`.",
+        ),
+    ] = ()
 
 
 @dataclass(frozen=True)
 class Damping:
-    """Viscous damping: `ratio` of critical in each mode, or `mass` c8 + `stiffness` K (proportional, 1/s and s)."""
+    """Viscous damping: a fraction of critical damping, or proportional to mass and stiffness."""
 
-    ratio: Fraction = Fraction(0)
-    mass: Fraction = Fraction(0)
-    stiffness: Fraction = Fraction(0)
+    ratio: Annotated[
+        Fraction,
+        key(KeyType.NOT_NEGATIVE, "Fraction of critical damping of each mode, such as 0.01.", optional=True),
+    ] = Fraction(0)
+    mass: Annotated[Fraction, key(KeyType.NOT_NEGATIVE, "Factor of the mass matrix, 1/s.", optional=True)] = Fraction(0)
+    stiffness: Annotated[Fraction, key(KeyType.NOT_NEGATIVE, "Factor of the stiffness matrix, s.", optional=True)] = (
+        Fraction(0)
+    )
 
 
 @dataclass(frozen=True)
@@ -249,24 +432,73 @@ class NodeMarker:
 
 @dataclass(frozen=True)
 class NodalBody:
-    """A deformable body in space made of nodes; `modes` is how many are computed or kept, None for those given.
-
-    `start`, `simulation` and `plots` are for the simulation of the body alone.
-    """
+    """A flexible body in space given by nodes, as a finite-element program exports it."""
 
     name: str
-    data: NodeData
-    modes: int | None
-    frame: BodyFrame
-    orthonormal: bool
-    damping: Damping
-    gravity: Gravity | None
-    markers: tuple[NodeMarker, ...]
-    lowering: Lowering
-    start: SpatialStart = AT_REST
+    data: Annotated[
+        NodeData,
+        key(
+            KeyType.NODES,
+            "A .npz file with the arrays, or one MatrixMarket file for each; relative to the specification.",
+            name="nodes",
+            example='"block.npz"',
+        ),
+        key(
+            KeyType.UNITS,
+            'Units of the numbers in the files: "SI", or a table of units.',
+            name="units",
+            required=True,
+            example='"SI", or those of the files, such as { length = "mm", mass = "t", time = "s" }',
+        ),
+    ]
+    modes: Annotated[
+        int | None,
+        key(
+            KeyType.MODE_COUNT,
+            "Number of modes that are computed, or kept of the given ones; by default all given ones.",
+            optional=True,
+        ),
+    ]
+    frame: Annotated[
+        BodyFrame,
+        key(
+            BodyFrame,
+            "The floating frame, whose conditions remove rigid-body motion from the modes: mean (no mean displacement, "
+            "no mean rotation), point (fixed to a node), given (the modes are used unchanged).",
+            default=BodyFrame("mean"),
+            shown="mean",
+        ),
+    ]
+    orthonormal: Annotated[
+        bool,
+        key(
+            KeyType.TRUTH,
+            "Whether the modes are made orthonormal with respect to the mass; by default in the mean frame and for "
+            "computed modes.",
+            optional=True,
+        ),
+    ]
+    damping: Annotated[
+        Damping, key(Damping, "Viscous damping; none by default.", optional=True, example="{ ratio = 0.01 }")
+    ]
+    gravity: Annotated[Gravity | None, key(KeyType.ACCELERATION, GRAVITY, optional=True)]
+    markers: Annotated[
+        tuple[NodeMarker, ...],
+        key(KeyType.NODE_POINTS, "Named nodes and their numbers, counted from 0.", default=()),
+    ]
+    lowering: Annotated[Lowering, LOWERING]
+    start: Annotated[SpatialStart, key(SpatialStart, "Initial state of a simulation of the body alone.")] = AT_REST
     simulation: Simulation | None = None
     plots: tuple[Plot, ...] = ()
-    order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
+    order: Annotated[
+        DisplacementOrder,
+        key(
+            KeyType.ORDER,
+            "The order of the displacements in the amplitudes: 2 uses the geometric stiffness matrices of the files "
+            "(K0t, K0r, K0omega, K0F), 1 leaves them out; by default 2 if there are any.",
+            optional=True,
+        ),
+    ] = DisplacementOrder.FIRST_ORDER
 
     @property
     def second_order(self) -> bool:
@@ -276,14 +508,20 @@ class NodalBody:
 
 @dataclass(frozen=True)
 class SymbolicBody:
-    """A deformable body in space whose mass, shape integrals and stiffness are run-time parameters.
+    """A flexible body in space whose mass, shape integrals and stiffness are run-time parameters."""
 
-    `frame` is `mean` (c1, c2, c6 vanish, c8 is the unit matrix, the stiffness is diagonal) or `given` (all there is).
-    """
-
+    # In the frame mean c1, c2 and c6 vanish, c8 is the unit matrix, and the stiffness is diagonal.
     name: str
-    modes: int
-    frame: SymbolicFrame
-    damping: bool
-    gravity: Gravity | None
-    lowering: Lowering
+    modes: Annotated[int, key(KeyType.MODE_COUNT, "Number of modes.", example="8")]
+    frame: Annotated[
+        SymbolicFrame,
+        key(
+            KeyType.CHOICE,
+            "Assumption about the modes: mean (orthonormal in the mean frame), or given (none).",
+            default="mean",
+            choice_of="the frame of a symbolic body",
+        ),
+    ]
+    damping: Annotated[bool, key(KeyType.TRUTH, "Whether viscous damping is among the parameters.", default=False)]
+    gravity: Annotated[Gravity | None, key(KeyType.ACCELERATION, GRAVITY, optional=True)]
+    lowering: Annotated[Lowering, LOWERING]

@@ -3,32 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
+from derive.spec.model.keys import KeyType, key
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.time_function import TimeFunction
 
 ForceFrame = Literal["inertial", "body"]
 
-
-FORCE_FRAMES: tuple[ForceFrame, ...] = ("inertial", "body")
-"""The frames that the components of a force may be in."""
+BETWEEN = key(
+    KeyType.MARKER_PAIR,
+    'Two markers, such as ["ground.bearing", "crank.hub"].',
+    name="between",
+    example='["ground.bearing", "crank.hub"]',
+)
+"""The markers of a joint, and of a spring."""
 
 
 @dataclass(frozen=True)
 class Force:
-    """A force at a marker, with components that are functions of t.
-
-    `frame` is that of the components: the inertial frame, or that of the section of the body at the marker.
-    """
+    """A force at a marker."""
 
     name: str
-    at: MarkerRef
-    components: tuple[TimeFunction, TimeFunction]
-    frame: ForceFrame = "inertial"
+    at: Annotated[
+        MarkerRef, key(KeyType.MARKER, 'Marker at which it acts, such as "rod.right".', example='"rod.right"')
+    ]
+    components: Annotated[
+        tuple[TimeFunction, TimeFunction],
+        key(
+            KeyType.FUNCTION_PAIR,
+            "Components in the frame of the force, N: numbers, or functions of t.",
+            "N",
+            example="[0, -10]",
+        ),
+    ]
+    frame: Annotated[
+        ForceFrame,
+        key(
+            KeyType.CHOICE,
+            "The frame of the components: inertial, or body, which rotates with the section of the body at the marker, "
+            "so that the force follows the body.",
+        ),
+    ] = "inertial"
     kind: ClassVar[str] = "force"
 
     @property
@@ -39,12 +58,20 @@ class Force:
 
 @dataclass(frozen=True)
 class Torque:
-    """A torque at a marker, a function of t; its reaction acts at `against`, if that is given."""
+    """A torque at a marker."""
 
     name: str
-    at: MarkerRef
-    value: TimeFunction
-    against: MarkerRef | None = None
+    at: Annotated[
+        MarkerRef, key(KeyType.MARKER, 'Marker at which it acts, such as "crank.hub".', example='"crank.hub"')
+    ]
+    value: Annotated[
+        TimeFunction,
+        key(KeyType.FUNCTION, "Torque, N m: a number, or a function of t.", "N m", example="1.5"),
+    ]
+    against: Annotated[
+        MarkerRef | None,
+        key(KeyType.MARKER, "Marker at which the reaction acts; by default there is no reaction."),
+    ] = None
     kind: ClassVar[str] = "torque"
 
     @property
@@ -67,16 +94,15 @@ class _BetweenMarkers:
 
 @dataclass(frozen=True)
 class Spring(_BetweenMarkers):
-    """A spring with a damper between two markers: along the line between them, or `rotational`, about e3.
+    """A spring with a damper between two markers."""
 
-    `kind` is a name of the registry of forces. With the extension x = length - rest its force is stiffness * x +
-    quadratic * x^2 + cubic * x^3 + quartic * x^4 + quintic * x^5 + damping * (rate of the length); for rotational ones
-    the length is the rotation of the second marker against the first.
-    """
+    # Its keys are those of its kind in the registry of forces. With the extension x = length - rest its force is
+    # stiffness * x + quadratic * x^2 + ... + quintic * x^5 + damping * (rate of the length); for rotational ones the
+    # length is the rotation of the second marker against the first.
 
     name: str
     kind: str
-    first: MarkerRef
+    first: Annotated[MarkerRef, replace(BETWEEN, example='["ground.bearing", "slider.pin"]')]
     second: MarkerRef
     stiffness: Quantity
     damping: Quantity = Fraction(0)

@@ -3,35 +3,63 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
+from derive.spec.model.keys import KeyType, key
 from derive.spec.model.markers import MarkerRef
 
 
 @dataclass(frozen=True)
 class Deflection:
-    """The distance of `marker` from the `chord` between two markers, to its left, or its ratio to `divided_by` (m)."""
+    """A plot of the distance of a marker from the chord between two others."""
 
-    marker: MarkerRef
-    chord: tuple[MarkerRef, MarkerRef]
-    divided_by: float | None = None
+    marker: Annotated[
+        MarkerRef,
+        key(
+            KeyType.MARKER,
+            "Marker whose distance from the chord is plotted, positive to the left.",
+            name="deflection",
+            example='"rod.middle"',
+        ),
+    ]
+    chord: Annotated[
+        tuple[MarkerRef, MarkerRef],
+        key(
+            KeyType.MARKER_PAIR,
+            'Markers at the beginning and the end of the chord, such as ["rod.left", "rod.right"]; the deflection is '
+            "positive to its left.",
+            example='["rod.left", "rod.right"]',
+        ),
+    ]
+    divided_by: Annotated[
+        float | None,
+        key(
+            KeyType.POSITIVE_FLOAT,
+            "Length by which the deflection is divided, m; by default it is a length.",
+            "m",
+        ),
+    ] = None
 
 
 @dataclass(frozen=True)
 class ColumnCurves:
-    """Columns `y` of a trajectory over its column `x`, by their names."""
+    """A plot of columns of the trajectory over another one."""
 
-    y: tuple[str, ...]
-    x: str = "t"
+    y: Annotated[
+        tuple[str, ...],
+        key(KeyType.COLUMNS, 'Columns of the CSV file, one or a list, such as "rod_phi".', example='"rod_phi"'),
+    ]
+    x: Annotated[str, key(KeyType.TEXT, "Column of the horizontal axis; by default the time.")] = "t"
 
 
 @dataclass(frozen=True)
 class ReferenceCurve:
-    """Columns `x` and `y` of a CSV file to compare with; `rows` are its numbers."""
+    """A reference curve: two columns of a CSV file."""
 
-    file: str
-    x: str
-    y: str
-    rows: tuple[tuple[float, float], ...]
+    file: Annotated[str, key(KeyType.TEXT, "CSV file, relative to the specification.", example='"curve.csv"')]
+    x: Annotated[str, key(KeyType.TEXT, "Name of the column of the horizontal axis.", example='"the name of a column"')]
+    y: Annotated[str, key(KeyType.TEXT, "Name of the column of the vertical axis.", example='"the name of a column"')]
+    rows: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -43,7 +71,11 @@ class Plot:
 
     name: str
     quantity: Deflection | ColumnCurves
-    over: str | None = None
-    cut: str | None = None
-    pieces: tuple[int, ...] = ()
-    reference: ReferenceCurve | None = None
+    over: Annotated[
+        str | None, key(KeyType.DRIVE, "Drive whose motion is the horizontal axis; by default the time.")
+    ] = None
+    cut: Annotated[str | None, key(KeyType.BEAM, "Beam that is divided into other numbers of pieces.")] = None
+    pieces: Annotated[
+        tuple[int, ...], key(KeyType.PIECE_COUNTS, "Numbers of pieces, one curve for each.", optional=True)
+    ] = ()
+    reference: Annotated[ReferenceCurve | None, key(ReferenceCurve, "Reference curve.")] = None

@@ -8,11 +8,9 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class SceneOutput:
-    """A quantity that is computed from the state, such as the position of a marker or the reaction of a joint.
+    """A quantity that is computed from the state."""
 
-    `kind` is a name of the registry of outputs; `values` are the values of the keys of the kind.
-    """
-
+    # Its kind is a name of the registry of outputs; the values are those of the keys of the kind.
     name: str
     kind: str
     values: Mapping[str, object] = field(default_factory=dict, hash=False)

@@ -5,6 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from derive.spec.model.keys import KeyType, key
+
+UNIT = key(KeyType.UNIT, "Unit in comments and in the report; by default the SI unit.", optional=True)
+
 
 @dataclass(frozen=True)
 class Parameter:

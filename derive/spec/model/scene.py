@@ -5,15 +5,26 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
-from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Polynomial, SymbolicBody
-from derive.spec.model.forces import Bushing, CustomForce, Force, ForceFrame, Spring, Torque
+from derive.spec.model.body import (
+    DEFAULT_LENGTH,
+    DEFAULT_MASS,
+    GRAVITY,
+    INERTIA_UNIT,
+    Marker,
+    NodalBody,
+    PlanarBeam,
+    Polynomial,
+    SymbolicBody,
+)
+from derive.spec.model.forces import BETWEEN, Bushing, CustomForce, Force, ForceFrame, Spring, Torque
+from derive.spec.model.keys import KeyType, key
 from derive.spec.model.markers import MarkerRef, PointMarker
 from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.quantity import Quantity
-from derive.spec.model.simulation import NOT_GIVEN, InitialValues, Simulation
+from derive.spec.model.quantity import UNIT, Quantity
+from derive.spec.model.simulation import GUESS, NOT_GIVEN, InitialValues, Simulation
 from derive.spec.model.time_function import TimeFunction
 
 NAMED = {
@@ -32,14 +43,14 @@ NAMED = {
 
 @dataclass(frozen=True)
 class SceneInput:
-    """A run-time input of the generated code, such as a torque or a prescribed motion.
-
-    `function` is what it is in simulations; None where only the run-time values count.
-    """
+    """A run-time input of the generated code, which forces, torques and drives refer to by its name."""
 
     name: str
-    unit: str = ""
-    function: TimeFunction | None = None
+    unit: Annotated[str, UNIT] = ""
+    function: Annotated[
+        TimeFunction | None,
+        key(KeyType.FUNCTION, "What the input is in simulations: a number, or a function of t.", name="value"),
+    ] = None
 
 
 SceneStart = Literal["equilibrium"]
@@ -49,16 +60,14 @@ EQUILIBRIUM: SceneStart = "equilibrium"
 
 @dataclass(frozen=True)
 class JointInitialValues:
-    """Initial values of the relative motion of a joint, of body 2 relative to body 1; None where none is given.
+    """Initial values of the relative motion of a joint, or of the joint of a drive: of body 2 relative to body 1."""
 
-    angle (rad) is that of joints that rotate, displacement (m) that of joints with an axis, speed the rate of either
-    (rad/s or m/s). With `guess` the values are where the assembly begins.
-    """
-
-    angle: float | None = None
-    displacement: float | None = None
-    speed: float | None = None
-    guess: bool = False
+    angle: Annotated[float | None, key(KeyType.FLOAT, "Relative rotation of a revolute joint, rad.")] = None
+    displacement: Annotated[
+        float | None, key(KeyType.FLOAT, "Displacement of a translational joint along its axis, m.")
+    ] = None
+    speed: Annotated[float | None, key(KeyType.FLOAT, "Rate of that rotation or displacement, rad/s or m/s.")] = None
+    guess: Annotated[bool, GUESS] = False
 
     @property
     def coordinate(self) -> float | None:
@@ -66,52 +75,92 @@ class JointInitialValues:
         return self.displacement if self.angle is None else self.angle
 
 
+NOT_NEEDED = "not needed if the motion is prescribed: energies, powers and reactions then count what is not given as 0."
+POINTS = key(
+    KeyType.POINTS,
+    "Named points and their coordinates [x, y], m, in the frame of the body or the inertial frame.",
+    default=(),
+)
+START = key(InitialValues, "Initial values; those that are not given adapt to the others and to the joints.")
+JOINT_START = key(JointInitialValues, "Initial values of the relative motion.")
+
+
 @dataclass(frozen=True)
 class RigidBody:
-    """A rigid body in the plane. The coordinates of its markers count from the origin of its frame.
-
-    `inertia` is about the centre of mass, which lies at `centre` in the frame of the body. A body whose motion is
-    prescribed needs neither mass nor inertia (None). With `keep_coordinates` it has three coordinates however it is
-    constrained, so that its joints and drives are constraints and their multipliers are the constraint reactions.
-    """
+    """A rigid body in the plane; it has none of the keys length, bending_stiffness, ansatz and frame."""
 
     name: str
-    mass: Quantity | None = None
-    inertia: Quantity | None = None
-    centre: tuple[Quantity, Quantity] = (Fraction(0), Fraction(0))
-    markers: tuple[PointMarker, ...] = ()
-    start: InitialValues = NOT_GIVEN
-    keep_coordinates: bool = False
+    mass: Annotated[Quantity | None, key(KeyType.POSITIVE_QUANTITY, f"Mass, kg; {NOT_NEEDED}", DEFAULT_MASS.unit)] = (
+        None
+    )
+    inertia: Annotated[
+        Quantity | None,
+        key(
+            KeyType.POSITIVE_QUANTITY,
+            f"Moment of inertia about the centre of mass, kg m^2; {NOT_NEEDED}",
+            INERTIA_UNIT,
+        ),
+    ] = None
+    centre: Annotated[
+        tuple[Quantity, Quantity],
+        key(KeyType.COORDINATES, "Position of the centre of mass in the frame of the body, m.", DEFAULT_LENGTH.unit),
+    ] = (Fraction(0), Fraction(0))
+    markers: Annotated[tuple[PointMarker, ...], POINTS] = ()
+    start: Annotated[InitialValues, START] = NOT_GIVEN
+    keep_coordinates: Annotated[
+        bool,
+        key(
+            KeyType.TRUTH,
+            "Whether the body keeps all three coordinates even if a joint or a drive could eliminate some; the "
+            "multipliers are then the constraint reactions.",
+        ),
+    ] = False
     kind: ClassVar[str] = "rigid"
 
 
 @dataclass(frozen=True)
 class DistributedLoad:
-    """A force per length on a rod: polynomials in xi (N/m) times a function of t.
-
-    `force` are its components along e1 and e2 of the inertial frame, or of the floating frame of the rod (`body`), as
-    coefficients of 1, xi, xi^2, ...; xi goes from -1 to 1 along the whole rod.
-    """
+    """A force per length on a beam: polynomials in xi times a function of t."""
 
     name: str
-    force: tuple[Polynomial, Polynomial]
-    time: TimeFunction
-    frame: ForceFrame = "inertial"
+    force: Annotated[
+        tuple[Polynomial, Polynomial],
+        key(
+            KeyType.LOAD_PAIR,
+            "Components, N/m: numbers, or polynomials in xi, which goes from -1 to 1 along the beam.",
+            example='[0, "-10*(1 - xi^2)"]',
+        ),
+    ]
+    time: Annotated[
+        TimeFunction,
+        key(
+            KeyType.FUNCTION,
+            "Factor of the load: a number, or a function of t.",
+            default=TimeFunction("number", value=Fraction(1)),
+            shown=1,
+        ),
+    ]
+    frame: Annotated[
+        ForceFrame,
+        key(KeyType.CHOICE, "The frame of the components: inertial, or body, the floating frame of the beam."),
+    ] = "inertial"
 
 
 @dataclass(frozen=True)
 class BeamBody:
-    """A flexible rod in a scene: a free planar beam, cut into `pieces` beams of equal length that are welded together.
+    """A beam in a scene: it has one of the keys length, bending_stiffness, ansatz and frame."""
 
-    `beam` is the whole rod: its name, mass, length and markers are those before it is cut; its gravity is None.
-    `start` is that of the straight axis of the rod.
-    """
-
+    # The whole rod, before it is cut into pieces that are welded together; its gravity is None.
     name: str
     beam: PlanarBeam
-    pieces: int = 1
-    start: InitialValues = NOT_GIVEN
-    loads: tuple[DistributedLoad, ...] = ()
+    pieces: Annotated[
+        int, key(KeyType.PIECE_COUNT, "Number of beams of equal length into which the rod is divided.")
+    ] = 1
+    start: Annotated[InitialValues, START] = NOT_GIVEN
+    loads: Annotated[
+        tuple[DistributedLoad, ...],
+        key(DistributedLoad, "Distributed loads by name.", example="[bodies.rod.loads.wind]"),
+    ] = ()
     kind: ClassVar[str] = "beam"
 
     @property
@@ -127,8 +176,8 @@ class CustomBody:
     name: str
     kind: str
     values: Mapping[str, object] = field(default_factory=dict, hash=False)
-    markers: tuple[PointMarker, ...] = ()
-    start: InitialValues = NOT_GIVEN
+    markers: Annotated[tuple[PointMarker, ...], POINTS] = ()
+    start: Annotated[InitialValues, START] = NOT_GIVEN
 
 
 SceneBody = RigidBody | BeamBody | CustomBody
@@ -136,20 +185,17 @@ SceneBody = RigidBody | BeamBody | CustomBody
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint between two markers. Its multipliers are the force and the torque it exerts on the second body.
+    """A joint between two markers."""
 
-    `kind` is a name of the registry of joints. `revolute`: the markers coincide; `weld`, `fixed`: so do they, and their
-    rotations differ by `angle`, constant; `translational`: the second marker stays on a line through the first, along
-    `axis` in the frame of the first body, and the rotations differ by `angle`.
-    """
-
+    # Its kind and the keys angle and axis are those of the registry of joints. Its multipliers are the force and the
+    # torque that it exerts on the second body.
     name: str
     kind: str
-    first: MarkerRef
+    first: Annotated[MarkerRef, BETWEEN]
     second: MarkerRef
     angle: float = 0.0
     axis: tuple[Fraction, Fraction] = (Fraction(1), Fraction(0))
-    start: JointInitialValues = JointInitialValues()
+    start: Annotated[JointInitialValues, JOINT_START] = JointInitialValues()
 
 
 @dataclass(frozen=True)
@@ -161,15 +207,31 @@ class CustomJoint(Joint):
 
 @dataclass(frozen=True)
 class Drive:
-    """A prescribed motion of a joint: its relative rotation, or its displacement along the axis, is a `motion` of t, or
-    the integral of a `speed` from 0 to t, plus `offset`."""
+    """A joint whose motion is prescribed."""
 
     name: str
-    joint: str
-    motion: TimeFunction | None
-    speed: Quantity | TimeFunction | None = None
-    offset: Fraction = Fraction(0)
-    start: JointInitialValues = JointInitialValues()
+    joint: Annotated[str, key(KeyType.JOINT, "The name of a revolute or translational joint.", example='"bearing"')]
+    motion: Annotated[
+        TimeFunction | None,
+        key(
+            KeyType.FUNCTION,
+            'Angle, rad, or displacement, m, as a function of t, such as "0.1*sin(2*pi*t)".',
+            optional=True,
+        ),
+    ]
+    speed: Annotated[
+        Quantity | TimeFunction | None,
+        key(
+            KeyType.SPEED,
+            "Speed in place of a motion, rad/s or m/s: a number, a parameter, or a function of t, such as "
+            '"150*step(t, 0, 0.3)", whose integral from t = 0 the motion is.',
+        ),
+    ] = None
+    offset: Annotated[
+        Fraction,
+        key(KeyType.NUMBER, "Angle, rad, or displacement, m, at t = 0; only with a speed.", optional=True),
+    ] = Fraction(0)
+    start: Annotated[JointInitialValues, JOINT_START] = JointInitialValues()
 
     @property
     def constant_speed(self) -> Quantity | None:
@@ -179,25 +241,37 @@ class Drive:
 
 @dataclass(frozen=True)
 class Scene:
-    """Planar bodies with joints, drives, forces and gravity: what `[scene]` and its companions specify.
-
-    start: None for the state that initial values of bodies, joints and drives describe, or EQUILIBRIUM.
-    """
+    """Planar bodies with joints, drives, forces and gravity."""
 
     name: str
-    ground: tuple[PointMarker, ...]
-    gravity: tuple[Quantity, Quantity] | None
+    ground: Annotated[tuple[PointMarker, ...], POINTS]
+    gravity: Annotated[tuple[Quantity, Quantity] | None, key(KeyType.PLANAR_ACCELERATION, GRAVITY, optional=True)]
     bodies: tuple[SceneBody, ...]
-    joints: tuple[Joint, ...]
-    drives: tuple[Drive, ...] = ()
-    forces: tuple[Force | CustomForce, ...] = ()
-    torques: tuple[Torque | CustomForce, ...] = ()
-    springs: tuple[Spring | Bushing | CustomForce, ...] = ()
+    joints: Annotated[tuple[Joint, ...], key(Joint, "Joints by name.", example="[joints.pin]", default=())]
+    drives: Annotated[
+        tuple[Drive, ...], key(Drive, "Prescribed motions of joints by name.", example="[drives.motor]")
+    ] = ()
+    forces: Annotated[tuple[Force | CustomForce, ...], key(Force, "Forces by name.", example="[forces.load]")] = ()
+    torques: Annotated[tuple[Torque | CustomForce, ...], key(Torque, "Torques by name.", example="[torques.load]")] = ()
+    springs: Annotated[
+        tuple[Spring | Bushing | CustomForce, ...],
+        key(Spring, "Springs and dampers by name.", example="[springs.mount]"),
+    ] = ()
     simulation: Simulation | None = None
-    plots: tuple[Plot, ...] = ()
-    start: SceneStart | None = None
-    inputs: tuple[SceneInput, ...] = ()
-    outputs: tuple[SceneOutput, ...] = ()
+    plots: Annotated[tuple[Plot, ...], key(Plot, "Plots of a simulation by name.", example="[plots.deflection]")] = ()
+    start: Annotated[
+        SceneStart | None,
+        key(
+            KeyType.CHOICE,
+            '"equilibrium": the motion begins in the static equilibrium, computed with the loads and drives at t = 0; '
+            "initial positions of bodies and joints are then its first guess.",
+            choice_of="the start of a scene",
+        ),
+    ] = None
+    inputs: Annotated[
+        tuple[SceneInput, ...], key(SceneInput, "Run-time inputs by name.", example="[inputs.motor]")
+    ] = ()
+    outputs: Annotated[tuple[SceneOutput, ...], key(SceneOutput, "Outputs by name.", example="[outputs.tip]")] = ()
 
 
 Specification = PlanarBeam | NodalBody | SymbolicBody | Scene

@@ -4,36 +4,68 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Annotated
+
+from derive.spec.model.keys import KeyType, key
+
+GUESS = key(
+    KeyType.TRUTH,
+    "Whether these values are a first guess from which the mechanism is assembled; otherwise the initial state keeps "
+    "them. A guessed deflection that the shapes do not have is replaced by the nearest one.",
+)
 
 
 @dataclass(frozen=True)
 class Simulation:
-    """The duration, output and accuracy of a simulation; `until` is a condition that ends it earlier."""
+    """Duration, output and accuracy of a simulation."""
 
-    duration: float
-    output: float
-    tolerance: float = 1e-9
-    until: str | None = None
+    duration: Annotated[float, key(KeyType.POSITIVE_FLOAT, "Duration, s.", example="1.0")]
+    output: Annotated[float, key(KeyType.POSITIVE_FLOAT, "Time between rows of the output, s.", example="1e-3")]
+    tolerance: Annotated[
+        float,
+        key(KeyType.TOLERANCE, "Tolerance of the integrator for the error of a step, relative and absolute."),
+    ] = 1e-9
+    until: Annotated[
+        str | None,
+        key(
+            KeyType.CONDITION,
+            'Condition on columns that ends the simulation before its duration, such as "rod_phi > pi/2" or '
+            '"slider_s = 0.2".',
+        ),
+    ] = None
 
 
 @dataclass(frozen=True)
 class InitialValues:
-    """Initial values of a body; None where the specification gives none.
+    """Initial values of a body. The initial state keeps what is given; values that are not given adapt to it."""
 
-    position (m), angle (rad), velocity (m/s) and spin (rad/s) are those of the origin of a body, or of the centre of
-    the straight axis of a beam. deflection (m) and deflection_rate (m/s), of beams alone: displacement from that axis
-    as a polynomial in xi along the whole beam. The initial state keeps what is given, see
-    `derive.simulation.initial.initial_state`; with `guess` the values are where the assembly begins.
-    """
+    position: Annotated[
+        tuple[float, float] | None,
+        key(
+            KeyType.FLOAT_PAIR,
+            "Position of the origin of a rigid body, or of the centre of the straight axis of a beam, m.",
+        ),
+    ] = None
+    angle: Annotated[float | None, key(KeyType.FLOAT, "Rotation angle, rad.")] = None
+    velocity: Annotated[tuple[float, float] | None, key(KeyType.FLOAT_PAIR, "Velocity of that point, m/s.")] = None
+    spin: Annotated[float | None, key(KeyType.FLOAT, "Angular velocity, rad/s.")] = None
+    deflection: Annotated[
+        tuple[Fraction, ...] | None,
+        key(
+            KeyType.SHAPE,
+            "Initial deflection from the straight axis, m: a polynomial in xi from -1 to 1 along the whole beam, a "
+            "combination of 1, xi and the ansatz; by default the beam is straight if possible.",
+        ),
+    ] = None
+    deflection_rate: Annotated[
+        tuple[Fraction, ...] | None,
+        key(KeyType.SHAPE, "Time derivative of the deflection, m/s: a polynomial in xi."),
+    ] = None
+    guess: Annotated[bool, GUESS] = False
 
-    position: tuple[float, float] | None = None
-    angle: float | None = None
-    velocity: tuple[float, float] | None = None
-    spin: float | None = None
-    deflection: tuple[Fraction, ...] | None = None
-    deflection_rate: tuple[Fraction, ...] | None = None
-    guess: bool = False
 
+OF_BEAMS = ("deflection", "deflection_rate")
+"""The initial values that beams alone have."""
 
 NOT_GIVEN = InitialValues()
 """The default of initial values: none are given."""
@@ -41,19 +73,34 @@ NOT_GIVEN = InitialValues()
 
 @dataclass(frozen=True)
 class SpatialStart:
-    """The initial state of a body in space, SI units.
+    """The initial state of a body in space."""
 
-    position, velocity (3,): of the origin of the floating frame, in the inertial frame. quaternion (4,): the rotation
-    of the floating frame, scalar first. angular_velocity (3,): in the floating frame. amplitudes, amplitude_rates: of
-    the modes, the first ones; those that are not given are zero.
-    """
-
-    position: tuple[float, ...] = (0.0, 0.0, 0.0)
-    quaternion: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0)
-    velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
-    angular_velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
-    amplitudes: tuple[float, ...] = ()
-    amplitude_rates: tuple[float, ...] = ()
+    position: Annotated[
+        tuple[float, ...], key(KeyType.TRIPLE, "Position of the origin of the floating frame in the inertial frame, m.")
+    ] = (0.0, 0.0, 0.0)
+    quaternion: Annotated[
+        tuple[float, ...],
+        key(
+            KeyType.ROTATION,
+            "Rotation of the floating frame: a unit quaternion, scalar first, or an axis and an angle.",
+            name="rotation",
+            shown=[1, 0, 0, 0],
+        ),
+    ] = (1.0, 0.0, 0.0, 0.0)
+    velocity: Annotated[
+        tuple[float, ...], key(KeyType.TRIPLE, "Velocity of the origin in the inertial frame, m/s.")
+    ] = (0.0, 0.0, 0.0)
+    angular_velocity: Annotated[
+        tuple[float, ...], key(KeyType.TRIPLE, "Angular velocity in the floating frame, rad/s.")
+    ] = (0.0, 0.0, 0.0)
+    amplitudes: Annotated[
+        tuple[float, ...],
+        key(KeyType.AMPLITUDES, "Amplitudes of the first modes, m; those of the others are zero."),
+    ] = ()
+    amplitude_rates: Annotated[
+        tuple[float, ...],
+        key(KeyType.AMPLITUDES, "Rates of the amplitudes of the first modes, m/s; the others are zero."),
+    ] = ()
 
 
 AT_REST = SpatialStart()

@@ -1,161 +1,195 @@
-"""The tables of a beam as pydantic models."""
+"""The tables of a beam, alone and in a scene, and of its parts."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Callable
+from dataclasses import fields
+from fractions import Fraction
+from typing import Annotated, Any
 
-from pydantic import ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
+from pydantic import ConfigDict, PlainValidator, TypeAdapter, WithJsonSchema
 
+from derive.mechanics.multibody.bodies.beam import WHOLE_BEAM
+from derive.mechanics.multibody.bodies.beam_loads import point_names
+from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.spec.model.body import (
-    DEFAULT_BENDING_STIFFNESS,
-    DEFAULT_LENGTH,
-    DEFAULT_MASS,
+    DEFAULT_FRAME,
+    FAMILY_FRAMES,
+    AssumedDeflection,
+    AttachedMass,
+    AxialDeformation,
+    BeamDamping,
+    Damping,
     DisplacementOrder,
-    Marker,
+    Ends,
+    Frame,
+    FrameKind,
     PlanarBeam,
+    Polynomial,
+    ShapeFamily,
 )
-from derive.spec.model.quantity import Parameter, Quantity
-from derive.spec.parsing import choices, values
-from derive.spec.tables.beam_parts import AttachedMassTable, AxialTable, BeamPosition
-from derive.spec.tables.beam_shapes import ShapeFamilyTable, ShapeKeys
-from derive.spec.tables.damping import BeamDampingTable
-from derive.spec.tables.markers import MAX_NAMED, few_named
-from derive.spec.tables.shared import MAX_MARKERS, Name, ParameterTable, QuantityInput, few_markers, quantity
+from derive.spec.model.keys import KeyType, declared_keys
+from derive.spec.model.scene import BeamBody, DistributedLoad
+from derive.spec.model.simulation import OF_BEAMS, InitialValues
+from derive.spec.parsing import choices
+from derive.spec.parsing.values import WrongValueError
+from derive.spec.tables.declared_tables import TABLES, declare
+from derive.spec.tables.shared import TomlTable
+from derive.spec.tables.value_types import VALUE_TYPES
+
+BEAM_KEYS = BODIES["beam"].identifying_keys
+"""The keys by which a body is a beam."""
 
 
-def _as_table(parameter: Parameter) -> ParameterTable:
-    return ParameterTable(symbol=parameter.symbol, unit=parameter.unit, default=parameter.default)
+def frame_from(kind: FrameKind, at: Fraction | None = None) -> Frame:
+    """A frame, if its kind and its position go together; a point is the middle of the beam by default."""
+    if kind == "point":
+        return Frame(kind, Fraction(0) if at is None else at)
+    if kind == "tangent":
+        if at not in (-1, 1):
+            raise WrongValueError('a tangent frame needs the end it is at: { kind = "tangent", at = -1 } or at = 1')
+        return Frame(kind, at)
+    if at is not None:
+        raise WrongValueError(f'the frame "{kind}" has no place; leave `at` out, or choose "point"')
+    return Frame(kind)
 
 
-class BeamKeys(ShapeKeys):
-    """The keys of a beam, whether it is free or part of a scene."""
+def damping(of: type) -> Callable[..., Any]:
+    """The function that makes damping of a type from either a ratio or factors of mass and stiffness."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    mass: Annotated[
-        QuantityInput, Field(description="Mass, kg: a run-time parameter, or a number that is folded into the code.")
-    ] = _as_table(DEFAULT_MASS)
-    length: Annotated[QuantityInput, Field(description="Length, m: a run-time parameter or a number.")] = _as_table(
-        DEFAULT_LENGTH
-    )
-    bending_stiffness: Annotated[
-        QuantityInput,
-        Field(
-            description="Bending stiffness EI, N m^2: a run-time parameter or a number. Rotary inertia of the "
-            "cross-sections and shear deformation are left out at either order."
-        ),
-    ] = _as_table(DEFAULT_BENDING_STIFFNESS)
-    axial: Annotated[
-        AxialTable | None,
-        Field(
-            description='How the beam stretches: { ansatz = ["xi"], stiffness = 1e6 }, the shapes of the displacement '
-            "along its axis and EA in N. By default its axis does not stretch."
-        ),
-    ] = None
-    damping: Annotated[
-        BeamDampingTable | None,
-        Field(
-            description="Damping of the deformation: { ratio = 0.01 } of critical in each free mode of the beam, or "
-            "{ mass = 0.1, stiffness = 1e-5 }, factors of its mass and stiffness matrices, in 1/s and s."
-        ),
-    ] = None
-    masses: Annotated[
-        dict[Name, AttachedMassTable],
-        few_named("masses", "[bodies.rod.masses.tip]"),
-        Field(
-            description="Attached masses by name: rigid bodies that are fixed to sections of the beam. The conditions "
-            "of the frame and the damping are those of the beam without them.",
-            json_schema_extra={"maxProperties": MAX_NAMED, "additionalProperties": False},
-        ),
-    ] = {}  # noqa: RUF012
-    markers: Annotated[
-        dict[Name, BeamPosition],
-        few_markers("places"),
-        Field(
-            description="Named points of the beam and their positions xi, from -1 (left end) to 1 (right end).",
-            json_schema_extra={"maxProperties": MAX_MARKERS, "additionalProperties": False},
-        ),
-    ] = {}  # noqa: RUF012
-
-    order: Annotated[
-        int,
-        PlainValidator(values.order),
-        WithJsonSchema({"enum": [1, 2]}),
-        Field(
-            description="The order of the displacements in the amplitudes: 1 as in the paper, where a fast-spinning "
-            "beam softens and no beam buckles; 2 with the shortening of a beam that bends.",
-            json_schema_extra={"default": 1},
-        ),
-    ] = 1
-    terms: Annotated[
-        str | None,
-        PlainValidator(choices.second_order_terms),
-        WithJsonSchema({"enum": [*choices.SECOND_ORDER_TERMS]}),
-        Field(
-            description="What a beam of order 2 keeps: truncated (kinetic and potential energy through second order in "
-            "the amplitudes), full (all that the displacements yield; the mass matrix is always positive definite). "
-            "By default truncated in the frames mean, chord and given, and full in the frames point and tangent."
-        ),
-    ] = None
-
-    @model_validator(mode="after")
-    def check_ends(self) -> BeamKeys:
-        """Refuse `ends` beside a family of shapes, which fulfils conditions at the ends by itself."""
-        if self.ends is not None and isinstance(self.ansatz, ShapeFamilyTable):
-            raise values.WrongValueError(
-                f"`ends` is for polynomials; {self.ansatz.kind} shapes fulfil conditions of their own; leave it out"
+    def made(**given: Any) -> Any:
+        if ("ratio" in given) == bool({"mass", "stiffness"} & given.keys()):
+            raise WrongValueError(
+                "write either { ratio = 0.01 }, of critical damping, or { mass = 0.1, stiffness = 1e-5 }, in 1/s and s"
             )
-        return self
+        return of(**given)
 
-    @model_validator(mode="after")
-    def check_axial(self) -> BeamKeys:
-        """Refuse a preload at first order, and rotary inertia of masses in the full model of a beam that stretches."""
-        if self.axial is None:
-            return self
-        if self.order == 1 and self.axial.preload != 0:
-            raise values.WrongValueError(
-                "a preload stiffens a beam through the strain of second order; write order = 2, or leave `preload` out"
-            )
-        turning = [name for name, mass in self.masses.items() if mass.inertia != 0]
-        if turning and self.displacement_order() is DisplacementOrder.FULL:
-            raise values.WrongValueError(
-                f"the full model of a beam that stretches takes no rotary inertia of attached masses ({turning[0]}); "
-                'write terms = "truncated", or leave `inertia` out'
-            )
-        return self
+    return made
 
-    @model_validator(mode="after")
-    def check_terms(self) -> BeamKeys:
-        """Refuse a choice of terms for a beam of first order."""
-        if self.order == 1 and self.terms is not None:
-            raise values.WrongValueError(
-                f'terms = "{self.terms}" is for beams of order 2; write order = 2 beside it, or leave it out'
-            )
-        return self
 
-    def displacement_order(self) -> DisplacementOrder:
-        """The order of the displacements, with the terms that are kept."""
-        if self.order == 1:
-            return DisplacementOrder.FIRST_ORDER
-        terms = self.terms or ("full" if self.deflection().frame.kind in ("point", "tangent") else "truncated")
-        return DisplacementOrder.FULL if terms == "full" else DisplacementOrder.TRUNCATED
+def _check_load(load: DistributedLoad) -> None:
+    if not any(load.force):
+        raise WrongValueError("both components of the load are zero; leave it out")
 
-    def planar_beam(self, name: str, gravity: tuple[Quantity, Quantity] | None = None) -> PlanarBeam:
-        """The model of the beam that the derivation takes."""
-        deflection = self.deflection()
-        return PlanarBeam(
-            name=name,
-            ansatz=deflection.ansatz,
-            frame=deflection.frame,
-            mass=quantity(self.mass, DEFAULT_MASS.unit),
-            length=quantity(self.length, DEFAULT_LENGTH.unit),
-            bending_stiffness=quantity(self.bending_stiffness, DEFAULT_BENDING_STIFFNESS.unit),
-            markers=tuple(Marker(name, at) for name, at in self.markers.items()),
-            orthogonal=deflection.orthogonal,
-            gravity=gravity,
-            damping=None if self.damping is None else self.damping.damping(),
-            order=self.displacement_order(),
-            ends=deflection.ends,
-            masses=tuple(table.attached_mass(name) for name, table in self.masses.items()),
-            axial=None if self.axial is None else self.axial.axial(),
+
+def _deflection(
+    ansatz: tuple[Polynomial, ...] | ShapeFamily,
+    frame: Frame | None = None,
+    orthogonal: bool | None = None,
+    ends: Ends | None = None,
+) -> AssumedDeflection:
+    """The assumed deflection; by default its frame is that of the family of shapes, or the mean frame."""
+    if frame is None:
+        frame = FAMILY_FRAMES[ansatz.kind] if isinstance(ansatz, ShapeFamily) else Frame(DEFAULT_FRAME)
+    return AssumedDeflection(ansatz, frame, frame.kind == "mean" if orthogonal is None else orthogonal, ends)
+
+
+def _beam(order: int, terms: str | None = None, **given: Any) -> PlanarBeam:
+    """The beam, whose deflection and order are completed. Raises WrongValueError."""
+    shapes = _deflection(**{field.name: given.pop(field.name, None) for field in fields(AssumedDeflection)})
+    if shapes.ends is not None and isinstance(shapes.ansatz, ShapeFamily):
+        raise WrongValueError(
+            f"`ends` is for polynomials; {shapes.ansatz.kind} shapes fulfil conditions of their own; leave it out"
         )
+    by_default = "full" if shapes.frame.kind in ("point", "tangent") else "truncated"
+    second = DisplacementOrder.FULL if (terms or by_default) == "full" else DisplacementOrder.TRUNCATED
+    beam = PlanarBeam(order=DisplacementOrder.FIRST_ORDER if order == 1 else second, **vars(shapes), **given)
+    _check_axial(beam)
+    if order == 1 and terms is not None:
+        raise WrongValueError(f'terms = "{terms}" is for beams of order 2; write order = 2 beside it, or leave it out')
+    return beam
+
+
+def _check_axial(beam: PlanarBeam) -> None:
+    """Refuse a preload at first order, and rotary inertia of masses in the full model of a beam that stretches."""
+    if beam.axial is None:
+        return
+    if beam.order is DisplacementOrder.FIRST_ORDER and beam.axial.preload != 0:
+        raise WrongValueError(
+            "a preload stiffens a beam through the strain of second order; write order = 2, or leave `preload` out"
+        )
+    turning = [mass.name for mass in beam.masses if mass.inertia != 0]
+    if turning and beam.order is DisplacementOrder.FULL:
+        raise WrongValueError(
+            f"the full model of a beam that stretches takes no rotary inertia of attached masses ({turning[0]}); "
+            'write terms = "truncated", or leave `inertia` out'
+        )
+
+
+def _beam_body(name: str, **given: Any) -> BeamBody:
+    own = {key.field: given.pop(key.field) for key in declared_keys(BeamBody)}
+    return BeamBody(name, _beam(name=name, **given), **own)
+
+
+def _check_beam_body(body: BeamBody) -> None:
+    """Refuse families of shapes for a beam in pieces, and loads with names of markers."""
+    for load in body.loads:
+        if taken := point_names(load.name, body.pieces) & {marker.name for marker in body.markers}:
+            text = f"a point of the load {load.name} is called like the marker {min(taken)}; rename one of them"
+            raise WrongValueError(text)
+    if body.pieces > 1 and (body.beam.ends is not None or isinstance(body.beam.ansatz, ShapeFamily)):
+        raise WrongValueError(WHOLE_BEAM)
+
+
+class PartOfBeamTable(TomlTable):
+    """Some keys of the table of a beam, which are checked even if another key is at fault."""
+
+    model_config = ConfigDict(extra="ignore")
+
+
+class AnyBeamTable(TomlTable):
+    """The table of a beam in a scene."""
+
+    model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": [key]} for key in BEAM_KEYS]})
+
+
+# A plain "tangent" would not say which end is meant.
+_PLAIN = [kind for kind in choices.FRAME_KINDS if kind != "tangent"]
+_plain_frame = PlainValidator(lambda value: frame_from(choices.frame_kind(value)))
+declare(
+    Frame,
+    "FrameTable",
+    make=frame_from,
+    plain=Annotated[Frame, _plain_frame, WithJsonSchema({"enum": _PLAIN})],
+    doc="The kind of a floating frame of a beam, and its position.",
+)
+declare(ShapeFamily, "ShapeFamilyTable", plain=VALUE_TYPES[KeyType.SHAPES])
+_axial = declare(AxialDeformation, "AxialTable")
+AXIAL: TypeAdapter[AxialDeformation] = TypeAdapter(_axial.value)
+"""The reader of the table of the stretching of a beam, other keys of which may be faulty."""
+
+declare(BeamDamping, "BeamDampingTable", make=damping(BeamDamping))
+declare(Damping, "DampingTable", make=damping(Damping))
+declare(AttachedMass, "AttachedMassTable")
+declare(DistributedLoad, "LoadTable", check=_check_load)
+
+_of_body = tuple(key for key in declared_keys(InitialValues) if key.name not in OF_BEAMS)
+_bent = tuple(key for key in declared_keys(InitialValues) if key.name in OF_BEAMS)
+declare(InitialValues, "StartTable", keys=_of_body)
+BEAM_START = declare(
+    InitialValues,
+    "BeamStartTable",
+    keys=(*_of_body, *_bent),
+    doc="Initial values of a beam. The initial state keeps what is given; values that are not given adapt to it.",
+)
+
+_keys = {key.name: key for key in declared_keys(PlanarBeam)}
+_shapes = tuple(_keys.pop(field.name) for field in fields(AssumedDeflection))
+_alone = (_keys.pop("gravity"), _keys.pop("start"))
+_constants = tuple(_keys.pop(name) for name in ("mass", "length", "bending_stiffness"))
+_parts = tuple(_keys.pop(name) for name in ("axial", "damping", "masses"))
+_of_every_beam = (*_shapes, *_constants, *_parts, *_keys.values())
+_tables = {**TABLES, InitialValues: BEAM_START}
+BEAM = declare(PlanarBeam, "BeamTable", keys=(*_of_every_beam, *_alone), make=_beam, tables=_tables)
+BEAM_BODY = declare(
+    BeamBody,
+    "BeamBodyTable",
+    keys=(*_of_every_beam, *declared_keys(BeamBody)),
+    make=_beam_body,
+    check=_check_beam_body,
+    base=AnyBeamTable,
+    tables=_tables,
+)
+_deflected = declare(AssumedDeflection, "ShapeKeys", keys=_shapes, make=_deflection, base=PartOfBeamTable)
+DEFLECTION: TypeAdapter[AssumedDeflection] = TypeAdapter(_deflected.value)
+"""The reader of the assumed deflection in the table of a beam, other keys of which may be faulty."""

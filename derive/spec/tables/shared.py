@@ -1,12 +1,11 @@
-"""Types that the tables of all specifications share: names, numbers and parameters as pydantic types.
-
-Values are read by the functions of `values`; a model lists the keys of a table with their meaning.
-"""
+"""The base of all tables, names, and lists and tables of a limited length, as pydantic types."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from fractions import Fraction
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 from typing import Annotated, Any
 
 from pydantic import (
@@ -14,54 +13,20 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Discriminator,
-    Field,
+    GetJsonSchemaHandler,
     PlainValidator,
     Tag,
     WithJsonSchema,
 )
+from pydantic_core import CoreSchema
 
-from derive.spec.model.quantity import Parameter, Quantity
-from derive.spec.parsing import values
+from derive.spec.parsing import choices, values
 from derive.spec.parsing.names import MAX_LENGTH as MAX_NAME
 from derive.spec.parsing.names import PATTERN as NAME_PATTERN
 from derive.spec.parsing.polynomial import MAX_LENGTH
 
 MAX_MARKERS = 64
-
-
-def few(count: int, least: int, most: int, noun: str) -> None:
-    """Refuse a number of elements that is not allowed, before the elements are validated one by one."""
-    if not least <= count <= most:
-        raise values.WrongValueError(f"there are {count} {noun}, and {least} to {most} are allowed")
-
-
-def few_markers(what: str) -> BeforeValidator:
-    """A validator of a table with a limited number of markers; `what` names their values in messages."""
-
-    def check(value: object) -> object:
-        if not isinstance(value, Mapping):
-            raise values.WrongValueError(f"a table of names and {what} is needed, not {values.kind_of(value)}")
-        few(len(value), 0, MAX_MARKERS, "markers")
-        return value
-
-    return BeforeValidator(check)
-
-
-def number_schema(**limits: float) -> dict[str, Any]:
-    """The JSON schema of a number."""
-    exact = {"type": "string", "maxLength": MAX_LENGTH, "description": 'An exact number, such as "1/3".'}
-    return {"anyOf": [{"type": "number", **limits}, exact]}
-
-
-def written_as(value: Any) -> str:
-    """The discriminator of the two forms of a value."""
-    return "table" if isinstance(value, Mapping) else "plain"
-
-
-_NAME = {"type": "string", "pattern": f"^{NAME_PATTERN}$", "maxLength": MAX_NAME}
-_UNIT = {"type": "string", "pattern": f"^{values.UNIT_PATTERN}$"}
-_POSITIVE = number_schema(exclusiveMinimum=0)
-_NOT_NEGATIVE = number_schema(minimum=0)
+MAX_NAMED = 100
 
 
 class TomlTable(BaseModel):
@@ -70,78 +35,60 @@ class TomlTable(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-Name = Annotated[str, PlainValidator(values.name), WithJsonSchema(_NAME)]
-Number = Annotated[Fraction, PlainValidator(values.number), WithJsonSchema(number_schema())]
-Positive = Annotated[Fraction, PlainValidator(values.positive), WithJsonSchema(_POSITIVE)]
-NotNegative = Annotated[Fraction, PlainValidator(values.not_negative), WithJsonSchema(_NOT_NEGATIVE)]
-Truth = Annotated[bool, PlainValidator(values.truth), WithJsonSchema({"type": "boolean"})]
-Symbol = Annotated[Name, Field(description="Name in the code and in the equations.")]
-Unit = Annotated[
-    str | None,
-    PlainValidator(values.unit),
-    WithJsonSchema(_UNIT),
-    Field(description="Unit in comments and in the report; by default the SI unit."),
+class SchemaExtra:
+    """Entries that are added to the JSON schema of a value."""
+
+    def __init__(self, **entries: Any) -> None:
+        self.entries = entries
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """The JSON schema of the value with the entries."""
+        return {**handler(core), **self.entries}
+
+
+@dataclass(frozen=True)
+class Example:
+    """An example of a key that is missing, for messages; `value` is that of a table, also where the key is there."""
+
+    text: str
+    value: str = ""
+
+
+Name = Annotated[
+    str,
+    PlainValidator(values.name),
+    WithJsonSchema({"type": "string", "pattern": f"^{NAME_PATTERN}$", "maxLength": MAX_NAME}),
 ]
 
 
-class ParameterTable(TomlTable):
-    """A run-time parameter of the generated code."""
-
-    symbol: Symbol
-    unit: Unit = None
-    default: Annotated[
-        float,
-        PlainValidator(values.positive_float),
-        WithJsonSchema(_POSITIVE),
-        Field(description="Default value."),
-    ] = 1.0
+def few(count: int, least: int, most: int, noun: str) -> None:
+    """Refuse a number of elements that is not allowed, before the elements are validated one by one."""
+    if not least <= count <= most:
+        raise values.WrongValueError(f"there are {count} {noun}, and {least} to {most} are allowed")
 
 
-class NotNegativeTable(TomlTable):
-    """A number that may be zero as a run-time parameter of the generated code."""
+def by_name(table: Any, noun: str, example: str, **schema: Any) -> Any:
+    """The type of a limited number of tables by their names; `example` is the header of one, for messages."""
 
-    symbol: Symbol
-    unit: Unit = None
-    default: Annotated[
-        float,
-        PlainValidator(values.not_negative_float),
-        WithJsonSchema(_NOT_NEGATIVE),
-        Field(description="Default value."),
+    def check(value: object) -> object:
+        if not isinstance(value, Mapping):
+            raise values.WrongValueError(
+                f"a table of {noun} by their names is needed, such as {example}, not {values.kind_of(value)}"
+            )
+        few(len(value), 0, MAX_NAMED, noun)
+        return value
+
+    limits = SchemaExtra(**schema, maxProperties=MAX_NAMED, additionalProperties=False)
+    return Annotated[dict[Name, table], BeforeValidator(check), limits]
+
+
+def choice_type(words: tuple[str, ...], noun: str) -> Any:
+    """The type of one of several words; `noun` names it in messages."""
+    return Annotated[
+        str,
+        PlainValidator(lambda value: choices.choice(value, words, noun)),
+        WithJsonSchema({"enum": [*words]}),
     ]
-
-
-class SignedTable(TomlTable):
-    """A number of any sign as a run-time parameter of the generated code."""
-
-    symbol: Symbol
-    unit: Unit = None
-    default: Annotated[
-        float,
-        PlainValidator(values.any_float),
-        WithJsonSchema(number_schema()),
-        Field(description="Default value."),
-    ]
-
-
-QuantityInput = Annotated[
-    Annotated[Positive, Tag("plain")] | Annotated[ParameterTable, Tag("table")], Discriminator(written_as)
-]
-NotNegativeInput = Annotated[
-    Annotated[NotNegative, Tag("plain")] | Annotated[NotNegativeTable, Tag("table")], Discriminator(written_as)
-]
-SignedInput = Annotated[
-    Annotated[Number, Tag("plain")] | Annotated[SignedTable, Tag("table")], Discriminator(written_as)
-]
-
-
-def quantity(value: Fraction | ParameterTable | NotNegativeTable | SignedTable, unit: str) -> Quantity:
-    """A physical constant in the form that the derivation takes; `unit` is the default unit of a parameter."""
-    return value if isinstance(value, Fraction) else Parameter(value.symbol, value.unit or unit, value.default)
-
-
-def acceleration(value: Fraction | SignedTable) -> Quantity:
-    """A component of gravity in the form that the derivation takes."""
-    return quantity(value, "m/s^2")
 
 
 def components(example: Sequence[str], noun: str = "components") -> BeforeValidator:
@@ -158,10 +105,22 @@ def components(example: Sequence[str], noun: str = "components") -> BeforeValida
     return BeforeValidator(check)
 
 
-_GRAVITY = Field(
-    description="Acceleration of free fall in the inertial frame, m/s^2; each component a parameter or a number."
-)
-PlanarGravity = Annotated[tuple[SignedInput, SignedInput] | None, components(("0", "-9.81")), _GRAVITY]
-SpatialGravity = Annotated[
-    tuple[SignedInput, SignedInput, SignedInput] | None, components(("0", "0", "-9.81")), _GRAVITY
-]
+def number_schema(**limits: float) -> dict[str, Any]:
+    """The JSON schema of a number."""
+    exact = {"type": "string", "maxLength": MAX_LENGTH, "description": 'An exact number, such as "1/3".'}
+    return {"anyOf": [{"type": "number", **limits}, exact]}
+
+
+def one_of(kind: Callable[[Any], str], **types: Any) -> Any:
+    """The type of a value of one of several types; `kind` is the function from a value to the name of its type."""
+    options: list[Any] = [Annotated[of, Tag(name)] for name, of in types.items()]
+    return Annotated[reduce(or_, options), Discriminator(kind)]
+
+
+def plain_or_table(plain: Any, table: Any) -> Any:
+    """The type of a value with two notations, of which one is a table."""
+    return one_of(_notation, plain=plain, table=table)
+
+
+def _notation(value: Any) -> str:
+    return "table" if isinstance(value, Mapping) else "plain"

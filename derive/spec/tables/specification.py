@@ -4,27 +4,26 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from typing import Annotated, Any
 
-from pydantic import ConfigDict, Field, create_model
+from pydantic import ConfigDict, Field
 
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS
 from derive.spec.files.reference_curves import Rows
+from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.plots import Plot
-from derive.spec.model.scene import Scene
-from derive.spec.model.simulation import Simulation
+from derive.spec.model.ports import SceneOutput
+from derive.spec.model.quantity import UNIT
+from derive.spec.model.scene import NAMED, Joint, Scene
+from derive.spec.tables.beam import BEAM
 from derive.spec.tables.body import BodyInput
-from derive.spec.tables.drives import DriveTable
-from derive.spec.tables.forces import AnyForceTable, force_table
-from derive.spec.tables.free_beam import BeamTable
-from derive.spec.tables.functions import FunctionParameterTable, ValuesTable
-from derive.spec.tables.joints import JointTable, joint_table
-from derive.spec.tables.markers import MAX_NAMED, few_named
-from derive.spec.tables.ports import InputTable, OutputTable, output_table
-from derive.spec.tables.scene_bodies import BodyTable, GroundTable, SceneTable, bodies_field, body_tables, scene_bodies
-from derive.spec.tables.shared import Name, TomlTable, acceleration
-from derive.spec.tables.simulation import PlotInput, SimulationTable
+from derive.spec.tables.declared_tables import TABLES, DeclaredTable, key_field, keyed_model
+from derive.spec.tables.scene_bodies import bodies_field, body_tables
+from derive.spec.tables.scene_elements import ELEMENTS, force_table, joint_table, output_table, with_speed_unit
+from derive.spec.tables.shared import Name, TomlTable, by_name
+from derive.spec.tables.simulation import PLOT, SIMULATION
 
 SCENE = (
     "ground",
@@ -42,18 +41,35 @@ SCENE = (
 )
 """The keys of a specification that make it a scene."""
 
-_FORCES = {
-    "forces": ("[forces.load]", "Forces by name."),
-    "torques": ("[torques.load]", "Torques by name."),
-    "springs": ("[springs.mount]", "Springs and dampers by name."),
-}
-"""The example of a table of each section of forces, and its description."""
+_OF_SCENE = {key.field: key for key in declared_keys(Scene)}
+GROUND_TABLE = keyed_model(
+    "GroundTable", "The inertial frame, which does not move.", (replace(_OF_SCENE["ground"], name="markers"),)
+)
+SCENE_TABLE = keyed_model(
+    "SceneTable", "Gravity and initial state of a scene.", (_OF_SCENE["gravity"], _OF_SCENE["start"])
+)
+FUNCTION_PARAMETER = keyed_model(
+    "FunctionParameterTable",
+    "A run-time parameter of the generated code that functions of time call by its name.",
+    (key(KeyType.FLOAT, "Default value.", name="default", required=True, example="0.1"), replace(UNIT, name="unit")),
+)
+VALUES_TABLE = keyed_model(
+    "ValuesTable",
+    "A table of values, two columns of a CSV file, which functions of time call by its name.\n\n"
+    "Between the rows it is a cubic spline with two continuous derivatives; outside them the value is constant.",
+    tuple(
+        key(KeyType.TEXT, description, name=name, required=True, example=example)
+        for name, description, example in (
+            ("file", "CSV file, relative to the specification.", '"load.csv"'),
+            ("x", "Name of the column of the argument, which increases from row to row.", '"the name of a column"'),
+            ("y", "Name of the column of the values.", '"the name of a column"'),
+        )
+    ),
+)
 
-_NAMED: dict[str, Any] = {"maxProperties": MAX_NAMED, "additionalProperties": False}
 
-
-class SpecificationTable(TomlTable):
-    """A specification for Tisserand: a beam, a body in space, or a scene of planar bodies."""
+class SpecificationKeys(TomlTable):
+    """The keys of a specification besides those of a scene."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -63,108 +79,84 @@ class SpecificationTable(TomlTable):
     )
 
     name: Annotated[Name, Field(description="Name of the model and its files, and prefix of all its functions.")]
-    beam: BeamTable | None = None
+    beam: BEAM.value | None = None  # type: ignore[name-defined]  # made of the declared keys
     body: BodyInput | None = None
-    ground: GroundTable | None = None
-    scene: SceneTable | None = None
-    bodies: dict[str, Any] | None = None
-    joints: dict[str, JointTable] = {}  # noqa: RUF012  pydantic copies it
-    drives: Annotated[
-        dict[Name, DriveTable],
-        few_named("drives", "[drives.motor]"),
-        Field(description="Prescribed motions of joints by name.", json_schema_extra=_NAMED),
-    ] = {}  # noqa: RUF012
-    forces: dict[str, AnyForceTable] = {}  # noqa: RUF012
-    torques: dict[str, AnyForceTable] = {}  # noqa: RUF012
-    springs: dict[str, AnyForceTable] = {}  # noqa: RUF012
-    inputs: Annotated[
-        dict[Name, InputTable],
-        few_named("inputs", "[inputs.motor]"),
-        Field(description="Run-time inputs by name.", json_schema_extra=_NAMED),
-    ] = {}  # noqa: RUF012
-    outputs: dict[str, OutputTable] = {}  # noqa: RUF012
-    parameters: Annotated[
-        dict[Name, FunctionParameterTable],
-        few_named("parameters", "[parameters.amplitude]"),
-        Field(description="Run-time parameters that functions of time call by name.", json_schema_extra=_NAMED),
-    ] = {}  # noqa: RUF012
-    tables: Annotated[
-        dict[Name, ValuesTable],
-        few_named("tables", "[tables.load]"),
-        Field(description="Tables of values that functions of time call by name.", json_schema_extra=_NAMED),
-    ] = {}  # noqa: RUF012
-    simulation: SimulationTable | None = None
-    plots: Annotated[
-        dict[Name, PlotInput],
-        few_named("plots", "[plots.deflection]"),
-        Field(description="Plots of a simulation by name.", json_schema_extra=_NAMED),
-    ] = {}  # noqa: RUF012
-
-    def settings(self) -> Simulation | None:
-        """The settings of the simulation, if there are any."""
-        return None if self.simulation is None else self.simulation.simulation()
-
-    def drawn(self, references: Mapping[str, Rows]) -> tuple[Plot, ...]:
-        """The models of the plots; `references` are the numbers of those with a reference."""
-        return tuple(table.plot(name, references.get(name, ())) for name, table in self.plots.items())
-
-    def scene_of(self, references: Mapping[str, Rows]) -> Scene:
-        """The model of the scene that the derivation takes; `references` are the numbers of plots with a reference."""
-        gravity = None if self.scene is None else self.scene.gravity
-        return Scene(
-            name=self.name,
-            ground=() if self.ground is None else self.ground.points(),
-            gravity=gravity and (acceleration(gravity[0]), acceleration(gravity[1])),
-            bodies=scene_bodies(self.bodies or {}),
-            joints=tuple(table.joint(name) for name, table in self.joints.items()),
-            drives=tuple(table.drive(name, self.joints) for name, table in self.drives.items()),
-            forces=_forces(self.forces),
-            torques=_forces(self.torques),
-            springs=_forces(self.springs),
-            inputs=tuple(table.input(name) for name, table in self.inputs.items()),
-            outputs=tuple(table.output(name) for name, table in self.outputs.items()),
-            simulation=self.settings(),
-            plots=self.drawn(references),
-            start=None if self.scene is None else self.scene.start,
-        )
 
 
-def _forces(tables: Mapping[str, AnyForceTable]) -> tuple[Any, ...]:
-    """The models of the elements of a section of forces."""
-    return tuple(table.force(name) for name, table in tables.items())
-
-
-def specification_table() -> type[SpecificationTable]:
+def specification_table() -> type[TomlTable]:
     """The table of a whole specification, with the joints, bodies and forces that are registered now."""
-    forces = tuple((section, force_table(section)) for section in DEFAULT_KINDS)
-    return _specification_table(joint_table(), forces, output_table(), tuple(body_tables().items()))
+    forces = tuple((ELEMENTS[section], force_table(section)) for section in DEFAULT_KINDS)
+    elements = (
+        (Joint, joint_table()),
+        *forces,
+        (SceneOutput, output_table()),
+        (Plot, PLOT),
+    )
+    return _specification_table(elements, tuple(body_tables().items()))
 
 
 @cache
 def _specification_table(
-    joint: type[JointTable],
-    forces: tuple[tuple[str, type[AnyForceTable]], ...],
-    output: type[OutputTable],
-    bodies: tuple[tuple[str, type[BodyTable]], ...],
-) -> type[SpecificationTable]:
-    fields: dict[str, Any] = {"joints": (_named(joint, "joints", "[joints.pin]", "Joints by name."), {})}
-    for section, table in forces:
-        example, description = _FORCES[section]
-        fields[section] = (_named(table, section, example, description), {})
-    fields["outputs"] = (_named(output, "outputs", "[outputs.tip]", "Outputs by name."), {})
-    return create_model(
-        "SpecificationTable",
-        __base__=SpecificationTable,
-        __doc__=SpecificationTable.__doc__,
-        bodies=(bodies_field(dict(bodies)) | None, None),
-        **fields,
+    elements: tuple[tuple[type, DeclaredTable], ...], bodies: tuple[tuple[str, DeclaredTable], ...]
+) -> type[TomlTable]:
+    tables = {**TABLES, **dict(elements)}
+
+    def section(name: str) -> Any:
+        match name:
+            case "ground":
+                return GROUND_TABLE | None, None
+            case "scene":
+                return SCENE_TABLE | None, None
+            case "bodies":
+                return bodies_field(dict(bodies)) | None, None
+            case "simulation":
+                return SIMULATION.value | None, None
+            case _ if name in _OTHERS:
+                return _OTHERS[name], {}
+            case _:
+                return key_field(_OF_SCENE[name], False, tables)
+
+    sections: dict[str, Any] = {name: section(name) for name in (*SCENE, "simulation", "plots")}
+    doc = "A specification for Tisserand: a beam, a body in space, or a scene of planar bodies."
+    return keyed_model("SpecificationTable", doc, (), SpecificationKeys, others=sections)
+
+
+_OTHERS = {
+    "parameters": Annotated[
+        by_name(FUNCTION_PARAMETER, "parameters", "[parameters.amplitude]"),
+        Field(description="Run-time parameters that functions of time call by name."),
+    ],
+    "tables": Annotated[
+        by_name(VALUES_TABLE, "tables", "[tables.load]"),
+        Field(description="Tables of values that functions of time call by name."),
+    ],
+}
+"""The sections that functions of time call by name, and that are read before them."""
+
+
+def plots(table: Any, references: Mapping[str, Rows]) -> tuple[Plot, ...]:
+    """The plots of a specification; `references` are the numbers of those with a reference."""
+    return tuple(
+        plot
+        if plot.reference is None
+        else replace(plot, reference=replace(plot.reference, rows=references.get(plot.name, ())))
+        for plot in table.plots
     )
 
 
-def _named(table: type[TomlTable], noun: str, example: str, description: str) -> Any:
-    """The type of tables of one kind by their names."""
-    field = Field(description=description, json_schema_extra=_NAMED)
-    return Annotated[dict[Name, table], few_named(noun, example), field]  # type: ignore[valid-type]  # made of a registry
+def scene(table: Any, references: Mapping[str, Rows]) -> Scene:
+    """The scene that a table describes; `references` are the numbers of plots with a reference."""
+    sections: dict[str, Any] = {section: getattr(table, section) for section in NAMED}
+    sections["drives"] = tuple(with_speed_unit(drive, table.joints) for drive in table.drives)
+    sections["plots"] = plots(table, references)
+    return Scene(
+        name=table.name,
+        ground=() if table.ground is None else table.ground.markers,
+        gravity=None if table.scene is None else table.scene.gravity,
+        start=None if table.scene is None else table.scene.start,
+        simulation=table.simulation,
+        **sections,
+    )
 
 
 def json_schema() -> str:

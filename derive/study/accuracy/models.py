@@ -20,7 +20,7 @@ from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
 from derive.spec.parsing import choices
-from derive.spec.tables.beam_shapes import frame_from
+from derive.spec.tables.beam import frame_from
 from derive.study.accuracy.rigid_beam import rigid_beam, rigid_loads
 from derive.study.table import columns
 from derive.terminal import beam_count

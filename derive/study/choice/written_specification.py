@@ -11,12 +11,12 @@ from typing import Any
 import tomlkit
 
 from derive.mechanics.multibody.bodies.beam_loads import resultants
-from derive.mechanics.multibody.keys import KeyType
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.scene import BeamBody, RigidBody, Scene

@@ -11,9 +11,9 @@ import sympy as sp
 
 from derive.mechanics.body import Body
 from derive.mechanics.motion.material_points import MaterialPoint
-from derive.mechanics.multibody.keys import Key
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.forces import Force
+from derive.spec.model.keys import Key
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.scene import Joint, SceneBody

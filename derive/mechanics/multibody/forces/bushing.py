@@ -17,11 +17,11 @@ from derive.mechanics.multibody.forces.force_type import (
     section_rotation,
     torque_terms,
 )
-from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.forces import Bushing
+from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
 
 DIRECTIONS = {"x": ("along x", "N", "m"), "y": ("along y", "N", "m"), "rotation": ("about e3", "N m", "rad")}

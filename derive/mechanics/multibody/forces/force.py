@@ -15,11 +15,11 @@ from derive.mechanics.multibody.forces.force_type import (
     force_terms,
     section_rotation,
 )
-from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
-from derive.spec.model.forces import FORCE_FRAMES, Force
+from derive.spec.model.forces import Force
+from derive.spec.model.keys import value_keys
 from derive.spec.model.markers import MarkerRef
 
 
@@ -28,24 +28,7 @@ class ForceAtMarker(ForceType[Force]):
 
     section = "forces"
     doc = "with given components"
-    keys = (
-        Key(
-            "components",
-            KeyType.FUNCTION_PAIR,
-            "N",
-            "Components in the frame of the force, N: numbers, or functions of t.",
-            required=True,
-        ),
-        Key(
-            "frame",
-            KeyType.CHOICE,
-            "",
-            "The frame of the components: inertial, or body, which rotates with the section of the body at the marker, "
-            "so that the force follows the body.",
-            default="inertial",
-            choices=FORCE_FRAMES,
-        ),
-    )
+    keys = value_keys(Force)
     intermediates = ("1", "2", "cos", "sin")
 
     def generalised_force(

@@ -9,12 +9,12 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 import sympy as sp
 
-from derive.mechanics.multibody.keys import Key
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Symbol, element
 from derive.mechanics.terms import EquationOfMotion, Intermediate, Term
 from derive.spec.model.forces import CustomForce, SceneForce
+from derive.spec.model.keys import Key
 from derive.spec.model.markers import MarkerRef
 
 F = TypeVar("F", bound=SceneForce)

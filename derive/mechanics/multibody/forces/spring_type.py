@@ -9,8 +9,8 @@ from typing import Any
 import sympy as sp
 
 from derive.mechanics.multibody.forces.force_type import ForceType, Values
-from derive.mechanics.multibody.keys import Key, KeyType
 from derive.spec.model.forces import Spring
+from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
 
 POWERS = {"quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5}

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from derive.mechanics.multibody.forces.force_type import ForceType, GeneralisedForce, Values, define, torque_terms
-from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.forces import Torque
+from derive.spec.model.keys import value_keys
 from derive.spec.model.markers import MarkerRef
 
 
@@ -19,7 +19,7 @@ class TorqueAtMarker(ForceType[Torque]):
 
     section = "torques"
     doc = "with a given value"
-    keys = (Key("value", KeyType.FUNCTION, "N m", "Torque, N m: a number, or a function of t.", required=True),)
+    keys = value_keys(Torque)
     intermediates = ("torque",)
 
     def generalised_force(

@@ -7,9 +7,9 @@ from typing import ClassVar
 
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.multibody.joints.relative_rows import Axes, RelativeRow
-from derive.mechanics.multibody.keys import Key
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
 from derive.mechanics.terms import Intermediate
+from derive.spec.model.keys import Key
 from derive.spec.model.scene import Joint
 
 Point = tuple[float, float]

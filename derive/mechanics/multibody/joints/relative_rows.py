@@ -16,11 +16,11 @@ from functools import lru_cache
 
 import sympy as sp
 
-from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import Intermediate
+from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.scene import Joint
 
 AXIS = Key("axis", KeyType.DIRECTION, "", "Direction of the line of a translational joint in the frame of body 1.")

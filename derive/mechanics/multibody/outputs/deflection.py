@@ -3,28 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import sympy as sp
 
-from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.outputs.marker_motion import MARKER
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.point_motion import length_of
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.plots import Deflection
 
-CHORD = Key(
-    "chord",
-    KeyType.MARKER_PAIR,
-    "",
-    'Markers at the beginning and the end of the chord, such as ["rod.left", "rod.right"]; the deflection is positive '
-    "to its left.",
-    required=True,
-)
-DIVIDED_BY = Key(
-    "divided_by", KeyType.POSITIVE, "m", "Length by which the deflection is divided, m; by default it is a length."
-)
+CHORD, DIVIDED_BY = (key for key in declared_keys(Deflection) if key.name in ("chord", "divided_by"))
 
 Number = TypeVar("Number")
 
@@ -51,7 +43,7 @@ class ChordDeflection(OutputType):
     """The distance of a marker from the chord between two markers."""
 
     doc = "the distance of a marker from the chord between two markers, positive to its left"
-    keys = (MARKER, CHORD, DIVIDED_BY)
+    keys = (MARKER, CHORD, replace(DIVIDED_BY, type=KeyType.POSITIVE))
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Return one component: a length, or a ratio."""

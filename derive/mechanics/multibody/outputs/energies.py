@@ -8,10 +8,10 @@ from typing import Any
 import sympy as sp
 
 from derive.mechanics.multibody.instances import InstanceEquations
-from derive.mechanics.multibody.keys import Key
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.symbols import Family, identity
+from derive.spec.model.keys import Key
 
 
 class Energies(OutputType):

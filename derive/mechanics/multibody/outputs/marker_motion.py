@@ -7,11 +7,11 @@ from typing import Any
 
 import sympy as sp
 
-from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, length_of
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.time_functions import Atan2
+from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
 
 MARKER = Key("marker", KeyType.MARKER, "", 'The marker, such as "rod.right".', required=True)

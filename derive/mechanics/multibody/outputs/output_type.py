@@ -9,9 +9,9 @@ from typing import Any
 
 import sympy as sp
 
-from derive.mechanics.multibody.keys import Key
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.terms import ModelConstant
+from derive.spec.model.keys import Key
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from typing import Any
 import sympy as sp
 
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.scene_mechanics import Resultant, SceneMechanics
+from derive.spec.model.keys import Key, KeyType
 
 
 class Reaction(OutputType):

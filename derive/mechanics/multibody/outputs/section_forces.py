@@ -12,11 +12,11 @@ from typing import Any
 import sympy as sp
 
 from derive.mechanics import quantity
-from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.outputs.beam_section import BeamSection, piece_of_component
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
 
 SECTION = Key("section", KeyType.BEAM_MARKER, "", 'A marker of a beam, such as "rod.middle".', required=True)

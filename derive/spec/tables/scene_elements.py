@@ -1,0 +1,95 @@
+"""The tables of the elements of a scene: joints, drives, forces, torques, springs, inputs and outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, FORCES, kinds
+from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.spec.model.forces import Force, SceneForce, Spring, Torque
+from derive.spec.model.keys import KeyType, declared_keys
+from derive.spec.model.ports import SceneOutput
+from derive.spec.model.quantity import Parameter
+from derive.spec.model.scene import NAMED, CustomJoint, Drive, Joint, JointInitialValues, SceneInput
+from derive.spec.parsing.values import WrongValueError
+from derive.spec.tables.declared_tables import DeclaredTable, declare
+from derive.spec.tables.registered_tables import registered_table
+
+ELEMENTS: dict[str, type] = {"forces": Force, "torques": Torque, "springs": Spring}
+"""The frozen type whose markers and description the elements of a section have."""
+
+
+def _check_input(given: SceneInput) -> None:
+    if given.function is not None and given.function.kind == "input":
+        raise WrongValueError("the value of an input is a number or a function of t, not another input")
+
+
+def _drive(motion: Any = None, speed: Any = None, **given: Any) -> Drive:
+    if (motion is None) == (speed is None):
+        raise WrongValueError('write either motion = "0.1*sin(2*pi*t)", a function of t, or speed = 150')
+    if motion is not None and "offset" in given:
+        raise WrongValueError("`offset` goes with `speed`; add it to `motion` instead")
+    return Drive(motion=motion, speed=speed, **given)
+
+
+JOINT_START = declare(JointInitialValues, "JointStartTable")
+DRIVE = declare(Drive, "DriveTable", make=_drive)
+INPUT = declare(SceneInput, "InputTable", check=_check_input)
+
+
+def speed_unit(kind: str) -> str | None:
+    """The unit of the speed of a drive of a joint of some kind; None if there is no such drive."""
+    joint_type = JOINTS.get(kind)
+    return joint_type.driven.speed_unit if joint_type and joint_type.driven else None
+
+
+def with_speed_unit(drive: Drive, joints: tuple[Joint, ...]) -> Drive:
+    """The drive with the unit of its speed, where that is a parameter without a unit."""
+    if not isinstance(drive.speed, Parameter) or drive.speed.unit:
+        return drive
+    (kind,) = (joint.kind for joint in joints if joint.name == drive.joint)
+    return replace(drive, speed=replace(drive.speed, unit=speed_unit(kind) or ""))
+
+
+def joint_table() -> DeclaredTable:
+    """The table of a joint, with the kinds and keys of all joints that are registered now."""
+    return registered_table("JointTable", Joint.__doc__, "joint", (*JOINTS.items(),), declared_keys(Joint), _joint)
+
+
+def _joint(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> Joint:
+    first, second = own["first"]
+    fields = {key: given.pop(key) for key in ("angle", "axis") if key in given}
+    if given:
+        return CustomJoint("", kind, first, second, values=given, start=own["start"], **fields)
+    return Joint("", kind, first, second, start=own["start"], **fields)
+
+
+def force_table(section: str) -> DeclaredTable:
+    """The table of an element of a section, with all kinds that are registered now."""
+    of = ELEMENTS[section]
+    keys = tuple(key for key in declared_keys(of) if key.type in (KeyType.MARKER, KeyType.MARKER_PAIR))
+    types = (*kinds(section).items(),)
+    return registered_table(
+        f"{of.__name__}Table", of.__doc__, NAMED[section], types, keys, _force, DEFAULT_KINDS[section]
+    )
+
+
+def _force(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SceneForce:
+    force_type = FORCES[kind]
+    for key, value in given.items():
+        if key in force_type.lengths and (value.default if isinstance(value, Parameter) else value) < 0:
+            raise WrongValueError(f"`{key}` is a length, zero or more; only that of a rotational spring has a sign")
+    markers = tuple(marker for value in own.values() for marker in (value if isinstance(value, tuple) else (value,)))
+    return force_type.element("", kind, markers, given)
+
+
+def output_table() -> DeclaredTable:
+    """The table of an output, with the kinds and keys of all outputs that are registered now."""
+    return registered_table("OutputTable", SceneOutput.__doc__, "output", (*OUTPUTS.items(),), (), _output)
+
+
+def _output(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SceneOutput:
+    return SceneOutput("", kind, given)
