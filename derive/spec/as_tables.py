@@ -1,52 +1,28 @@
-"""Specifications built in Python as the tables that a TOML file would hold, so that both pass the same checks."""
+"""Specifications built in Python as the tables that a TOML file would hold, so that both pass the same checks.
+
+The keys of a frozen type are those that it declares; the types whose tables are otherwise are in `_SPECIAL`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, fields, is_dataclass
 from typing import Any, assert_never
 
 from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.multibody.forces.registry import FORCES
-from derive.spec.model.body import (
-    AttachedMass,
-    AxialDeformation,
-    BeamDamping,
-    BodyFrame,
-    Damping,
-    DisplacementOrder,
-    Frame,
-    Marker,
-    NodalBody,
-    NodeMarker,
-    PlanarBeam,
-    ShapeFamily,
-    SymbolicBody,
-)
-from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
+from derive.spec.model.body import DisplacementOrder, Marker, NodalBody, NodeData, NodeMarker, PlanarBeam, SymbolicBody
+from derive.spec.model.forces import Bushing, CustomForce, Spring
+from derive.spec.model.keys import Key, KeyType, declared_keys, has_name
 from derive.spec.model.markers import MarkerRef, PointMarker
-from derive.spec.model.plots import ColumnCurves, Plot, ReferenceCurve
+from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import (
-    NAMED,
-    BeamBody,
-    CustomBody,
-    CustomJoint,
-    DistributedLoad,
-    Drive,
-    Joint,
-    JointInitialValues,
-    RigidBody,
-    Scene,
-    SceneInput,
-    Specification,
-)
+from derive.spec.model.scene import NAMED, BeamBody, CustomBody, CustomJoint, Joint, Scene, Specification
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
-from derive.spec.model.simulation import InitialValues, Simulation, SpatialStart
 from derive.spec.model.time_function import TimeFunction
 
-Data = dict[str, object]
+Data = dict[str, Any]
 
 
 def specification_tables(spec: Specification) -> Data:
@@ -66,7 +42,9 @@ def scene_tables(scene: Scene) -> Data:
         tables["scene"] = without_none(gravity=as_table(scene.gravity), start=scene.start)
     functions = (function for _, function in (*time_functions(scene), *input_functions(scene)))
     if parameters := {p.symbol: p for function in functions for p in function_parameters(function)}:
-        tables["parameters"] = {name: _function_parameter(p) for name, p in parameters.items()}
+        tables["parameters"] = {
+            name: without_none(default=p.default, unit=p.unit or None) for name, p in parameters.items()
+        }
     for kind in NAMED:
         if elements := getattr(scene, kind):
             tables[kind] = named(kind, elements)
@@ -84,7 +62,7 @@ def named(kind: str, elements: Any) -> Any:
 
     Anything else stays what it is, for the checks to refuse. Raises SpecError where two elements have the same name.
     """
-    if not isinstance(elements, (list, tuple)) or not all(type(element) in _CONVERT for element in elements):
+    if not isinstance(elements, (list, tuple)) or not all(has_name(type(element)) for element in elements):
         return as_table(elements)
     tables: Data = {}
     for element in elements:
@@ -98,16 +76,17 @@ def named(kind: str, elements: Any) -> Any:
 
 def as_table(value: Any) -> Any:
     """A value in the form that a table has; tables and sequences are converted with all their elements."""
-    if isinstance(value, TimeFunction):
-        return {"input": value.name} if value.kind == "input" else value
-    convert = _CONVERT.get(type(value))
-    if convert is not None:
-        return as_table(convert(value))
+    if (special := _SPECIAL.get(type(value))) is not None:
+        return special(value)
     if isinstance(value, Mapping):
         return {key: as_table(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
         return type(value)(as_table(item) for item in value)
-    return value
+    return _declared(value) if _declares_keys(type(value)) else value
+
+
+def _declares_keys(of: type) -> bool:
+    return is_dataclass(of) and bool(declared_keys(of))
 
 
 def without_none(**keys: object) -> Data:
@@ -115,27 +94,29 @@ def without_none(**keys: object) -> Data:
     return {key: value for key, value in keys.items() if value is not None}
 
 
-def _markers(markers: Iterable[Marker | NodeMarker | PointMarker]) -> Data:
-    return {marker.name: as_table(marker) for marker in markers}
+def _declared(of: Any) -> Data:
+    """The table of the keys that a frozen type declares, without those that have no value."""
+    defaults = {field.name: field.default for field in fields(of)}
+    of_type: type = type(of)
+    keys = (key for key in declared_keys(of_type) if key.field in defaults)
+    return without_none(**{key.name: _written(key, of, defaults[key.field]) for key in keys})
+
+
+def _written(key: Key, of: Any, default: object) -> Any:
+    """The value of a key in a table; None if there is none, and for zeros and the like that the key has by default."""
+    value = getattr(of, key.field)
+    if key.type is KeyType.MARKER_PAIR:
+        return [*as_table(value if isinstance(value, tuple) else (of.first, of.second))]
+    if isinstance(value, tuple) and key.has_names:
+        return {element.name: as_table(element) for element in value}
+    if not value and value == default:
+        return None
+    table = as_table(value)
+    return None if table == {} and key.default is None else table
 
 
 def _beam(beam: PlanarBeam) -> Data:
-    return without_none(
-        ansatz=beam.ansatz,
-        frame=beam.frame,
-        orthogonal=beam.orthogonal,
-        ends=beam.ends,
-        mass=beam.mass,
-        length=beam.length,
-        bending_stiffness=beam.bending_stiffness,
-        markers=_markers(beam.markers),
-        gravity=beam.gravity,
-        start=beam.start,
-        axial=as_table(beam.axial),
-        damping=as_table(beam.damping),
-        masses={mass.name: mass for mass in beam.masses} or None,
-        **_order(beam.order),
-    )
+    return {**_declared(beam), "orthogonal": beam.orthogonal, "order": 1, **_order(beam.order)}
 
 
 def _order(order: DisplacementOrder) -> Data:
@@ -151,68 +132,22 @@ def _order(order: DisplacementOrder) -> Data:
 
 
 def _nodal_body(body: NodalBody) -> Data:
-    return without_none(
-        nodes=body.data,
-        units="SI",
-        modes=body.modes,
-        frame=body.frame,
-        orthonormal=body.orthonormal,
-        damping=as_table(body.damping),
-        gravity=body.gravity,
-        lowering=body.lowering,
-        markers=_markers(body.markers),
-        start=body.start,
-        order=(2 if body.second_order else 1) if body.data.has_geometric_stiffness else None,
-    )
-
-
-def _spatial_start(start: SpatialStart) -> Data:
-    keys = asdict(start)
-    return {"rotation": keys.pop("quaternion"), **keys}
-
-
-def _symbolic_body(body: SymbolicBody) -> Data:
-    return without_none(
-        integrals="symbolic",
-        modes=body.modes,
-        frame=body.frame,
-        damping=body.damping,
-        gravity=body.gravity,
-        lowering=body.lowering,
-    )
-
-
-def _rigid_body(body: RigidBody) -> Data:
-    return without_none(
-        mass=body.mass,
-        inertia=body.inertia,
-        centre=body.centre,
-        markers=_markers(body.markers),
-        start=body.start,
-        keep_coordinates=body.keep_coordinates,
-    )
+    table = {"units": "SI", **_declared(body)}
+    order = (2 if body.second_order else 1) if body.data.has_geometric_stiffness else None
+    return without_none(**{**table, "order": order})
 
 
 def _joint(joint: Joint) -> Data:
     default = Joint(joint.name, joint.kind, joint.first, joint.second)
-    return without_none(
-        kind=joint.kind,
-        between=[joint.first, joint.second],
-        angle=joint.angle if joint.angle != default.angle else None,
-        axis=joint.axis if joint.axis != default.axis else None,
-        start=joint.start,
-        **(joint.values if isinstance(joint, CustomJoint) else {}),
-    )
-
-
-def _function_parameter(parameter: Parameter) -> Data:
-    return without_none(default=parameter.default, unit=parameter.unit or None)
+    given = {key: getattr(joint, key) for key in ("angle", "axis") if getattr(joint, key) != getattr(default, key)}
+    own = joint.values if isinstance(joint, CustomJoint) else {}
+    return {"kind": joint.kind, **_declared(joint), **as_table({**given, **own})}
 
 
 def _spring(spring: Spring | Bushing) -> Data:
     values = FORCES[spring.kind].specified(spring)
     given = {key: value for key, value in values.items() if key == "stiffness" or value}
-    return {"kind": spring.kind, "between": [spring.first, spring.second], **given}
+    return {"kind": spring.kind, "between": [str(spring.first), str(spring.second)], **as_table(given)}
 
 
 def _custom_force(force: CustomForce) -> Data:
@@ -222,70 +157,28 @@ def _custom_force(force: CustomForce) -> Data:
             markers = {"between": [*force.markers]}
         case _:
             markers = dict(zip(("at", "against"), force.markers, strict=False))
-    return {"kind": force.kind, **markers, **force.values}
+    return {"kind": force.kind, **as_table({**markers, **force.values})}
 
 
-def _plot(plot: Plot) -> Data:
-    quantity = plot.quantity
-    keys: Data
-    if isinstance(quantity, ColumnCurves):
-        keys = {"x": quantity.x, "y": list(quantity.y)}
-    else:
-        keys = {"deflection": quantity.marker, "chord": [*quantity.chord], "divided_by": quantity.divided_by}
-    return without_none(
-        **keys,
-        over=plot.over,
-        cut=plot.cut,
-        pieces=plot.pieces or None,
-        reference=plot.reference,
-    )
-
-
-_CONVERT: Mapping[type, Callable[[Any], object]] = {
+_SPECIAL: Mapping[type, Callable[[Any], Any]] = {
     Parameter: asdict,
-    ShapeFamily: lambda family: {"kind": family.kind, "count": family.count},
-    Frame: lambda frame: without_none(kind=frame.kind, at=frame.at),
-    BodyFrame: lambda frame: without_none(kind=frame.kind, node=frame.node, around=frame.around or None),
-    Damping: lambda damping: {key: value for key, value in asdict(damping).items() if value} or None,
-    BeamDamping: lambda damping: {key: value for key, value in vars(damping).items() if value} or None,
-    AxialDeformation: lambda axial: without_none(
-        ansatz=axial.ansatz, stiffness=axial.stiffness, preload=axial.preload or None
-    ),
-    AttachedMass: lambda mass: without_none(at=mass.at, mass=mass.mass, inertia=mass.inertia or None),
-    Marker: lambda marker: marker.at,
+    TimeFunction: lambda function: {"input": function.name} if function.kind == "input" else function,
+    NodeData: lambda data: data,
+    Marker: lambda marker: as_table(marker.at),
     NodeMarker: lambda marker: marker.node,
-    PointMarker: lambda marker: [marker.x, marker.y],
+    PointMarker: lambda marker: [as_table(marker.x), as_table(marker.y)],
     MarkerRef: str,
     PlanarBeam: _beam,
     NodalBody: _nodal_body,
-    SymbolicBody: _symbolic_body,
-    RigidBody: _rigid_body,
-    BeamBody: lambda body: {
-        **_beam(body.beam),
-        "pieces": body.pieces,
-        "start": body.start,
-        **({"loads": {load.name: load for load in body.loads}} if body.loads else {}),
-    },
-    DistributedLoad: lambda load: {"force": load.force, "time": load.time, "frame": load.frame},
-    CustomBody: lambda body: {**body.values, "markers": _markers(body.markers), "start": body.start},
-    InitialValues: lambda start: without_none(**{**asdict(start), "guess": start.guess or None}),
-    JointInitialValues: lambda start: without_none(**{**asdict(start), "guess": start.guess or None}),
+    SymbolicBody: lambda body: {"integrals": "symbolic", **_declared(body)},
+    BeamBody: lambda body: {**_beam(body.beam), **_declared(body)},
+    CustomBody: lambda body: {**as_table(body.values), **_declared(body)},
     Joint: _joint,
     CustomJoint: _joint,
-    Drive: lambda drive: without_none(
-        joint=drive.joint, motion=drive.motion, speed=drive.speed, offset=drive.offset or None, start=drive.start
-    ),
-    Force: lambda force: without_none(
-        at=force.at, components=force.components, frame=None if force.frame == "inertial" else force.frame
-    ),
-    Torque: lambda torque: without_none(at=torque.at, value=torque.value, against=torque.against),
     Spring: _spring,
     Bushing: _spring,
     CustomForce: _custom_force,
-    SceneInput: lambda given: without_none(unit=given.unit or None, value=given.function),
-    SceneOutput: lambda output: {"kind": output.kind, **output.values},
-    Simulation: lambda simulation: without_none(**asdict(simulation)),
-    SpatialStart: _spatial_start,
-    Plot: _plot,
-    ReferenceCurve: lambda curve: {"file": curve.file, "x": curve.x, "y": curve.y},
+    SceneOutput: lambda output: {"kind": output.kind, **as_table(output.values)},
+    Plot: lambda plot: {**_declared(plot.quantity), **_declared(plot)},
 }
+"""The functions from values to tables for the types whose keys are not those that they declare."""

@@ -5,9 +5,11 @@ Every function raises SpecError with all faults; paths are those of a TOML file,
 
 from __future__ import annotations
 
+import inspect
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from textwrap import fill
 from typing import Any, TypeVar
 
 from derive.spec.as_tables import as_table, named, specification_tables, without_none
@@ -32,6 +34,7 @@ from derive.spec.model.body import (
     SymbolicFrame,
 )
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
+from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import PointMarker
 from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
@@ -48,8 +51,23 @@ Named = Mapping[str, Element | Table] | Sequence[Element]
 """The type of elements with names: a mapping from names to tables or typed values, or a sequence of typed values."""
 
 S = TypeVar("S", bound=Specification)
+Function = TypeVar("Function", bound=Callable[..., Specification])
 
 
+def _documented(of: type) -> Callable[[Function], Function]:
+    """A decorator that adds to the docstring of a function the descriptions of the keys that a type declares."""
+
+    def documented(function: Function) -> Function:
+        parameters = inspect.signature(function).parameters
+        keys = (key for key in declared_keys(of) if key.name in parameters and key.description)
+        lines = (fill(f"{key.name}: {key.description}", 100, subsequent_indent="    ") for key in keys)
+        function.__doc__ = "\n".join((f"{inspect.getdoc(function)}\n", *lines))
+        return function
+
+    return documented
+
+
+@_documented(PlanarBeam)
 def planar_beam(
     name: str,
     *,
@@ -70,31 +88,15 @@ def planar_beam(
 ) -> PlanarBeam:
     """A uniform slender beam that moves in a plane.
 
-    ansatz: shape functions, texts such as "xi^2 - 1/3" or tuples of coefficients, or a ShapeFamily; frame: "mean",
-    "point", "chord", "given", or a Frame, by default "mean" or what the family is for; mass (kg), length (m) and
-    bending_stiffness (N m^2): numbers or parameters, where a float is the decimal it is printed as; markers: names
-    and places xi from -1 to 1; ends: "pinned" or "free", what polynomials fulfil at both ends as well; gravity: two
-    components, m/s^2; axial: { ansatz, stiffness, preload } of a beam that stretches; damping: { ratio = ... } of
-    critical in each free mode, or factors of the mass (1/s) and stiffness (s) matrices; order: 1 as in the paper, or 2,
-    where the beam shortens as it bends; terms: "truncated" or "full", for order 2; masses: by name tables of `at` (xi),
-    `mass` (kg) and `inertia` (kg m^2), or AttachedMass.
+    Numbers may be texts, such as "1/3"; a float is the decimal that it is printed as. Polynomials are texts, such as
+    "xi^2 - 1/3", or tuples of coefficients.
     """
-    keys = {"ansatz": as_table(ansatz), "mass": mass, "length": length, "bending_stiffness": bending_stiffness}
-    optional = {
-        "frame": frame,
-        "orthogonal": orthogonal,
-        "ends": ends,
-        "gravity": gravity,
-        "axial": as_table(axial),
-        "damping": as_table(damping),
-    }
-    optional |= {"terms": terms, "order": None if order == 1 else order}
-    parts = {"markers": markers or {}, "masses": named("masses", masses) or {}, **without_none(**optional)}
-    result = _validate({"name": name, "beam": {**keys, **parts}})
+    result = _single(planar_beam, "beam", locals())
     assert isinstance(result, PlanarBeam)
     return result
 
 
+@_documented(NodalBody)
 def nodal_body(
     name: str,
     nodes: Nodes,
@@ -111,26 +113,18 @@ def nodal_body(
 ) -> NodalBody:
     """A deformable body in space made of the nodes of a finite-element program.
 
-    nodes: a .npz file, a table of MatrixMarket files or of arrays with the names they have in a .npz file, or NodeData,
-    which are in SI units; units: "SI" or a table of length, mass and time; modes: how many are computed or kept;
-    markers: names and numbers of nodes, from 0; gravity: three components, m/s^2; order: 2 with geometric stiffness
-    matrices among the arrays, as by default, or 1, which leaves them out.
+    The nodes may also be a table of arrays with the names that they have in a .npz file, or NodeData, which are in SI
+    units.
     """
-    optional = {
-        "units": "SI" if units is None and isinstance(nodes, NodeData) else units,
-        "modes": modes,
-        "orthonormal": orthonormal,
-        "damping": as_table(damping),
-        "gravity": gravity,
-        "markers": markers,
-        "order": order,
-    }
-    body = {"nodes": nodes, "frame": frame, "lowering": lowering, **without_none(**optional)}
-    result = _validate({"name": name, "body": body})
+    given = locals()
+    if units is None and isinstance(nodes, NodeData):
+        given["units"] = "SI"
+    result = _single(nodal_body, "body", given)
     assert isinstance(result, NodalBody)
     return result
 
 
+@_documented(SymbolicBody)
 def symbolic_body(
     name: str,
     modes: int,
@@ -141,10 +135,21 @@ def symbolic_body(
     lowering: Lowering = "auto",
 ) -> SymbolicBody:
     """A deformable body in space whose mass, shape integrals and stiffness are run-time parameters."""
-    keys = {"modes": modes, "frame": frame, "damping": damping, "lowering": lowering, **without_none(gravity=gravity)}
-    result = _validate({"name": name, "body": {"integrals": "symbolic", **keys}})
+    result = _single(symbolic_body, "body", {**locals(), "integrals": "symbolic"})
     assert isinstance(result, SymbolicBody)
     return result
+
+
+def _single(function: Callable[..., Specification], kind: str, given: Mapping[str, Any]) -> Specification:
+    """The specification of a single body from the arguments of a function, of which None are not given by default."""
+    parameters = inspect.signature(function).parameters
+    keys: Table = {
+        key: table
+        for key, value in given.items()
+        if key != "name" and not (value is None and key in parameters and parameters[key].default is None)
+        if (table := named(key, value) if key == "masses" else as_table(value)) != {} or isinstance(value, Mapping)
+    }
+    return _validate({"name": given["name"], kind: keys})
 
 
 def scene(
@@ -174,27 +179,17 @@ def scene(
     the initial values of bodies and joints. parameters, tables: what functions of time call by name. Files are
     relative to the working directory.
     """
-    elements = {
-        "bodies": bodies,
-        "joints": joints,
-        "drives": drives,
-        "forces": forces,
-        "torques": torques,
-        "springs": springs,
-        "inputs": inputs,
-        "outputs": outputs,
-        "plots": plots,
-    }
+    sections = locals()
     if isinstance(name, Mapping):
         data = {key: named(key, table) if key in NAMED else table for key, table in name.items()}
     else:
-        markers = named("ground", ground)
+        markers, of_scene = named("ground", ground), without_none(gravity=gravity, start=start)
         data = {
             "name": name,
             **({"ground": {"markers": markers}} if markers else {}),
-            **({"scene": of_scene} if (of_scene := without_none(gravity=gravity, start=start)) else {}),
+            **({"scene": of_scene} if of_scene else {}),
             "bodies": named("bodies", bodies),
-            **{kind: table for kind, given in elements.items() if (table := named(kind, given))},
+            **{kind: table for kind in NAMED if (table := named(kind, sections[kind]))},
             **without_none(parameters=parameters, tables=tables, simulation=simulation),
         }
     result = _validate(data)

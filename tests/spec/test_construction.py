@@ -1,5 +1,6 @@
 """Specifications built in Python: the checks and the texts of TOML files, without lines."""
 
+import inspect
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -8,6 +9,7 @@ import pytest
 
 import derive
 from derive.spec.model.body import AttachedMass
+from derive.spec.model.keys import QUANTITIES, declared_keys
 from derive.spec.toml.read import parse
 
 SCENES = sorted(Path(__file__).resolve().parents[2].joinpath("scenes").glob("*.toml"))
@@ -81,6 +83,29 @@ def in_toml(text: str) -> list[tuple[str, str]]:
 
 def test_typed_values_and_tables_make_the_scene_of_the_file():
     assert pendulum() == parse(PENDULUM)
+
+
+@pytest.mark.parametrize(
+    ("function", "of", "others"),
+    [
+        (derive.planar_beam, derive.PlanarBeam, set()),
+        (derive.nodal_body, derive.NodalBody, set()),
+        (derive.symbolic_body, derive.SymbolicBody, set()),
+        (derive.scene, derive.Scene, {"bodies", "parameters", "tables", "simulation"}),
+    ],
+    ids=lambda value: getattr(value, "__name__", ""),
+)
+def test_the_parameters_of_a_function_are_the_declared_keys(function, of, others):
+    parameters = inspect.signature(function).parameters
+    keys = {key.name: key for key in declared_keys(of)}
+    if of is not derive.Scene:  # what a body alone does in a simulation is not specified in Python
+        keys.pop("start", None)
+    assert {*parameters} == {"name", *keys, *others}
+    for key in (key for key in keys.values() if key.type in QUANTITIES):
+        assert parameters[key.name].default == key.default
+    if of is not derive.Scene:
+        described = " ".join(inspect.getdoc(function).split())
+        assert all(key.description in described for key in keys.values())
 
 
 def test_a_whole_file_as_a_mapping():

@@ -8,7 +8,7 @@ Frozen types declare their keys on their fields, joints, bodies, forces and outp
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import MISSING, Field, dataclass, fields, replace
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass, replace
 from enum import Enum
 from functools import cache
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
@@ -95,9 +95,20 @@ class Key:
     optional: bool = False
     field: str = ""
 
+    @property
+    def has_names(self) -> bool:
+        """Whether the value is a table of elements by their names."""
+        points = (KeyType.POINTS, KeyType.BEAM_POINTS, KeyType.NODE_POINTS)
+        return self.type in points or (isinstance(self.type, type) and has_name(self.type))
+
 
 QUANTITIES = (KeyType.POSITIVE_QUANTITY, KeyType.NOT_NEGATIVE_QUANTITY, KeyType.QUANTITY)
 """The types of values that may be run-time parameters."""
+
+
+def has_name(of: type) -> bool:
+    """Whether a type is a frozen type whose values have names, under which their tables stand in a table."""
+    return is_dataclass(of) and any(field.name == "name" for field in fields(of))
 
 
 def key(of: KeyType | type, description: str, unit: str = "", name: str = "", **more: Any) -> Key:

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field, create_model
 
-from derive.spec.model.keys import QUANTITIES, Key, KeyType, declared_keys
+from derive.spec.model.keys import QUANTITIES, Key, KeyType, declared_keys, has_name
 from derive.spec.tables.quantities import quantity
 from derive.spec.tables.shared import Example, TomlTable, by_name, choice_type, plain_or_table
 from derive.spec.tables.value_types import VALUE_TYPES
@@ -83,11 +83,6 @@ def keyed_model(
     return create_model(title, __base__=base, __doc__=doc, **fields)
 
 
-def has_name(of: type) -> bool:
-    """Whether values of a frozen type have names, under which their tables stand in a table."""
-    return any(field.name == "name" for field in fields(of))
-
-
 def named(table: Any, noun: str, example: str, **schema: Any) -> Any:
     """The type of values by their names, as a sequence of values with names."""
 
@@ -117,8 +112,7 @@ def _shown(key: Key) -> dict[str, Any] | None:
     """The default in the JSON schema, if it is not the value as it is; tables are empty by default."""
     if key.shown is not None:
         return {"default": key.shown}
-    is_table = isinstance(key.type, type) or key.type in (KeyType.POINTS, KeyType.BEAM_POINTS, KeyType.NODE_POINTS)
-    return {"default": {}} if is_table and key.default is not None else None
+    return {"default": {}} if (key.has_names or isinstance(key.type, type)) and key.default is not None else None
 
 
 def value_type(key: Key, tables: Mapping[type, DeclaredTable]) -> Any:
