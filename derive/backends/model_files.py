@@ -57,8 +57,8 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
 ALONE = ("simulation", "start", "plots")
 """The fields of a single body that its model does not depend on."""
 
-UNWRITTEN: dict[str, object] = {"order": DisplacementOrder.FIRST_ORDER, "ends": None, "masses": (), "axial": None}
-"""The fields of a beam that are left out where they have these values, the defaults of the paper's beam."""
+UNWRITTEN = ("order", "ends", "masses", "axial")
+"""The fields of a body that are left out where they have their defaults, those of the paper's beam."""
 
 KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body", Scene: "scene"}
 
@@ -116,9 +116,9 @@ def _exact(value: object) -> object:
 
 
 def _fields(value: Any) -> dict[str, Any]:
-    """The fields of a dataclass, without those of UNWRITTEN that have these values."""
-    every = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
-    return {name: item for name, item in every.items() if name not in UNWRITTEN or item != UNWRITTEN[name]}
+    """The fields of a dataclass, without those of UNWRITTEN that have their defaults."""
+    every = ((f, getattr(value, f.name)) for f in dataclasses.fields(value))
+    return {f.name: item for f, item in every if f.name not in UNWRITTEN or item != f.default}
 
 
 def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> File:

@@ -8,12 +8,14 @@ from typing import NamedTuple
 
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
-from derive.spec.model.keys import KeyType
+from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.scene import NAMED
+from derive.spec.model.plots import Deflection
+from derive.spec.model.scene import NAMED, Joint
 from derive.spec.parsing import scene_values
 from derive.spec.parsing.faults import KeyPath, readable
 from derive.spec.tables.scene_bodies import kind_of_scene_body
+from derive.spec.tables.scene_elements import ELEMENTS
 from derive.spec.tables.shared import MAX_MARKERS, MAX_NAMED
 
 Raw = Mapping[str, object]
@@ -80,13 +82,8 @@ class SceneData:
 
     def marker_refs(self) -> Iterator[WrittenRef]:
         """All references to markers that can be read."""
-        keys = {
-            "joints": ("between",),
-            "forces": ("at",),
-            "torques": ("at", "against"),
-            "springs": ("between",),
-            "plots": ("deflection", "chord"),
-        }
+        types = {"joints": Joint, **ELEMENTS, "plots": Deflection}
+        keys = {kind: [key.name for key in declared_keys(of) if key.type in MARKERS] for kind, of in types.items()}
         for name, table in self.tables["outputs"].items():
             output_type = OUTPUTS.get(str(table.get("kind")))
             declared = output_type.keys if output_type else ()

@@ -15,11 +15,12 @@ from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.motion import si_value
-from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.keys import KeyType
+from derive.spec.model.body import DisplacementOrder, PlanarBeam
+from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
+from derive.spec.model.simulation import OF_BEAMS
 from derive.study.accuracy.models import (
     FAMILIES,
     LadderModel,
@@ -141,7 +142,8 @@ def _carry_loads(document: MutableMapping[str, Any], beam: BeamBody) -> None:
 
 def _make_rigid(table: MutableMapping[str, Any], body: RigidBody) -> None:
     """Write the keys of a rigid body in place of those of a beam."""
-    for key in ("length", "bending_stiffness", "damping", "axial", "masses"):
+    rigid = {key.name for key in declared_keys(RigidBody)}
+    for key in {key.name for of in (PlanarBeam, BeamBody) for key in declared_keys(of)} - rigid:
         table.pop(key, None)
     assert body.mass is not None and body.inertia is not None
     table["mass"], table["inertia"] = si_value(body.mass), si_value(body.inertia)
@@ -153,12 +155,11 @@ def _make_rigid(table: MutableMapping[str, Any], body: RigidBody) -> None:
     start = table.get("start")
     if start is None:
         return
-    for key in ("deflection", "deflection_rate"):
-        start.pop(key, None)
-    for key in ("position", "angle", "velocity", "spin"):
-        value = getattr(body.start, key)
-        if key in start and value is not None:
-            start[key] = list(value) if isinstance(value, tuple) else value
+    for name in OF_BEAMS:
+        start.pop(name, None)
+    for name, value in vars(body.start).items():
+        if name in start and name != "guess" and value is not None:
+            start[name] = list(value) if isinstance(value, tuple) else value
     if body.start.guess:
         start["guess"] = True
 
