@@ -32,7 +32,7 @@ MAX_NAMED = 100
 class TomlTable(BaseModel):
     """A table in which every key is known."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 class SchemaExtra:
