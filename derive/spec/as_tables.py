@@ -109,7 +109,7 @@ def _written(key: Key, of: Any, default: object) -> Any:
         return [*as_table(value if isinstance(value, tuple) else (of.first, of.second))]
     if isinstance(value, tuple) and key.has_names:
         return {element.name: as_table(element) for element in value}
-    if not value and value == default:
+    if value == default and (not value or key.type is KeyType.DIRECTION):
         return None
     table = as_table(value)
     return None if table == {} and key.default is None else table
@@ -137,17 +137,9 @@ def _nodal_body(body: NodalBody) -> Data:
     return without_none(**{**table, "order": order})
 
 
-def _joint(joint: Joint) -> Data:
-    default = Joint(joint.name, joint.kind, joint.first, joint.second)
-    given = {key: getattr(joint, key) for key in ("angle", "axis") if getattr(joint, key) != getattr(default, key)}
-    own = joint.values if isinstance(joint, CustomJoint) else {}
-    return {"kind": joint.kind, **_declared(joint), **as_table({**given, **own})}
-
-
-def _spring(spring: Spring | Bushing) -> Data:
-    values = FORCES[spring.kind].specified(spring)
-    given = {key: value for key, value in values.items() if key == "stiffness" or value}
-    return {"kind": spring.kind, "between": [str(spring.first), str(spring.second)], **as_table(given)}
+def _of_kind(element: Joint | Spring | Bushing) -> Data:
+    values = element.values if isinstance(element, CustomJoint) else {}
+    return {"kind": element.kind, **_declared(element), **as_table(values)}
 
 
 def _custom_force(force: CustomForce) -> Data:
@@ -173,10 +165,10 @@ _SPECIAL: Mapping[type, Callable[[Any], Any]] = {
     SymbolicBody: lambda body: {"integrals": "symbolic", **_declared(body)},
     BeamBody: lambda body: {**_beam(body.beam), **_declared(body)},
     CustomBody: lambda body: {**as_table(body.values), **_declared(body)},
-    Joint: _joint,
-    CustomJoint: _joint,
-    Spring: _spring,
-    Bushing: _spring,
+    Joint: _of_kind,
+    CustomJoint: _of_kind,
+    Spring: _of_kind,
+    Bushing: _of_kind,
     CustomForce: _custom_force,
     SceneOutput: lambda output: {"kind": output.kind, **as_table(output.values)},
     Plot: lambda plot: {**_declared(plot.quantity), **_declared(plot)},

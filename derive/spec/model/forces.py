@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Annotated, ClassVar, Literal
 
-from derive.spec.model.keys import KeyType, key
+from derive.spec.model.keys import Key, KeyType, key
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.time_function import TimeFunction
@@ -92,11 +92,17 @@ class _BetweenMarkers:
         return (self.first, self.second)
 
 
+def _coefficient(power: int) -> Key:
+    """The key of the coefficient of a power of the extension in the characteristic of a spring."""
+    text = f"Coefficient of power {power} of the extension in the characteristic, N/m^{power} or N m/rad^{power}."
+    return key(KeyType.QUANTITY, text, f"{{force}}/{{length}}^{power}")
+
+
 @dataclass(frozen=True)
 class Spring(_BetweenMarkers):
     """A spring with a damper between two markers."""
 
-    # Its keys are those of its kind in the registry of forces. With the extension x = length - rest its force is
+    # The units depend on the kind, a name of the registry of forces. With the extension x = length - rest its force is
     # stiffness * x + quadratic * x^2 + ... + quintic * x^5 + damping * (rate of the length); for rotational ones the
     # length is the rotation of the second marker against the first.
 
@@ -104,13 +110,39 @@ class Spring(_BetweenMarkers):
     kind: str
     first: Annotated[MarkerRef, replace(BETWEEN, example='["ground.bearing", "slider.pin"]')]
     second: MarkerRef
-    stiffness: Quantity
-    damping: Quantity = Fraction(0)
-    rest: Quantity = Fraction(0)
-    quadratic: Quantity = Fraction(0)
-    cubic: Quantity = Fraction(0)
-    quartic: Quantity = Fraction(0)
-    quintic: Quantity = Fraction(0)
+    stiffness: Annotated[
+        Quantity,
+        key(KeyType.NOT_NEGATIVE_QUANTITY, "Stiffness, N/m or N m/rad.", "{force}/{length}", example="1000"),
+    ]
+    damping: Annotated[
+        Quantity,
+        key(KeyType.NOT_NEGATIVE_QUANTITY, "Damping constant, N s/m or N m s/rad.", "{force} s/{length}"),
+    ] = Fraction(0)
+    rest: Annotated[
+        Quantity,
+        key(KeyType.QUANTITY, "Length, m, or angle, rad, at which the spring exerts no force.", "{length}"),
+    ] = Fraction(0)
+    quadratic: Annotated[Quantity, _coefficient(2)] = Fraction(0)
+    cubic: Annotated[Quantity, _coefficient(3)] = Fraction(0)
+    quartic: Annotated[Quantity, _coefficient(4)] = Fraction(0)
+    quintic: Annotated[Quantity, _coefficient(5)] = Fraction(0)
+
+
+def _stiffness(direction: str, force: str = "N", length: str = "m") -> Key:
+    return _of_bushing(KeyType.NOT_NEGATIVE_QUANTITY, f"Stiffness {direction}", f"{force}/{length}")
+
+
+def _damping(direction: str, force: str = "N", length: str = "m") -> Key:
+    return _of_bushing(KeyType.NOT_NEGATIVE_QUANTITY, f"Damping constant {direction}", f"{force} s/{length}")
+
+
+def _rest(direction: str, length: str = "m") -> Key:
+    return _of_bushing(KeyType.QUANTITY, f"Displacement at which the spring exerts no force, {direction}", length)
+
+
+def _of_bushing(of: KeyType, text: str, unit: str) -> Key:
+    """The key of a constant of a bushing, in the frame of the section at the first marker."""
+    return key(of, f"{text} of the frame of the first marker, {unit}.", unit)
 
 
 @dataclass(frozen=True)
@@ -122,17 +154,17 @@ class Bushing(_BetweenMarkers):
     """
 
     name: str
-    first: MarkerRef
+    first: Annotated[MarkerRef, BETWEEN]
     second: MarkerRef
-    stiffness_x: Quantity = Fraction(0)
-    stiffness_y: Quantity = Fraction(0)
-    stiffness_rotation: Quantity = Fraction(0)
-    damping_x: Quantity = Fraction(0)
-    damping_y: Quantity = Fraction(0)
-    damping_rotation: Quantity = Fraction(0)
-    rest_x: Quantity = Fraction(0)
-    rest_y: Quantity = Fraction(0)
-    rest_rotation: Quantity = Fraction(0)
+    stiffness_x: Annotated[Quantity, _stiffness("along x")] = Fraction(0)
+    stiffness_y: Annotated[Quantity, _stiffness("along y")] = Fraction(0)
+    stiffness_rotation: Annotated[Quantity, _stiffness("about e3", "N m", "rad")] = Fraction(0)
+    damping_x: Annotated[Quantity, _damping("along x")] = Fraction(0)
+    damping_y: Annotated[Quantity, _damping("along y")] = Fraction(0)
+    damping_rotation: Annotated[Quantity, _damping("about e3", "N m", "rad")] = Fraction(0)
+    rest_x: Annotated[Quantity, _rest("along x")] = Fraction(0)
+    rest_y: Annotated[Quantity, _rest("along y")] = Fraction(0)
+    rest_rotation: Annotated[Quantity, _rest("about e3", "rad")] = Fraction(0)
     kind: ClassVar[str] = "bushing"
 
 

@@ -193,8 +193,23 @@ class Joint:
     kind: str
     first: Annotated[MarkerRef, BETWEEN]
     second: MarkerRef
-    angle: float = 0.0
-    axis: tuple[Fraction, Fraction] = (Fraction(1), Fraction(0))
+    angle: Annotated[
+        float,
+        key(
+            KeyType.FLOAT,
+            "Constant rotation of body 2 relative to body 1, rad; not for revolute joints.",
+            "rad",
+            optional=True,
+        ),
+    ] = 0.0
+    axis: Annotated[
+        tuple[Fraction, Fraction],
+        key(
+            KeyType.DIRECTION,
+            "Direction of the line of a translational joint in the frame of body 1.",
+            optional=True,
+        ),
+    ] = (Fraction(1), Fraction(0))
     start: Annotated[JointInitialValues, JOINT_START] = JointInitialValues()
 
 

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import TypeVar, get_args
 
 from derive.errors import quoted
-from derive.spec.model.body import BodyFrameKind, Ends, FamilyKind, FrameKind, Lowering, SymbolicFrame
+from derive.spec.model.body import BodyFrameKind, FrameKind
 from derive.spec.parsing.faults import did_you_mean
 from derive.spec.parsing.values import WrongValueError, kind_of
 
-FRAME_KINDS: tuple[FrameKind, ...] = ("mean", "point", "chord", "tangent", "given")
-BODY_FRAME_KINDS: tuple[BodyFrameKind, ...] = ("mean", "point", "given")
-ENDS: tuple[Ends, ...] = ("pinned", "free")
-FAMILY_KINDS: tuple[FamilyKind, ...] = ("pinned", "free-free", "clamped-free")
-SECOND_ORDER_TERMS = ("truncated", "full")
-SYMBOLIC_FRAMES: tuple[SymbolicFrame, ...] = ("mean", "given")
-LOWERINGS: tuple[Lowering, ...] = ("auto", "flat", "table")
+FRAME_KINDS: tuple[FrameKind, ...] = get_args(FrameKind)
+BODY_FRAME_KINDS: tuple[BodyFrameKind, ...] = get_args(BodyFrameKind)
 
 _Text = TypeVar("_Text", bound=str)
 
@@ -35,31 +30,6 @@ def frame_kind(value: object) -> FrameKind:
     return choice(value, FRAME_KINDS, "the frame")
 
 
-def ends(value: object) -> Ends:
-    """The conditions on shapes at the ends of a beam."""
-    return choice(value, ENDS, "`ends`")
-
-
-def family_kind(value: object) -> FamilyKind:
-    """The family of shape functions."""
-    return choice(value, FAMILY_KINDS, "the family")
-
-
-def second_order_terms(value: object) -> str:
-    """The terms that a beam of order 2 keeps."""
-    return choice(value, SECOND_ORDER_TERMS, "terms")
-
-
 def body_frame_kind(value: object) -> BodyFrameKind:
     """The kind of the frame of a body of nodes."""
     return choice(value, BODY_FRAME_KINDS, "the frame")
-
-
-def symbolic_frame(value: object) -> SymbolicFrame:
-    """The kind of the frame of a body whose constants are all parameters."""
-    return choice(value, SYMBOLIC_FRAMES, "the frame of a symbolic body")
-
-
-def lowering(value: object) -> Lowering:
-    """The lowering that is specified, such as flat or table."""
-    return choice(value, LOWERINGS, "the lowering")

@@ -102,11 +102,6 @@ def not_negative(value: object) -> Fraction:
     return exact
 
 
-def not_negative_float(value: object) -> float:
-    """The default of a parameter that may be zero."""
-    return float(not_negative(value))
-
-
 def whole(value: object) -> int:
     """A whole number, zero or more."""
     try:

@@ -54,14 +54,19 @@ def with_speed_unit(drive: Drive, joints: tuple[Joint, ...]) -> Drive:
     return replace(drive, speed=replace(drive.speed, unit=speed_unit(kind) or ""))
 
 
+OF_KIND = ("angle", "axis")
+"""The fields of a joint that are keys of some kinds of joints alone."""
+
+
 def joint_table() -> DeclaredTable:
     """The table of a joint, with the kinds and keys of all joints that are registered now."""
-    return registered_table("JointTable", Joint.__doc__, "joint", (*JOINTS.items(),), declared_keys(Joint), _joint)
+    keys = tuple(key for key in declared_keys(Joint) if key.field not in OF_KIND)
+    return registered_table("JointTable", Joint.__doc__, "joint", (*JOINTS.items(),), keys, _joint)
 
 
 def _joint(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> Joint:
     first, second = own["first"]
-    fields = {key: given.pop(key) for key in ("angle", "axis") if key in given}
+    fields = {key: given.pop(key) for key in OF_KIND if key in given}
     if given:
         return CustomJoint("", kind, first, second, values=given, start=own["start"], **fields)
     return Joint("", kind, first, second, start=own["start"], **fields)

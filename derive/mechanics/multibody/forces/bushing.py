@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from fractions import Fraction
 from typing import Any
 
 import sympy as sp
@@ -21,27 +20,8 @@ from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.forces import Bushing
-from derive.spec.model.keys import Key, KeyType
+from derive.spec.model.keys import value_keys
 from derive.spec.model.markers import MarkerRef
-
-DIRECTIONS = {"x": ("along x", "N", "m"), "y": ("along y", "N", "m"), "rotation": ("about e3", "N m", "rad")}
-"""The relative motions, with the units of force and displacement, in the frame of the section at the first marker."""
-
-
-def _keys() -> tuple[Key, ...]:
-    positive, zero = KeyType.NOT_NEGATIVE_QUANTITY, Fraction(0)
-    texts = (
-        ("stiffness", positive, "{force}/{length}", "Stiffness"),
-        ("damping", positive, "{force} s/{length}", "Damping constant"),
-        ("rest", KeyType.QUANTITY, "{length}", "Displacement at which the spring exerts no force,"),
-    )
-    result = []
-    for what, key_type, template, doc in texts:
-        for direction, (along, force, length) in DIRECTIONS.items():
-            unit = template.format(force=force, length=length)
-            text = f"{doc} {along} of the frame of the first marker, {unit}."
-            result.append(Key(f"{what}_{direction}", key_type, unit, text, default=zero))
-    return tuple(result)
 
 
 class BushingForce(ForceType[Bushing]):
@@ -49,7 +29,7 @@ class BushingForce(ForceType[Bushing]):
 
     section = "springs"
     doc = "along both axes of the frame of the first marker, and about e3"
-    keys = _keys()
+    keys = value_keys(Bushing)
     intermediates = ("cos", "sin", "apart_1", "apart_2", "x", "y", "force_x", "force_y")
 
     def generalised_force(

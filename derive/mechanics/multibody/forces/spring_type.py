@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from fractions import Fraction
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
 
 from derive.mechanics.multibody.forces.force_type import ForceType, Values
 from derive.spec.model.forces import Spring
-from derive.spec.model.keys import Key, KeyType
+from derive.spec.model.keys import Key, value_keys
 from derive.spec.model.markers import MarkerRef
 
 POWERS = {"quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5}
@@ -19,24 +19,7 @@ POWERS = {"quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5}
 
 def spring_keys(force: str, length: str) -> tuple[Key, ...]:
     """The keys of a spring with a damper; the arguments are the units of its force and of its length."""
-    positive, signed, zero = KeyType.NOT_NEGATIVE_QUANTITY, KeyType.QUANTITY, Fraction(0)
-    of_rest = "Length, m, or angle, rad, at which the spring exerts no force."
-    higher = (
-        Key(
-            name,
-            signed,
-            f"{force}/{length}^{power}",
-            f"Coefficient of power {power} of the extension in the characteristic, N/m^{power} or N m/rad^{power}.",
-            default=zero,
-        )
-        for name, power in POWERS.items()
-    )
-    return (
-        Key("stiffness", positive, f"{force}/{length}", "Stiffness, N/m or N m/rad.", required=True),
-        Key("damping", positive, f"{force} s/{length}", "Damping constant, N s/m or N m s/rad.", default=zero),
-        Key("rest", signed, length, of_rest, default=zero),
-        *higher,
-    )
+    return tuple(replace(key, unit=key.unit.format(force=force, length=length)) for key in value_keys(Spring))
 
 
 def is_linear(values: Values) -> bool:

@@ -20,13 +20,10 @@ from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, Re
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import Intermediate
-from derive.spec.model.keys import Key, KeyType
+from derive.spec.model.keys import Key, declared_keys
 from derive.spec.model.scene import Joint
 
-AXIS = Key("axis", KeyType.DIRECTION, "", "Direction of the line of a translational joint in the frame of body 1.")
-ANGLE = Key(
-    "angle", KeyType.FLOAT, "rad", "Constant rotation of body 2 relative to body 1, rad; not for revolute joints."
-)
+ANGLE, AXIS = (key for key in declared_keys(Joint) if key.name in ("angle", "axis"))
 
 FORCE_UNITS = {"m": "N", "rad": "N m"}
 
