@@ -272,6 +272,11 @@ SLIDE = "[joints.slide]\nkind = 'translational'\nbetween = ['rod.left', 'bar.b']
             f'16: drives.d.motion: column 1 of "a*t": the name "a" is unknown: {FUNCTION}',
         ),
         (D + "motion = true", f"16: drives.d.motion: {NUMBER}, not true"),
+        ("[scene]\nunit = 1", "15: scene.unit: unknown key; the keys here are gravity, start"),
+        (
+            "[joints.ansatz]\nkind = 'weld'",
+            '14: joints.ansatz.between: this key is missing; write between = ["ground.bearing", "crank.hub"]',
+        ),
         (D + "sped = 1\nspeed = 1", '16: drives.d.sped: unknown key; did you mean "speed"?'),
         ("[drives.d]\njoint = 'pn'\nspeed = 1", '15: drives.d.joint: there is no joint "pn"; did you mean "pin"?'),
         (
