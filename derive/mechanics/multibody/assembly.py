@@ -188,7 +188,7 @@ class _Assembly:
     def _value(self, section: str, name: str, key: Key, value: Any) -> Any:
         """The value of a key of an element as an expression of the derivation."""
         match key.type:
-            case KeyType.FLOAT | KeyType.POSITIVE:
+            case KeyType.FLOAT | KeyType.POSITIVE_FLOAT | KeyType.NUMBER | KeyType.POSITIVE | KeyType.NOT_NEGATIVE:
                 return sp.Rational(value)
             case KeyType.DIRECTION:
                 return sp.Matrix([sp.Rational(component) for component in value])
@@ -203,8 +203,10 @@ class _Assembly:
                 return self._located(value)
             case KeyType.MARKER_PAIR:
                 return tuple(map(self._located, value))
-            case _:  # a name, a word or a truth value
+            case KeyType.JOINT | KeyType.DRIVE | KeyType.SPRING | KeyType.BEAM | KeyType.CHOICE | KeyType.TRUTH:
                 return value
+            case _:
+                raise TypeError(f"{name}: an element of a registered kind has no key `{key.name}` of type {key.type}")
 
     def _outputs(self) -> tuple[OutputInstance, ...]:
         result = []
