@@ -27,14 +27,12 @@ class TablePlace:
 
 
 def place(model: type[BaseModel], location: KeyPath) -> TablePlace:
-    """The place at a location in the data of a model, which also names the alternatives of unions."""
+    """The place at a location as pydantic gives it, which also names the alternatives of unions and ends in "[key]"."""
     definitions: dict[str, Any] = {}
     schema = _inner(model.__pydantic_core_schema__, definitions)
     path: KeyPath = ()
     table, field = model, None
-    for part in location:
-        if part == "[key]":
-            continue
+    for part in location[:-1] if location[-1:] == ("[key]",) else location:
         if schema.get("type") == "tagged-union":
             schema = _inner(schema["choices"][part], definitions)
             continue

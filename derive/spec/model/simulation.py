@@ -84,7 +84,7 @@ class SpatialStart:
             KeyType.ROTATION,
             "Rotation of the floating frame: a unit quaternion, scalar first, or an axis and an angle.",
             name="rotation",
-            shown=[1, 0, 0, 0],
+            shown=(1, 0, 0, 0),
         ),
     ] = (1.0, 0.0, 0.0, 0.0)
     velocity: Annotated[

@@ -44,20 +44,20 @@ def declare(
 
     keys: by default those that the type declares. make: the function from the values of keys to the type, in place of
     the type itself. check: a function that raises WrongValueError where values do not go together. plain: the type of
-    another notation than a table. doc: the description, by default the docstring of the type. base: a model with
-    further keys, which `make` is not given, or with another configuration. tables: those of the frozen types in keys.
+    another notation than a table. doc: the description, by default the docstring of the type. base: the model with
+    another configuration. tables: those of the frozen types that are values of keys; the first table that is declared
+    of a type is in TABLES. A value with a name gets it from the key under which its table stands, see `named`.
     """
     own = declared_keys(of) if keys is None else keys
     model = keyed_model(title, doc or of.__doc__, own, base, tables)
-    named = {"name": ""} if has_name(of) else {}
-
+    unnamed = {"name": ""} if has_name(of) else {}
     names = {field.name for field in fields(of)}
     without_default = {field.name for field in fields(of) if field.default is MISSING}
 
     def made(table: TomlTable) -> Any:
         values = {key.field: getattr(table, key.name) for key in own if make or key.field in names}
         given = {name: value for name, value in values.items() if value is not None or name in without_default}
-        result = (make or of)(**named, **given)
+        result = (make or of)(**unnamed, **given)
         if check is not None:
             check(result)
         return result

@@ -35,9 +35,9 @@ def _drive(motion: Any = None, speed: Any = None, **given: Any) -> Drive:
     return Drive(motion=motion, speed=speed, **given)
 
 
-JOINT_START = declare(JointInitialValues, "JointStartTable")
-DRIVE = declare(Drive, "DriveTable", make=_drive)
-INPUT = declare(SceneInput, "InputTable", check=_check_input)
+declare(JointInitialValues, "JointStartTable")
+declare(Drive, "DriveTable", make=_drive)
+declare(SceneInput, "InputTable", check=_check_input)
 
 
 def speed_unit(kind: str) -> str | None:

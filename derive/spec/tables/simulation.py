@@ -34,7 +34,7 @@ def _check_plot(plot: Plot) -> None:
 
 
 SIMULATION = declare(Simulation, "SimulationTable", check=_check_simulation)
-REFERENCE = declare(ReferenceCurve, "ReferenceTable")
+declare(ReferenceCurve, "ReferenceTable")
 
 
 def _plot_table(title: str, quantity: type, shared: tuple[str, ...], further: tuple[str, ...] = ()) -> DeclaredTable:

@@ -68,6 +68,19 @@ VALUES_TABLE = keyed_model(
 )
 
 
+_OTHERS = {
+    "parameters": Annotated[
+        by_name(FUNCTION_PARAMETER, "parameters", "[parameters.amplitude]"),
+        Field(description="Run-time parameters that functions of time call by name."),
+    ],
+    "tables": Annotated[
+        by_name(VALUES_TABLE, "tables", "[tables.load]"),
+        Field(description="Tables of values that functions of time call by name."),
+    ],
+}
+"""The sections that functions of time call by name, and that are read before them."""
+
+
 class SpecificationKeys(TomlTable):
     """The keys of a specification besides those of a scene."""
 
@@ -119,19 +132,6 @@ def _specification_table(
     sections: dict[str, Any] = {name: section(name) for name in (*SCENE, "simulation", "plots")}
     doc = "A specification for Tisserand: a beam, a body in space, or a scene of planar bodies."
     return keyed_model("SpecificationTable", doc, (), SpecificationKeys, others=sections)
-
-
-_OTHERS = {
-    "parameters": Annotated[
-        by_name(FUNCTION_PARAMETER, "parameters", "[parameters.amplitude]"),
-        Field(description="Run-time parameters that functions of time call by name."),
-    ],
-    "tables": Annotated[
-        by_name(VALUES_TABLE, "tables", "[tables.load]"),
-        Field(description="Tables of values that functions of time call by name."),
-    ],
-}
-"""The sections that functions of time call by name, and that are read before them."""
 
 
 def plots(table: Any, references: Mapping[str, Rows]) -> tuple[Plot, ...]:
