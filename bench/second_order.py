@@ -30,7 +30,8 @@ from derive.lowering.flat.lower import lower
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.runtime.loading import load_scene
 from derive.simulation.observables.beams import function_values
-from derive.spec.model.body import DisplacementOrder, Frame
+from derive.spec.model.beam_parts import Frame
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.parsing import values
 from derive.spec.toml.read import parse

@@ -86,19 +86,9 @@ if TYPE_CHECKING:
     from derive.simulation.simulate import simulate
     from derive.simulation.trajectory import Trajectory
     from derive.spec.construction import nodal_body, planar_beam, scene, symbolic_body, validated
-    from derive.spec.model.body import (
-        AttachedMass,
-        BeamDamping,
-        BodyFrame,
-        Damping,
-        Frame,
-        Marker,
-        NodalBody,
-        NodeData,
-        NodeMarker,
-        PlanarBeam,
-        SymbolicBody,
-    )
+    from derive.spec.model.beam import PlanarBeam
+    from derive.spec.model.beam_parts import AttachedMass, BeamDamping, Frame, Marker
+    from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeData, NodeMarker, SymbolicBody
     from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
     from derive.spec.model.markers import MarkerRef, PointMarker
     from derive.spec.model.plots import Deflection, Plot, ReferenceCurve
@@ -196,17 +186,19 @@ _MODULES = {
         "symbolic_body",
         "validated",
     ),
-    "derive.spec.model.body": (
+    "derive.spec.model.beam": ("PlanarBeam",),
+    "derive.spec.model.beam_parts": (
         "AttachedMass",
         "BeamDamping",
-        "BodyFrame",
-        "Damping",
         "Frame",
         "Marker",
+    ),
+    "derive.spec.model.body": (
+        "BodyFrame",
+        "Damping",
         "NodalBody",
         "NodeData",
         "NodeMarker",
-        "PlanarBeam",
         "SymbolicBody",
     ),
     "derive.spec.model.forces": (

@@ -28,7 +28,8 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.multibody import assembly
 from derive.mechanics.multibody.mechanism import Mechanism
-from derive.spec.model.body import Gravity, Lowering, NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.body import Gravity, Lowering, NodalBody, SymbolicBody
 from derive.spec.model.scene import Scene, Specification, check_specification
 
 

@@ -19,7 +19,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from derive.mechanics.bodies.beam_functions import ONE, XI, BeamFunction, polynomial
 from derive.mechanics.bodies.reference_conditions import ConditionError, assumed_shapes
 from derive.runtime.native_call import Matrix
-from derive.spec.model.body import AssumedDeflection, Frame, Polynomial
+from derive.spec.model.beam_parts import AssumedDeflection, Frame, Polynomial
 
 MOST = 20
 """The largest number of shapes."""

@@ -18,7 +18,8 @@ from derive.backends.protocol import Backend
 from derive.backends.python.module import PythonBackend
 from derive.ir.model import Model
 from derive.registry import Registry
-from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, PlanarBeam, SymbolicBody
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, SymbolicBody
 from derive.spec.model.scene import BeamBody, Scene, Specification, check_specification
 from derive.spec.model.time_function import Spline, TimeFunction
 from derive.version import VERSION

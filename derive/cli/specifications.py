@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 from derive.errors import Problem, SpecError
 from derive.simulation.free_beam import beam_scene
 from derive.simulation.simulate import SYMBOLIC, simulation_settings
-from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.set_values import SetValue, with_values

@@ -17,7 +17,8 @@ from derive.simulation.body_run import initial_vectors
 from derive.simulation.free_beam import beam_scene
 from derive.simulation.initial.start_state import start_state
 from derive.simulation.linear.run_time_inputs import input_values, scene_with_values
-from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.scene import Scene, Specification
 
 SYMBOLIC = (

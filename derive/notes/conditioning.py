@@ -6,7 +6,7 @@ import numpy as np
 
 from derive.mechanics.bodies.beam_functions import ONE, XI
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
-from derive.spec.model.body import PlanarBeam
+from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene, Specification
 
 ILL_CONDITIONED = 1e8

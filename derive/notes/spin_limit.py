@@ -23,7 +23,8 @@ from scipy.linalg import eigh
 from derive.mechanics.bodies.beam import beam_body
 from derive.mechanics.body import Body
 from derive.mechanics.symbols import Family
-from derive.spec.model.body import DisplacementOrder, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import BeamBody, Scene, Specification
 
 NOTICEABLE = 0.99

@@ -23,7 +23,7 @@ from derive.report.sections.stretching import stretching_blocks
 from derive.report.sections.term_lines import definition_lines, locate_terms
 from derive.report.sections.terms import row_blocks
 from derive.report.sections.zeros import vanished_blocks
-from derive.spec.model.body import PlanarBeam
+from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import Scene
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from derive.spec.construction import validated
-from derive.spec.model.body import PlanarBeam
+from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.simulation import NOT_GIVEN
 

@@ -17,7 +17,8 @@ from derive.simulation.integration.solution import Progress
 from derive.simulation.scene_run import SceneRun
 from derive.simulation.trajectory import Trajectory
 from derive.spec.construction import validated
-from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import Simulation
 

@@ -11,7 +11,9 @@ from typing import Any, assert_never
 
 from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.multibody.forces.registry import FORCES
-from derive.spec.model.body import DisplacementOrder, Marker, NodalBody, NodeData, NodeMarker, PlanarBeam, SymbolicBody
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import Marker
+from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, NodeMarker, SymbolicBody
 from derive.spec.model.forces import Bushing, CustomForce, Spring
 from derive.spec.model.keys import Key, KeyType, declared_keys, has_name
 from derive.spec.model.markers import MarkerRef, PointMarker

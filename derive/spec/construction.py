@@ -13,7 +13,8 @@ from textwrap import fill
 from typing import Any, TypeVar
 
 from derive.spec.as_tables import as_table, named, specification_tables, without_none
-from derive.spec.model.body import (
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import (
     DEFAULT_ANSATZ,
     DEFAULT_BENDING_STIFFNESS,
     DEFAULT_LENGTH,
@@ -21,18 +22,11 @@ from derive.spec.model.body import (
     AttachedMass,
     AxialDeformation,
     BeamDamping,
-    BodyFrame,
-    Damping,
     Frame,
-    Lowering,
-    NodalBody,
-    NodeData,
-    PlanarBeam,
     Polynomial,
     ShapeFamily,
-    SymbolicBody,
-    SymbolicFrame,
 )
+from derive.spec.model.body import BodyFrame, Damping, Lowering, NodalBody, NodeData, SymbolicBody, SymbolicFrame
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import PointMarker

@@ -7,7 +7,7 @@ from typing import Any
 
 from corpus.draft import Bar, Draft, Table
 from corpus.draws import rounded
-from derive.spec.model.body import FAMILY_FRAMES
+from derive.spec.model.beam_parts import FAMILY_FRAMES
 from derive.spec.parsing.choices import ENDS, FAMILY_KINDS, FRAME_KINDS, SECOND_ORDER_TERMS
 
 SAG = (2e-5, 8e-3)

@@ -14,7 +14,7 @@ from derive.mechanics.bodies.reference_conditions import (
     conditions,
     end_conditions,
 )
-from derive.spec.model.body import AssumedDeflection, Ends, Frame, Polynomial
+from derive.spec.model.beam_parts import AssumedDeflection, Ends, Frame, Polynomial
 
 ZERO, xi = Fraction(0), sp.Symbol("xi")
 FRAMES = {

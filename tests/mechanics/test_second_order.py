@@ -13,7 +13,7 @@ from derive.mechanics.bodies.beam_functions import BeamFunction, rational
 from derive.mechanics.bodies.displacement_fields import stretching_shapes
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.equations import Equations
-from derive.spec.model.body import PlanarBeam
+from derive.spec.model.beam import PlanarBeam
 
 DIGITS = 50
 xi = sp.Symbol("xi")

@@ -16,7 +16,8 @@ from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, R, add
 from derive.mechanics.motion.material_points import MaterialPoint, marker, vector_at
 from derive.mechanics.motion.spatial import rotation_of, spatial_motion, symbols_of_rotation
 from derive.reduction.frames import modes_in_frame, rigid_fields
-from derive.spec.model.body import BodyFrame, Frame
+from derive.spec.model.beam_parts import Frame
+from derive.spec.model.body import BodyFrame
 from paper import printed, printed_continuum
 from plain_symbols import plain, vector
 

@@ -8,7 +8,7 @@ import sympy as sp
 from derive.mechanics.bodies.beam_functions import polynomial
 from derive.mechanics.bodies.reference_conditions import conditions
 from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, PlanarRotation, R
-from derive.spec.model.body import Frame
+from derive.spec.model.beam_parts import Frame
 from paper import printed
 
 ANGLE, OMEGA, ALPHA = sp.symbols("phi phidot phiddot")

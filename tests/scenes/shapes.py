@@ -7,7 +7,8 @@ from functools import cache
 
 import mpmath
 
-from derive.spec.model.body import Frame, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import Frame
 
 Shape = tuple[Fraction, ...]
 POINTS = 6

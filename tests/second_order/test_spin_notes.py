@@ -13,7 +13,7 @@ from steady_spin import beam_of
 from conftest import ROOT
 from derive.notes.spin_limit import spin_limits, spin_notes
 from derive.pipeline import build
-from derive.spec.model.body import AttachedMass, AxialDeformation
+from derive.spec.model.beam_parts import AttachedMass, AxialDeformation
 from derive.spec.model.quantity import Parameter
 from derive.spec.parsing.values import shape
 

@@ -17,7 +17,7 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.closest_consistent_state import closest_consistent_state
 from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_state import InitialState
-from derive.spec.model.body import Frame
+from derive.spec.model.beam_parts import Frame
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.toml.read import parse
 

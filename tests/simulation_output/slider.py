@@ -10,7 +10,8 @@ import numpy as np
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.simulation.observables.beams import piece_at, piece_names
 from derive.simulation.observables.motion import SceneMotion, si_value
-from derive.spec.model.body import Frame, Marker, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import Frame, Marker
 from derive.spec.model.markers import MarkerRef, PointMarker
 from derive.spec.model.plots import Deflection, Plot, ReferenceCurve
 from derive.spec.model.scene import BeamBody, Drive, Joint, RigidBody, Scene

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import derive
-from derive.spec.model.body import AttachedMass
+from derive.spec.model.beam_parts import AttachedMass
 from derive.spec.model.keys import QUANTITIES, declared_keys
 from derive.spec.toml.read import parse
 

@@ -11,7 +11,8 @@ from types import MappingProxyType
 import pytest
 
 from derive.spec.construction import planar_beam
-from derive.spec.model.body import Frame, Marker, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import Frame, Marker
 from derive.spec.model.quantity import Parameter
 from derive.spec.tables.specification import json_schema
 from derive.spec.toml.read import parse, read

@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 from example_scenes import EVERYTHING, SMALL, small
 
-from derive.spec.model.body import DisplacementOrder, Frame, Marker, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import Frame, Marker
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.forces import Force, Spring, Torque
 from derive.spec.model.markers import MarkerRef, PointMarker
 from derive.spec.model.plots import Deflection, Plot, ReferenceCurve

@@ -30,7 +30,7 @@ from bench.method_failures.step_control import step_controls
 from bench.method_failures.tables import tables
 from conftest import ROOT
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
-from derive.spec.model.body import AssumedDeflection, Frame
+from derive.spec.model.beam_parts import AssumedDeflection, Frame
 from derive.study.methods.failures import failure_lines
 from derive.study.methods.implicit_steps import Rule
 

@@ -16,7 +16,7 @@ from conftest import ROOT
 from derive.cli.main import main
 from derive.runtime.integrators.compilation import LibraryMissing
 from derive.simulation.errors import SimulationError
-from derive.spec.model.body import BeamDamping
+from derive.spec.model.beam_parts import BeamDamping
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.toml.read import read
 from derive.study.methods import scene_methods

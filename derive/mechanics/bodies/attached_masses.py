@@ -28,7 +28,8 @@ from derive.mechanics.bodies.foreshortening import Foreshortening
 from derive.mechanics.bodies.planar_integrals import Value
 from derive.mechanics.symbols import Family, pair
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
-from derive.spec.model.body import AttachedMass, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import AttachedMass
 from derive.spec.model.quantity import Parameter
 
 NO_SLOPE = "these shapes (no slope at the attached masses)"

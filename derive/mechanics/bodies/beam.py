@@ -39,7 +39,9 @@ from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.roles import Source
-from derive.spec.model.body import DisplacementOrder, Marker, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import Marker
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.quantity import Parameter
 
 

@@ -23,7 +23,7 @@ from derive.mechanics.bodies.rod_deformation import deformation_mass
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, pair
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
-from derive.spec.model.body import PlanarBeam
+from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.quantity import Parameter
 
 DIGITS = 60

@@ -18,7 +18,7 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from derive.spec.model.body import Polynomial
+from derive.spec.model.beam_parts import Polynomial
 
 WORKING_DIGITS = 200
 """The precision: antiderivatives divide by small differences of wave numbers, which leaves 60 digits and more."""

@@ -20,7 +20,8 @@ from derive.mechanics.bodies.planar_integrals import Value, coefficients, second
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.expansion import expand
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.body import DisplacementOrder, Frame
+from derive.spec.model.beam_parts import Frame
+from derive.spec.model.body import DisplacementOrder
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from derive.mechanics.symbols import Family, pair
 from derive.mechanics.symbols import quantity as quantity_symbol
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
-from derive.spec.model.body import PlanarBeam
+from derive.spec.model.beam import PlanarBeam
 
 UNCOUPLED = "mechanics (bending and stretching are coupled by the kinematics alone)"
 NO_STRETCH = "these shapes (the ends do not move apart)"

@@ -13,7 +13,7 @@ import numpy as np
 
 from derive.mechanics.bodies.beam_functions import ONE, XI, BeamFunction
 from derive.mechanics.bodies.reference_conditions import PieceDeflection, on_piece, piece_deflection
-from derive.spec.model.body import Polynomial
+from derive.spec.model.beam_parts import Polynomial
 
 
 @dataclass(frozen=True)

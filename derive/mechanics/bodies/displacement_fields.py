@@ -22,7 +22,8 @@ from derive.mechanics.bodies.reference_conditions import (
     normalised,
     orthogonalised,
 )
-from derive.spec.model.body import Frame, PlanarBeam, Polynomial
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import Frame, Polynomial
 
 MIDDLE = Fraction(0)
 

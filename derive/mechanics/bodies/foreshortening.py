@@ -26,7 +26,7 @@ from derive.mechanics.motion.full_second_order import field_weight
 from derive.mechanics.symbols import Family, Identity, Symbol
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
-from derive.spec.model.body import Frame
+from derive.spec.model.beam_parts import Frame
 
 PARALLEL_TO_AXIS = "geometry (X and the Psi_ij are along e1)"
 SHORTENING = "geometry (the beam shortens along e1)"

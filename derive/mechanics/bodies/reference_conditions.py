@@ -29,7 +29,7 @@ from derive.mechanics.bodies.beam_functions import (
     rational,
 )
 from derive.mechanics.bodies.shape_families import family_shapes
-from derive.spec.model.body import FAMILY_FRAMES, AssumedDeflection, Ends, Frame, Polynomial, ShapeFamily
+from derive.spec.model.beam_parts import FAMILY_FRAMES, AssumedDeflection, Ends, Frame, Polynomial, ShapeFamily
 
 
 class ConditionError(TisserandError):

@@ -20,7 +20,7 @@ from functools import cache
 from typing import assert_never
 
 from derive.mechanics.bodies.beam_functions import ARITHMETIC, BeamFunction, Real, WaveNumber, exponential
-from derive.spec.model.body import ShapeFamily
+from derive.spec.model.beam_parts import ShapeFamily
 
 
 @cache

@@ -18,7 +18,7 @@ from derive.report.document.formula import (
     Quotient,
 )
 from derive.report.notation.expressions import DIGITS, join, row
-from derive.spec.model.body import Polynomial
+from derive.spec.model.beam_parts import Polynomial
 
 XI = Name("xi")
 

@@ -19,7 +19,8 @@ from derive.report.notation.expressions import Notation, notation, number
 from derive.report.notation.formula_reader import formula
 from derive.report.sections.frame import ansatz_equation, condition_equation, on_ansatz, shape_equations
 from derive.spec.construction import planar_beam
-from derive.spec.model.body import Frame, Marker, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import Frame, Marker
 
 FRAMES = {"point": Frame("point", Exact(0)), "mean": Frame("mean")}
 MOTION = planar_motion(2)

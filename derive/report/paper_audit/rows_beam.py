@@ -19,7 +19,7 @@ ROWS = (
         derived=derived.ansatz,
         by_user=True,
         note="What a beam has where its specification says nothing; any polynomials may stand there.",
-        where=("derive/spec/model/body.py::DEFAULT_ANSATZ",),
+        where=("derive/spec/model/beam_parts.py::DEFAULT_ANSATZ",),
         tests=tests(BEAM, "test_ansatz_without_a_specification_is_21"),
         scalars=True,
     ),

@@ -7,7 +7,7 @@ from fractions import Fraction
 from derive.report.paper_audit import derived_beam as beam
 from derive.report.paper_audit import derived_space as derived
 from derive.report.paper_audit.model import AuditRow, AuditSection, tests
-from derive.spec.model.body import Frame
+from derive.spec.model.beam_parts import Frame
 
 SPACE = "test_body_in_space.py"
 MEAN = "test_mean_equations.py"

@@ -21,7 +21,9 @@ from derive.report.document.page import Block, Content, EquationBlock, Heading, 
 from derive.report.notation.beam_functions import beam_function, polynomial_of, shape_name
 from derive.report.notation.expressions import join, number, row
 from derive.report.notation.formula_reader import equation, formula
-from derive.spec.model.body import Ends, FamilyKind, NodalBody, PlanarBeam, Polynomial, ShapeFamily, SymbolicBody
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import Ends, FamilyKind, Polynomial, ShapeFamily
+from derive.spec.model.body import NodalBody, SymbolicBody
 
 
 @dataclass(frozen=True)

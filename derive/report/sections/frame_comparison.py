@@ -17,7 +17,8 @@ from derive.report.notation.expressions import Notation
 from derive.report.sections.frame import paper_numbers
 from derive.report.sections.mass_matrix import MassPattern, mass_matrix, picture
 from derive.report.sections.terms import expansion, written_row
-from derive.spec.model.body import Frame, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import Frame
 
 MOST_SUMMANDS = 40
 """Summands of the equations in a frame that are shown."""

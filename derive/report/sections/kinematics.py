@@ -26,7 +26,8 @@ from derive.report.notation.expressions import Notation, base, row
 from derive.report.notation.formula_reader import equation, formula, marked_text
 from derive.report.notation.vector_form import DELTA_ALPHA, arrow, summands
 from derive.report.sections.second_order import second_order_blocks
-from derive.spec.model.body import DisplacementOrder, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import Specification
 
 MOTION = spatial_motion(0)

@@ -20,7 +20,7 @@ from derive.report.document.page import (
     table,
 )
 from derive.report.notation.expressions import Notation
-from derive.spec.model.body import AttachedMass
+from derive.spec.model.beam_parts import AttachedMass
 from derive.spec.model.forces import SceneForce
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, RigidBody, Scene, SceneBody

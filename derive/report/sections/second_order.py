@@ -9,7 +9,9 @@ from derive.report.document.formula import Equation, FormulaRow, Name, OperatorT
 from derive.report.document.page import Block, EquationBlock, Heading, Paragraph
 from derive.report.notation.beam_functions import shape_name
 from derive.report.notation.formula_reader import equation, formula, marked_text
-from derive.spec.model.body import DisplacementOrder, Frame, NodalBody, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import Frame
+from derive.spec.model.body import DisplacementOrder, NodalBody
 from derive.spec.model.scene import BeamBody, Scene, Specification
 
 

@@ -18,7 +18,8 @@ from derive.report.document.formula import (
 from derive.report.document.page import Block, EquationBlock, Paragraph
 from derive.report.notation.beam_functions import beam_function
 from derive.report.notation.formula_reader import equation
-from derive.spec.model.body import DisplacementOrder, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.body import DisplacementOrder
 
 
 def stretching_blocks(spec: PlanarBeam) -> tuple[Block, ...]:

@@ -17,7 +17,7 @@ from derive.simulation.linear.modes import Modes
 from derive.simulation.linear.run_time_inputs import scene_with_values
 from derive.simulation.observables.beams import axis_points, beam_bodies, piece_at, piece_names
 from derive.simulation.observables.motion import Array, SceneMotion, marker_positions, outline, transformed
-from derive.spec.model.body import PlanarBeam
+from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene
 
 DISPLACEMENT = 0.1

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from derive.runtime.compiled_model import Native
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.spec.model.body import PlanarBeam
+from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene
 
 

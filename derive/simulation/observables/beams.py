@@ -14,7 +14,8 @@ from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
 from derive.mechanics.symbols import amplitude, owned
 from derive.simulation.observables.motion import Array, SceneMotion, si_value, transformed
-from derive.spec.model.body import AssumedDeflection, DisplacementOrder
+from derive.spec.model.beam_parts import AssumedDeflection
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import BeamBody, Scene
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.spec.model.body import Marker
+from derive.spec.model.beam_parts import Marker
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import BeamBody, Scene
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from pydantic import ValidationError
 
-from derive.spec.model.body import AssumedDeflection
+from derive.spec.model.beam_parts import AssumedDeflection
 from derive.spec.parsing.faults import Fault, KeyPath
 from derive.spec.tables.beam import AXIAL, DEFLECTION
 

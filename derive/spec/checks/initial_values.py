@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.spec.checks.name_clashes import piece_counts
 from derive.spec.checks.scene_data import Raw, SceneData
-from derive.spec.model.body import ShapeFamily
+from derive.spec.model.beam_parts import ShapeFamily
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, readable
 from derive.spec.tables.beam import DEFLECTION

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from derive.spec.checks.table_paths import TablePlace, place
-from derive.spec.model.body import BEAM_QUANTITIES
+from derive.spec.model.beam import BEAM_QUANTITIES
 from derive.spec.parsing.faults import Fault, KeyPath, path_text, similar_key, unknown_key
 from derive.spec.parsing.values import kind_of
 from derive.spec.tables.beam import BEAM, BEAM_BODY, BEAM_KEYS

@@ -13,7 +13,7 @@ from derive.mechanics.multibody.forces.registry import kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.scene_data import Raw, SceneData
-from derive.spec.model.body import DEFAULT_ANSATZ
+from derive.spec.model.beam_parts import DEFAULT_ANSATZ
 from derive.spec.model.keys import quantities
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import NAMED

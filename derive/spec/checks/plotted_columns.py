@@ -12,7 +12,8 @@ from derive.errors import quoted
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.name_clashes import RATES, coordinate_names
-from derive.spec.model.body import PlanarBeam, ShapeFamily
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import ShapeFamily
 from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.scene import BeamBody, RigidBody, Scene, Specification
 from derive.spec.parsing.condition import condition

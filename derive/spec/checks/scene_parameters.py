@@ -11,14 +11,9 @@ from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
-from derive.spec.model.body import (
-    ACCELERATION_UNIT,
-    BEAM_QUANTITIES,
-    DEFAULT_LENGTH,
-    AttachedMass,
-    AxialDeformation,
-    BeamDamping,
-)
+from derive.spec.model.beam import BEAM_QUANTITIES
+from derive.spec.model.beam_parts import DEFAULT_LENGTH, AttachedMass, AxialDeformation, BeamDamping
+from derive.spec.model.body import ACCELERATION_UNIT
 from derive.spec.model.keys import Key, declared_keys, quantities
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import NAMED, RigidBody

@@ -19,7 +19,8 @@ from derive.spec.checks.messages import key_faults
 from derive.spec.checks.plotted_columns import column_faults
 from derive.spec.checks.scene_parameters import beam_constants
 from derive.spec.files.reference_curves import Rows, references
-from derive.spec.model.body import BEAM_QUANTITIES, NodeData, PlanarBeam, SymbolicBody
+from derive.spec.model.beam import BEAM_QUANTITIES, PlanarBeam
+from derive.spec.model.body import NodeData, SymbolicBody
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.parsing.faults import Fault, KeyPath, line_of, path_text
 from derive.spec.parsing.names import name_problem

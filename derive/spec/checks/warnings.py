@@ -9,7 +9,8 @@ from itertools import chain
 from derive.errors import quoted
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.checks.scene_parameters import SceneConstant, beam_constants, scene_constants
-from derive.spec.model.body import ACCELERATION_UNIT, BEAM_QUANTITIES
+from derive.spec.model.beam import BEAM_QUANTITIES
+from derive.spec.model.body import ACCELERATION_UNIT
 from derive.spec.parsing.faults import Fault, KeyPath
 from derive.spec.parsing.units import UnknownUnit, unit_size
 

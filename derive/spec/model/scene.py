@@ -7,17 +7,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Annotated, ClassVar, Literal
 
-from derive.spec.model.body import (
-    DEFAULT_LENGTH,
-    DEFAULT_MASS,
-    GRAVITY,
-    INERTIA_UNIT,
-    Marker,
-    NodalBody,
-    PlanarBeam,
-    Polynomial,
-    SymbolicBody,
-)
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import DEFAULT_LENGTH, DEFAULT_MASS, INERTIA_UNIT, Marker, Polynomial
+from derive.spec.model.body import GRAVITY, NodalBody, SymbolicBody
 from derive.spec.model.forces import BETWEEN, Bushing, CustomForce, Force, ForceFrame, Spring, Torque
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.markers import MarkerRef, PointMarker

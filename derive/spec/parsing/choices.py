@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TypeVar, get_args
 
 from derive.errors import quoted
-from derive.spec.model.body import BodyFrameKind, FrameKind
+from derive.spec.model.beam_parts import FrameKind
+from derive.spec.model.body import BodyFrameKind
 from derive.spec.parsing.faults import did_you_mean
 from derive.spec.parsing.values import WrongValueError, kind_of
 

@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import ClassVar, NoReturn
 
 from derive.errors import quoted
-from derive.spec.model.body import Polynomial
+from derive.spec.model.beam_parts import Polynomial
 from derive.spec.parsing.parser import MAX_DIGITS, MAX_LENGTH, MAX_POWER, ExpressionError, Parser, Token, fits
 
 __all__ = ["MAX_DEGREE", "MAX_DIGITS", "MAX_LENGTH", "ExpressionError", "load_text", "parse_number", "polynomial"]

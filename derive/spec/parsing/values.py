@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from derive.errors import TisserandError, quoted
-from derive.spec.model.body import Polynomial
+from derive.spec.model.beam_parts import Polynomial
 from derive.spec.parsing.names import name_problem
 from derive.spec.parsing.polynomial import MAX_DEGREE, MAX_DIGITS, load_text, parse_number, polynomial
 

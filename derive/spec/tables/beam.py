@@ -12,22 +12,21 @@ from pydantic import ConfigDict, PlainValidator, TypeAdapter, WithJsonSchema
 from derive.mechanics.multibody.bodies.beam import WHOLE_BEAM
 from derive.mechanics.multibody.bodies.beam_loads import point_names
 from derive.mechanics.multibody.bodies.registry import BODIES
-from derive.spec.model.body import (
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import (
     DEFAULT_FRAME,
     FAMILY_FRAMES,
     AssumedDeflection,
     AttachedMass,
     AxialDeformation,
     BeamDamping,
-    Damping,
-    DisplacementOrder,
     Ends,
     Frame,
     FrameKind,
-    PlanarBeam,
     Polynomial,
     ShapeFamily,
 )
+from derive.spec.model.body import Damping, DisplacementOrder
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.scene import BeamBody, DistributedLoad
 from derive.spec.model.simulation import OF_BEAMS, InitialValues

@@ -7,14 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import PlainValidator, WithJsonSchema
 
-from derive.spec.model.body import (
-    BodyFrame,
-    Damping,
-    DisplacementOrder,
-    NodalBody,
-    NodeData,
-    SymbolicBody,
-)
+from derive.spec.model.body import BodyFrame, Damping, DisplacementOrder, NodalBody, NodeData, SymbolicBody
 from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.simulation import SpatialStart
 from derive.spec.parsing import choices

@@ -8,7 +8,8 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, PlainValidator, ValidationInfo, WithJsonSchema
 
-from derive.spec.model.body import ACCELERATION_UNIT, DEFAULT_LENGTH, Marker, NodeMarker, Polynomial
+from derive.spec.model.beam_parts import DEFAULT_LENGTH, Marker, Polynomial
+from derive.spec.model.body import ACCELERATION_UNIT, NodeMarker
 from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import MarkerRef, PointMarker
 from derive.spec.model.quantity import Quantity

@@ -15,7 +15,8 @@ from derive.simulation.initial.deflection_remainders import remainder_lines
 from derive.simulation.observables.beams import beam_bodies, shape_functions
 from derive.simulation.observables.default_plots import output_columns
 from derive.spec.construction import validated
-from derive.spec.model.body import DisplacementOrder, FamilyKind, Frame, Polynomial, ShapeFamily
+from derive.spec.model.beam_parts import FamilyKind, Frame, Polynomial, ShapeFamily
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, RigidBody, Scene

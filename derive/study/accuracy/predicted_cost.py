@@ -18,7 +18,7 @@ from derive.mechanics.bodies.beam_functions import ONE, XI, BeamFunction
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.simulation.observables.beams import beam_bodies, function_values
 from derive.simulation.observables.motion import si_value
-from derive.spec.model.body import AssumedDeflection
+from derive.spec.model.beam_parts import AssumedDeflection
 from derive.spec.model.scene import BeamBody, Scene
 from derive.study.accuracy.measurement import Line
 from derive.study.accuracy.models import LadderModel, Shapes, modelled

@@ -15,7 +15,8 @@ from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.motion import si_value
-from derive.spec.model.body import DisplacementOrder, PlanarBeam
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves

@@ -17,7 +17,7 @@ from derive.simulation.free_beam import beam_scene
 from derive.simulation.inputs import with_functions
 from derive.simulation.scene_run import SceneRun
 from derive.simulation.simulate import simulation_settings
-from derive.spec.model.body import PlanarBeam
+from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import CustomBody, JointInitialValues, Scene, SceneBody, Specification
 from derive.spec.model.simulation import NOT_GIVEN
 from derive.spec.set_values import SetValue, with_values

@@ -17,7 +17,7 @@ from derive.mechanics.multibody.bodies.beam_loads import load_forces, load_point
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, ComponentDamping, Constant, CrossSection
 from derive.mechanics.symbols import owned
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.body import AttachedMass, Marker, ShapeFamily
+from derive.spec.model.beam_parts import AttachedMass, Marker, ShapeFamily
 from derive.spec.model.forces import Force
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import BeamBody, Joint
