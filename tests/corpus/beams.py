@@ -6,9 +6,10 @@ import math
 from typing import Any
 
 from corpus.draft import Bar, Draft, Table
-from corpus.draws import rounded
-from derive.spec.model.beam_parts import FAMILY_FRAMES
-from derive.spec.parsing.choices import ENDS, FAMILY_KINDS, FRAME_KINDS, SECOND_ORDER_TERMS
+from corpus.draws import rounded, words
+from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.beam_parts import FAMILY_FRAMES, ShapeFamily
+from derive.spec.parsing.choices import FRAME_KINDS
 
 SAG = (2e-5, 8e-3)
 """The deflection of a pinned beam under its own weight over its length, from which its stiffness follows."""
@@ -71,7 +72,7 @@ def beam_keys(draft: Draft, bar: Bar, scene: bool) -> Table:
     if draws.chance(0.35):
         table["order"] = draws.choice([1, 2, 2])
         if table["order"] == 2 and draws.chance(0.5):
-            table["terms"] = draws.choice(SECOND_ORDER_TERMS)
+            table["terms"] = draws.choice(words(PlanarBeam, "terms"))
     if draws.chance(0.2):
         stretch = stiffness / length**2 * draws.scale(300, 3000)
         table["axial"] = _axial(draft, stretch, stiffness / length**2, table.get("order", 1))
@@ -95,7 +96,7 @@ def _shapes(draft: Draft, bar: Bar) -> tuple[Table, int]:
     draws = draft.draws
     table: Table = {}
     if draws.chance(0.2):
-        kind = draws.choice(FAMILY_KINDS)
+        kind = draws.choice(words(ShapeFamily, "kind"))
         count = draws.choice([1, 2, 3])
         table["ansatz"] = {"kind": kind, "count": count}
         if draws.chance(0.3):
@@ -117,7 +118,7 @@ def _shapes(draft: Draft, bar: Bar) -> tuple[Table, int]:
     if draws.chance(0.2):
         table["orthogonal"] = draws.chance(0.5)
     if degree == 5 and frame != "given" and draws.chance(0.4):
-        table["ends"] = "pinned" if frame in ("point", "tangent") else draws.choice(ENDS)
+        table["ends"] = "pinned" if frame in ("point", "tangent") else draws.choice(words(PlanarBeam, "ends"))
         if table["ends"] == "free":
             table["ansatz"] = ["1", "xi", *(f"xi^{power}" for power in range(2, 7))]
     return table, count

@@ -7,7 +7,14 @@ from collections.abc import Sequence
 from random import Random
 from typing import TypeVar
 
+from derive.spec.model.keys import declared_keys
+
 T = TypeVar("T")
+
+
+def words(of: type, name: str) -> tuple[str, ...]:
+    """The words that the key of a frozen type may be."""
+    return next(key.choices for key in declared_keys(of) if key.name == name)
 
 
 class Draws:

@@ -7,10 +7,11 @@ from pathlib import Path
 
 from corpus.beams import beam_keys
 from corpus.draft import Bar, Draft, Table
-from corpus.draws import Draws, rounded
+from corpus.draws import Draws, rounded, words
 from corpus.observations import STEPS
 from derive.spec.files.node_format import LENGTHS, MASSES, TIMES
-from derive.spec.parsing.choices import BODY_FRAME_KINDS, LOWERINGS, SYMBOLIC_FRAMES
+from derive.spec.model.body import SymbolicBody
+from derive.spec.parsing.choices import BODY_FRAME_KINDS
 
 LONE = {"beam": 0.06, "body": 0.04}
 """The share of scenes that are a single beam, or a body in space."""
@@ -51,12 +52,12 @@ def spatial_body(draws: Draws, name: str) -> Parts:
     if draws.chance(0.4):
         body["gravity"] = gravity
     if draws.chance(0.5):
-        body["lowering"] = draws.choice(LOWERINGS)
+        body["lowering"] = draws.choice(words(SymbolicBody, "lowering"))
     tables: Table = {"name": name, "body": body}
     if draws.chance(0.4):
         body |= {"integrals": "symbolic", "modes": draws.whole(1, 3)}
         if draws.chance(0.7):
-            body["frame"] = draws.choice(SYMBOLIC_FRAMES)
+            body["frame"] = draws.choice(words(SymbolicBody, "frame"))
         if draws.chance(0.5):
             body["damping"] = draws.chance(0.7)
         return tables, files
