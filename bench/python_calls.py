@@ -25,7 +25,7 @@ from python_peers import Array, Beam, Variants, add_numba, casadi, casadi_soluti
 from rows import Row, row
 
 import derive
-from derive.backends.model_files import model_files
+from derive.backends.model_files import emit
 from derive.runtime.compiled_function import address_of
 
 LAMBDIFY = ("lambdify, math, arrays", "lambdify, numpy, arrays")
@@ -65,7 +65,7 @@ def generated(frame: str, shapes: int) -> Beam:
     spec = beam(frame, shapes)
     equations = derive.derive(spec)
     assert isinstance(equations, derive.Equations)
-    files = model_files(derive.lower(equations), spec)
+    files = emit(derive.lower(equations), spec)
     native, python, form = derive.load(files), module(files), equations.expanded()
     qs, vs, h = expressions(equations)
     mass = form.mass.applyfunc(lambda entry: sp.nsimplify(form.substituted(entry), rational=True))

@@ -23,7 +23,7 @@ import numpy as np
 import second_order_page
 
 import derive
-from derive.backends.model_files import model_files
+from derive.backends.model_files import emit
 from derive.ir.model import Kkt
 from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat.lower import lower
@@ -133,7 +133,7 @@ def measured(runs: int) -> list[Row]:
         found = {}
         for rule in EliminationRule:
             model = lower(equations, elimination=rule)
-            native = load_scene(model_files(model, scene))
+            native = load_scene(emit(model, scene))
             states = simulated_states(scene, native, native.setup(), STATES)
             t, q, v = (np.array([state[n] for state in states]) for n in range(3))
             systems = equilibrated(*kkt_systems(native, native.setup(), states))

@@ -33,7 +33,7 @@ import json, sys
 from pathlib import Path
 import derive.spec.checks.validation, derive.spec.tables.specification
 from derive.pipeline import build
-print(json.dumps([stage.seconds for stage in build(Path(sys.argv[1])).stages]))
+print(json.dumps([*build(Path(sys.argv[1])).seconds.values()]))
 """
 SPARSE = """
 import sys, time

@@ -14,7 +14,7 @@ from typing import Any
 
 from derive import cache as kept
 from derive.artifacts import File
-from derive.backends.model_files import BACKENDS, explicit_files, fingerprint, model_files
+from derive.backends.model_files import BACKENDS, emit, explicit_files, fingerprint
 from derive.garbage_collection import paused
 from derive.ir.model import Model
 from derive.mechanics.multibody.bodies.registry import BODIES
@@ -85,7 +85,7 @@ def _made(spec: Specification) -> Generated:
     from derive.derivation import derive, lower  # not needed for what is kept
 
     model = lower(derive(spec))
-    return model, model_files(model, spec)
+    return model, emit(model, spec)
 
 
 def _made_explicit(scene: Scene) -> Generated:

@@ -1,98 +1,103 @@
-"""The pipeline from a specification file to generated files, with the time and the size of each stage."""
+"""The pipeline: a specification becomes equations of motion, a model with its initial state, and files."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from warnings import warn
 
 from derive.artifacts import File
-from derive.backends.model_files import model_files as emitted_files
+from derive.backends.model_files import emit
 from derive.derivation import derive, lower, lowered_form
 from derive.errors import SpecError, TisserandError
 from derive.ir.model import Model
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import IndexedEquations
-from derive.notes.model_notes import build_notes
+from derive.mechanics.multibody.mechanism import Mechanism
 from derive.spec.model.scene import Scene, Specification
-from derive.spec.toml.read import read, warnings, with_lines
-
-
-@dataclass(frozen=True)
-class Stage:
-    """A stage of the pipeline: wall-clock time in seconds, and sizes (None where a size does not apply)."""
-
-    name: str
-    seconds: float
-    terms: int | None = None
-    operations: int | None = None
-    nonzeros: int | None = None
+from derive.spec.toml.read import read, with_lines
 
 
 @dataclass(frozen=True)
 class Built:
-    """The results of all stages for a specification; `notes` are lines of text for the user."""
+    """The results of all stages for a specification.
+
+    derived: the equations of a body, or the mechanism of a scene. unstarted: the reason why the files of a scene have
+    no function NAME_start; empty where they have one. seconds: the wall-clock time of each stage by its name.
+    """
 
     spec: Specification
-    equations: Equations
+    derived: Equations | Mechanism
     model: Model
     files: tuple[File, ...]
-    stages: tuple[Stage, ...]
-    notes: tuple[str, ...] = ()
+    unstarted: str = ""
+    seconds: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def equations(self) -> Equations:
+        """The form of the equations from which the model was lowered: with sums over the modes, or expanded."""
+        return lowered_form(self.derived, self.model)
 
 
-def build(path: Path, progress: Callable[[str], None] = lambda _: None, sensitivities: bool = False) -> Built:
+class Stages:
+    """The stages of a pipeline: `seconds` has the time of each one; `announce` is called when one begins."""
+
+    def __init__(self, announce: Callable[[str], None] = lambda _: None) -> None:
+        self.announce, self.seconds = announce, dict[str, float]()
+
+    @contextmanager
+    def stage(self, name: str, doc: str) -> Iterator[None]:
+        """Measure the time of a stage, which `doc` describes to the user."""
+        self.announce(doc)
+        began = time.perf_counter()
+        yield
+        self.seconds[name] = time.perf_counter() - began
+
+
+def build(path: Path, announce: Callable[[str], None] = lambda _: None, sensitivities: bool = False) -> Built:
     """Run all stages on a specification file, without writing the generated files.
 
-    `path` is the TOML file; `progress` is called with a description of each stage when it begins; `sensitivities`: see
+    `path` is the TOML file; `announce` is called with a description of each stage when it begins; `sensitivities`: see
     `lower`. Raises SpecError, with line numbers of the file, if the specification is invalid.
     """
-    clock = [time.perf_counter()]
-
-    def lap() -> float:
-        clock.append(time.perf_counter())
-        return clock[-1] - clock[-2]
-
-    progress("reading the specification")
-    spec = read(path)
-    reading = Stage("read", lap())
-    progress("deriving the equations of motion")
+    stages = Stages(announce)
+    with stages.stage("read", "reading the specification"):
+        spec = read(path)
     try:
-        derived = derive(spec)
-        deriving = Stage("derive", lap())
-        progress("lowering to kernels")
-        model = lower(derived, sensitivities)
-    except SpecError as error:  # a numerical fault that shows only during the derivation
+        result = generate(spec, sensitivities, stages=stages)
+        if isinstance(spec, Scene):
+            _check_plots(spec, result.model)
+    except SpecError as error:  # a fault that shows only in the derivation, or in the names of the columns
         raise with_lines(error, path) from None
-    if isinstance(spec, Scene) and spec.plots:
-        _check_plots(spec, model, path)
-    equations = lowered_form(derived, model)
-    operations, nonzeros = model.kernel("mass_force").operations, model.pattern("mass", "M").full_nnz
-    lowering = Stage("lower", lap(), operations=operations, nonzeros=nonzeros)
-    deriving = replace(deriving, terms=len(equations.terms))
-    if not isinstance(equations, IndexedEquations):
-        deriving = replace(deriving, nonzeros=sum(entry != 0 for entry in equations.mass))
+    return result
+
+
+def generate(
+    spec: Specification,
+    sensitivities: bool = False,
+    backends: Sequence[str] = ("c", "python"),
+    start_needed: bool = False,
+    stages: Stages | None = None,
+) -> Built:
+    """Run all stages on a specification: derive, lower, compute the initial state, emit.
+
+    sensitivities: see `lower`. backends: names in `BACKENDS`. start_needed: whether it is an error that a scene has no
+    initial state; its inputs without a value are zero there. Raises SpecError, and SimulationError with `start_needed`.
+    """
+    stages = stages or Stages()
+    with stages.stage("derive", "deriving the equations of motion"):
+        derived = derive(spec)
+    with stages.stage("lower", "lowering to kernels"):
+        model = lower(derived, sensitivities)
+    unstarted = ""
     if isinstance(spec, Scene):
-        progress("computing the initial state")
-    model, failure = _with_start(spec, model)
-    starting = (Stage("start", lap()),) if isinstance(spec, Scene) else ()
-    progress("emitting C and Python")
-    files = emitted_files(model, spec)
-    emitting = Stage("emit", lap())
-    notes = (*build_notes(spec, model), *(f"warning: {text}" for text in (*failure, *warnings(path))))
-    return Built(spec, equations, model, files, (reading, deriving, lowering, *starting, emitting), notes)
-
-
-def _check_plots(scene: Scene, model: Model, path: Path) -> None:
-    """Raise SpecError if plots show columns that a trajectory does not have."""
-    from derive.simulation.prepared_run import plots_of_nothing
-    from derive.simulation.trajectory import column_units
-
-    known = tuple(name for name, _ in column_units(scene, model))
-    if problems := tuple(plots_of_nothing(scene.plots, known)):
-        raise with_lines(SpecError(problems), path)
+        with stages.stage("start", "computing the initial state"):
+            model, unstarted = _started(spec, model, start_needed)
+    with stages.stage("emit", "emitting C and Python"):
+        files = emit(model, spec, backends)
+    return Built(spec, derived, model, files, unstarted, stages.seconds)
 
 
 def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c", "python")) -> tuple[File, ...]:
@@ -102,26 +107,32 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
     NAME_start; where there is no initial state, a warning of Python says why. Raises UnknownNameError for a name that
     is not in `BACKENDS`.
     """
-    complete, failure = _with_start(spec, model)
-    for text in failure:
-        warn(text, stacklevel=2)
-    return emitted_files(complete, spec, backends)
+    if isinstance(spec, Scene) and model.start is None:
+        model, unstarted = _started(spec, model)
+        if unstarted:
+            warn(unstarted, stacklevel=2)
+    return emit(model, spec, backends)
 
 
-def _with_start(spec: Specification, model: Model) -> tuple[Model, tuple[str, ...]]:
-    """The model with the initial state of a scene or, if there is none, a line that says why.
-
-    Run-time inputs have their values at the start of a simulation, since a prescribed motion may be one of them.
-    """
-    if not isinstance(spec, Scene) or model.start is not None:
-        return model, ()
+def _started(scene: Scene, model: Model, needed: bool = False) -> tuple[Model, str]:
+    """The model with its initial state or, unless that is needed, without it and with the reason."""
     from derive.simulation.initial.start_state import start_state
-    from derive.simulation.inputs import with_functions
+    from derive.simulation.linear.run_time_inputs import with_zero_inputs
 
+    if needed:
+        return replace(model, start=start_state(with_zero_inputs(scene), model)), ""
     try:
-        simulated = replace(with_functions(spec, {}), outputs=())
-        start = start_state(simulated, lower(derive(simulated)) if spec.inputs else model)
-        return replace(model, start=start), ()
+        return replace(model, start=start_state(scene, model)), ""
     except TisserandError as error:
         reason = str(error).splitlines()[0]
-        return model, (f"no function {model.name}_start, since there is no initial state: {reason}",)
+        return model, f"no function {model.name}_start, since there is no initial state: {reason}"
+
+
+def _check_plots(scene: Scene, model: Model) -> None:
+    """Raise SpecError if plots show columns that a trajectory does not have."""
+    from derive.simulation.prepared_run import plots_of_nothing
+    from derive.simulation.trajectory import column_units
+
+    known = tuple(name for name, _ in column_units(scene, model))
+    if problems := tuple(plots_of_nothing(scene.plots, known)):
+        raise SpecError(problems)

@@ -53,8 +53,8 @@ def test_progress(
 def test_an_error_replaces_the_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def failing(path: Path, progress: Callable[[str], None], sensitivities: bool) -> None:
-        progress("lowering to kernels")
+    def failing(path: Path, announce: Callable[[str], None], sensitivities: bool) -> None:
+        announce("lowering to kernels")
         raise TisserandError("the message")
 
     monkeypatch.setattr("derive.pipeline.build", failing)

@@ -28,10 +28,9 @@ BACKENDS: Registry[Backend] = Registry("backend", {"c": CBackend(), "python": Py
 """The backends by their names."""
 
 
-def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c", "python")) -> tuple[File, ...]:
-    """The files that the backends of these names emit for a model as it is, and the manifest.
+def emit(model: Model, spec: Specification, backends: Sequence[str] = ("c", "python")) -> tuple[File, ...]:
+    """The files that the backends of these names emit for a model, and the manifest.
 
-    `derive.pipeline.model_files`, the public function, adds the initial state of a scene before.
     spec: the specification that the model was made from. Raises UnknownNameError for a name that is not in BACKENDS.
     """
     files = _with_hash(tuple(file for name in backends for file in BACKENDS[name].files(model, fingerprint(spec))))

@@ -4,35 +4,39 @@ from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import asdict
+from collections.abc import Iterator
 from pathlib import Path
 
 from derive.artifacts import write
+from derive.cli.build_notes import build_notes
 from derive.cli.specifications import build_all
-from derive.pipeline import Built, Stage
+from derive.pipeline import Built
 from derive.terminal import table
+
+SIZES = ("terms", "operations", "nonzeros")
+"""The sizes of a stage, each of which is None where it does not apply."""
 
 
 def run(options: argparse.Namespace) -> int:
     """Build all specifications, then write all files; an error in any specification prevents all writing."""
-    built = build_all(options.specs, options.sensitivities)
-    files = [file for b in built for file in b.files]
-    write(files, options.out)
+    paths = tuple(dict.fromkeys(options.specs))
+    built = dict(zip(paths, build_all(paths, options.sensitivities), strict=True))
+    write([file for b in built.values() for file in b.files], options.out)
     if options.json:
-        print(json.dumps([_plain(b, options.out) for b in built], indent=2))
+        print(json.dumps([_plain(b, path, options.out) for path, b in built.items()], indent=2))
     else:
-        print("\n\n".join(_table(b, options.out) for b in built))
+        print("\n\n".join(_table(b, path, options.out) for path, b in built.items()))
     return 0
 
 
-def _table(built: Built, out: Path) -> str:
+def _table(built: Built, path: Path, out: Path) -> str:
     mass = built.model.pattern("mass", "M")
-    rows = [["stage", "seconds", "terms", "operations", "non-zeros"], *map(_row, built.stages)]
+    rows = [["stage", "seconds", "terms", "operations", "non-zeros"], *map(_row, _stages(built))]
     setup = built.model.kernel("setup").operations
     return "\n".join(
         [
             f"{built.model.name}: {built.model.doc}",
-            *(f"  {note}" for note in built.notes),
+            *(f"  {note}" for note in build_notes(built, path)),
             *table(rows),
             f"  non-zeros: of the {mass.rows * mass.cols} entries of the mass matrix; operations: of one evaluation of",
             f"  mass matrix and forces together, after {setup} operations in setup, which depend on parameters alone",
@@ -41,18 +45,30 @@ def _table(built: Built, out: Path) -> str:
     )
 
 
-def _row(stage: Stage) -> list[str]:
-    counts = (stage.terms, stage.operations, stage.nonzeros)
-    return [stage.name, f"{stage.seconds:.3f}", *("" if n is None else str(n) for n in counts)]
+def _row(stage: dict[str, object]) -> list[str]:
+    counts = (stage[size] for size in SIZES)
+    return [str(stage["name"]), f"{stage['seconds']:.3f}", *("" if n is None else str(n) for n in counts)]
 
 
-def _plain(built: Built, out: Path) -> dict[str, object]:
+def _stages(built: Built) -> Iterator[dict[str, object]]:
+    """Yield the name, the wall-clock time (s) and the sizes of each stage."""
+    equations, model = built.equations, built.model
+    nonzeros = None if model.lowering == "table" else sum(entry != 0 for entry in equations.mass)
+    sizes: dict[str, tuple[int | None, ...]] = {
+        "derive": (len(equations.terms), None, nonzeros),
+        "lower": (None, model.kernel("mass_force").operations, model.pattern("mass", "M").full_nnz),
+    }
+    for name, seconds in built.seconds.items():
+        yield {"name": name, "seconds": seconds, **dict(zip(SIZES, sizes.get(name, (None,) * 3), strict=True))}
+
+
+def _plain(built: Built, path: Path, out: Path) -> dict[str, object]:
     return {
         "name": built.model.name,
         "doc": built.model.doc,
         "lowering": built.model.lowering,
-        "notes": list(built.notes),
-        "stages": [asdict(stage) for stage in built.stages],
+        "notes": list(build_notes(built, path)),
+        "stages": list(_stages(built)),
         "operations": {kernel.name: kernel.operations for kernel in built.model.kernels},
         "nonzeros": built.model.pattern("mass", "M").full_nnz,
         "files": [str(out / file.path) for file in built.files],

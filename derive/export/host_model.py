@@ -7,16 +7,15 @@ from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 
 from derive.artifacts import File
-from derive.backends.model_files import model_files
-from derive.derivation import derive, lower
 from derive.errors import Problem, SpecError
-from derive.generated_models import generated
-from derive.ir.model import Model, StartState, Variable
+from derive.ir.model import Model, Variable
+from derive.mechanics.equations import Equations
+from derive.mechanics.multibody.mechanism import Mechanism
 from derive.notes.model_notes import limits
-from derive.simulation.body_run import initial_vectors
+from derive.pipeline import generate
 from derive.simulation.free_beam import beam_scene
 from derive.simulation.initial.start_state import start_state
-from derive.simulation.linear.run_time_inputs import input_values, scene_with_values
+from derive.simulation.linear.run_time_inputs import input_values
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.scene import Scene, Specification
@@ -47,15 +46,17 @@ class HostVariable:
 class HostModel:
     """A model as hosts see it.
 
-    spec: what was specified; a single beam is the scene of this beam, as in a simulation. model: its kernels and
-    patterns. files: NAME/NAME.h, NAME/NAME.c and the manifest NAME/manifest.json, as `derive.model_files` makes them.
-    coordinates, velocities: q (nq,) and v (nv,) with the consistent initial state. inputs: u (nu,) with their values at
-    t = 0; one that prescribes a motion is followed by its first two time derivatives. outputs: (nout,). parameters: p
-    (np,) with their defaults. multipliers: lambda (nlambda,). notes: lines of text for the user.
+    spec: what was specified; a single beam is the scene of this beam, as in a simulation. derived: its equations, or
+    its mechanism. model: its kernels and patterns. files: NAME/NAME.h, NAME/NAME.c and the manifest
+    NAME/manifest.json, as `derive.model_files` makes them. coordinates, velocities: q (nq,) and v (nv,) with the
+    consistent initial state. inputs: u (nu,) with their values at t = 0; one that prescribes a motion is followed by
+    its first two time derivatives. outputs: (nout,). parameters: p (np,) with their defaults. multipliers: lambda
+    (nlambda,). notes: lines of text for the user.
     """
 
     name: str
     spec: Scene | NodalBody
+    derived: Equations | Mechanism
     model: Model
     files: tuple[File, ...]
     coordinates: tuple[HostVariable, ...]
@@ -105,22 +106,19 @@ def host_model(spec: Specification, sensitivities: bool = False) -> HostModel:
         raise SpecError((Problem("", SYMBOLIC),), None)
     if isinstance(spec, PlanarBeam):
         spec = beam_scene(spec)
-    model = lower(derive(spec), sensitivities=True) if sensitivities else generated(spec)[0]
-    if isinstance(spec, Scene):
-        inputs = _inputs(spec, model)
-        start = _start_of_scene(spec, model)
-        model = replace(model, start=start)
-    else:
-        q, v = initial_vectors(model, spec.start)
-        start, inputs = StartState(tuple(map(float, q)), tuple(map(float, v))), ()
+    values = input_values(spec, 0.0) if isinstance(spec, Scene) else ()
+    result = generate(spec, sensitivities, ("c",), start_needed=True)
+    model = result.model
+    start = model.start or start_state(spec, model)
     return HostModel(
         spec.name,
         spec,
+        result.derived,
         model,
-        model_files(model, spec, ("c",)),
+        result.files,
         _scalars(model.coordinates, start.q),
         _scalars(model.velocities, start.v),
-        inputs,
+        _inputs(model, values),
         _scalars(model.outputs, None),
         _scalars(model.parameters, model.defaults),
         _scalars(model.multipliers, None),
@@ -128,16 +126,11 @@ def host_model(spec: Specification, sensitivities: bool = False) -> HostModel:
     )
 
 
-def _start_of_scene(scene: Scene, model: Model) -> StartState:
-    """The initial state, in which run-time inputs are what they are at the start of a simulation, or zero."""
-    simulated = replace(scene_with_values(scene), outputs=())
-    return start_state(simulated, lower(derive(simulated)) if scene.inputs else model)
-
-
-def _inputs(scene: Scene, model: Model) -> tuple[HostVariable, ...]:
-    values = [(order, number) for numbers in input_values(scene, 0.0) for order, number in enumerate(numbers)]
-    variables = _scalars(model.inputs, [number for _, number in values])
-    return tuple(replace(u, derivative=order) for u, (order, _) in zip(variables, values, strict=True))
+def _inputs(model: Model, values: Sequence[Sequence[float]]) -> tuple[HostVariable, ...]:
+    """The inputs with their values at t = 0; the numbers of an input that prescribes a motion are its derivatives."""
+    numbers = [(order, number) for of_input in values for order, number in enumerate(of_input)]
+    variables = _scalars(model.inputs, [number for _, number in numbers])
+    return tuple(replace(u, derivative=order) for u, (order, _) in zip(variables, numbers, strict=True))
 
 
 def _scalars(variables: Sequence[Variable], values: Sequence[float] | None) -> tuple[HostVariable, ...]:

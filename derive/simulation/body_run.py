@@ -8,18 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from derive.artifacts import File
-from derive.errors import Problem, SpecError
-from derive.ir.model import Model
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.simulation.body_trajectory import BodyTrajectory, body_column_units, body_column_values
+from derive.simulation.initial.spatial_state import initial_vectors, normalised
 from derive.simulation.integration.integrator import Integrator
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.default_plots import body_plots
 from derive.simulation.prepared_run import PreparedRun
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
-from derive.spec.model.simulation import SpatialStart
 
 NO_INPUTS = "a body in space has no run-time inputs; make it part of a scene, or leave `inputs` out"
 """The message of the error for run-time inputs of a body."""
@@ -51,34 +49,5 @@ class BodyRun(PreparedRun[NativeBody, None, BodyTrajectory]):
         return body_column_values(native, k, solution)
 
     def _result(self, native: NativeBody, k: Vector, start: None, solution: Solution) -> BodyTrajectory:
-        solution = replace(solution, notes=(*_normalised(self.body.start), *solution.notes))
+        solution = replace(solution, notes=(*normalised(self.body.start), *solution.notes))
         return BodyTrajectory(self.body, self.model, native, k, solution, self.settings)
-
-
-def _normalised(start: SpatialStart) -> tuple[str, ...]:
-    """A note if the quaternion of an initial state has another length than 1, apart from rounding errors."""
-    length = float(np.linalg.norm(start.quaternion))
-    return () if abs(length - 1.0) < 1e-12 else (f"body.start.rotation: length of the quaternion {length:.9g} -> 1",)
-
-
-def initial_vectors(model: Model, start: SpatialStart) -> tuple[Vector, Vector]:
-    """The coordinates q (nq,) and velocities v (nv,) of an initial state, with the quaternion scaled to length 1.
-
-    Raises SpecError if there are more amplitudes than modes.
-    """
-    modes = sum(variable.size for variable in model.velocities) - 6
-    problems = [
-        Problem(f"body.start.{key}", f"there are {len(values)} numbers, and the body has {modes} modes")
-        for key, values in (("amplitudes", start.amplitudes), ("amplitude_rates", start.amplitude_rates))
-        if len(values) > modes
-    ]
-    if problems:
-        raise SpecError(tuple(problems))
-    quaternion = np.array(start.quaternion) / np.linalg.norm(start.quaternion)
-    q = np.concatenate([start.position, quaternion, _padded(start.amplitudes, modes)])
-    v = np.concatenate([start.velocity, start.angular_velocity, _padded(start.amplitude_rates, modes)])
-    return q, v
-
-
-def _padded(values: tuple[float, ...], size: int) -> Vector:
-    return np.array([*values, *(0.0 for _ in range(size - len(values)))])

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.backends.model_files import model_files
+from derive.backends.model_files import emit
 from derive.derivation import derive
 from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat.lower import lower
@@ -88,7 +88,7 @@ def _build(
     marks.append(time.perf_counter())
     model = lower(equations, elimination=elimination)
     marks.append(time.perf_counter())
-    files, counts = model_files(model, variant.scene), operation_counts(equations, model, elimination)
+    files, counts = emit(model, variant.scene), operation_counts(equations, model, elimination)
     marks.append(time.perf_counter())
     seconds = dict(zip(("derive", "lower", "emit"), np.diff(marks).tolist(), strict=True))
 

@@ -16,7 +16,7 @@ import free_block
 from conftest import ROOT
 from derive.artifacts import MARK, File
 from derive.backends.c.source import CBackend
-from derive.backends.model_files import BACKENDS, model_files
+from derive.backends.model_files import BACKENDS, emit
 from derive.backends.protocol import Backend
 from derive.backends.python.module import PythonBackend
 from derive.backends.source_map import (
@@ -212,7 +212,7 @@ def outline() -> Iterator[Any]:
 @pytest.mark.usefixtures("outline")
 def test_a_backend_from_outside_emits_a_file_and_its_map() -> None:
     made = beams.made("mean", 2)
-    *files, manifest = model_files(made.model, made.spec, ("c", "outline"))
+    *files, manifest = emit(made.model, made.spec, ("c", "outline"))
     (names,) = ([file.path for file in files],)
     assert names == [*CBackend().file_names("beam_mean_2"), *Outline().file_names("beam_mean_2")]
     assert set(json.loads(manifest.text)["files"]) == {*names}
@@ -229,4 +229,4 @@ def test_a_backend_from_outside_emits_a_file_and_its_map() -> None:
 def test_an_unknown_backend_is_an_error_that_names_the_known_ones() -> None:
     made = beams.made("mean", 2)
     with pytest.raises(UnknownNameError, match='there is no backend "fortran"; known: c, python'):
-        model_files(made.model, made.spec, ("fortran",))
+        emit(made.model, made.spec, ("fortran",))

@@ -15,7 +15,7 @@ from toolchain import C99, CPP11, WARNINGS, run, tool
 
 import derive
 from conftest import QUICK, ROOT
-from derive.backends.model_files import model_files
+from derive.backends.model_files import emit
 from derive.generated_models import generated
 from derive.runtime.integrators.compilation import header_flags, write_sources
 from derive.runtime.loading import native_model, shared_library
@@ -81,7 +81,7 @@ class Ode:
     def __init__(self, spec: Any) -> None:
         model = derive.lower(derive.derive(spec), sensitivities=True)
         with tempfile.TemporaryDirectory() as folder:
-            name, paths = write_sources(model_files(model, spec), ["ode"], Path(folder))
+            name, paths = write_sources(emit(model, spec), ["ode"], Path(folder))
             self.library = shared_library(paths, Path(folder), [*QUICK, *header_flags(name, Path(folder))])
         self.native = native_model(self.library, name)
         self.model, self.n = ctypes.c_void_p(self.native.address), self.native.nq + self.native.nv

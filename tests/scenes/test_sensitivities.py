@@ -16,7 +16,7 @@ from test_time_functions import tables
 import derive
 from beams import run_module
 from conftest import QUICK, ROOT
-from derive.backends.model_files import model_files
+from derive.backends.model_files import emit
 from derive.ir.interpreter import interpret
 from derive.ir.model import Model
 from derive.runtime.compiler import CompilerError
@@ -80,7 +80,7 @@ FUNCTIONS = {f: getattr(mpmath, f) for f in ("sin", "cos", "sqrt", "exp", "log",
 def made(name: str) -> tuple[Model, tuple[derive.File, ...], Any]:
     spec = SCENES[name]()
     model = derive.lower(derive.derive(spec), sensitivities=True)
-    files = model_files(model, spec)
+    files = emit(model, spec)
     return model, files, derive.load(files, QUICK)
 
 
@@ -166,7 +166,7 @@ def given_inputs(model: Model) -> tuple[np.ndarray, ...]:
 
 
 def test_what_has_no_derivatives_says_so() -> None:
-    native = derive.load(model_files(derive.lower(derive.derive(SCENES["point"]())), SCENES["point"]()), QUICK)
+    native = derive.load(emit(derive.lower(derive.derive(SCENES["point"]())), SCENES["point"]()), QUICK)
     assert native.parameter_pattern is None
     y = np.zeros(native.nq + native.nv)
     with pytest.raises(CompilerError, match="generate it with sensitivities"):

@@ -11,6 +11,7 @@ import pytest
 from steady_spin import beam_of
 
 from conftest import ROOT
+from derive.cli.build_notes import build_notes
 from derive.notes.spin_limit import spin_limits, spin_notes
 from derive.pipeline import build
 from derive.spec.model.beam_parts import AttachedMass, AxialDeformation
@@ -29,7 +30,7 @@ frame = { kind = "point", at = 0 }
 def test_it_states_the_spin_that_is_lost_with_these_shapes_and_with_two(tmp_path: Path) -> None:
     path = tmp_path / "rod.toml"
     path.write_text(BEAM)
-    (note,) = (note for note in build(path).notes if "loses its stiffness" in note)
+    (note,) = (note for note in build_notes(build(path), path) if "loses its stiffness" in note)
     assert note == (
         "rod: to first order in its point frame, a free beam with these 4 shapes loses its stiffness at a spin of "
         "21.21 sqrt(EI/(m l^3)), with the first 2 at 26.83; in the mean frame at its first natural frequency, 22.56; "
@@ -54,7 +55,8 @@ def test_attached_masses_damping_and_stretching_leave_the_limit_of_the_beam() ->
 
 
 def test_a_scene_has_a_line_for_each_such_beam() -> None:
-    (note,) = (note for note in build(ROOT / "scenes/spun_up_cantilever.toml").notes if "loses its stiffness" in note)
+    path = ROOT / "scenes/spun_up_cantilever.toml"
+    (note,) = (note for note in build_notes(build(path), path) if "loses its stiffness" in note)
     assert note.startswith("beam: to first order in its tangent frame, a free beam with these 3 shapes")
     assert "5.604 sqrt(EI/(m l^3)), with the first 2 at 5.606;" in note
 

@@ -11,7 +11,7 @@ import pytest
 
 import derive
 from conftest import ROOT
-from derive.simulation.body_run import initial_vectors
+from derive.simulation.initial.spatial_state import initial_vectors
 
 BLOCK = derive.read(ROOT / "scenes/block.toml")
 

@@ -9,7 +9,6 @@ from itertools import chain
 
 import sympy as sp
 
-from derive.derivation import derive
 from derive.errors import Problem, SpecError
 from derive.export.host_model import HostModel, HostVariable
 from derive.mechanics.equations import Equations
@@ -84,7 +83,7 @@ def fmi_variables(model: HostModel) -> tuple[FmiVariable, ...]:
     Names of the specification stay. Another one that is taken, such as energy.kinetic beside an output energy, is put
     behind the name of the model. Raises SpecError where two of the specification are one.
     """
-    derived = derive(model.spec)
+    derived = model.derived
     states, multipliers, outputs = _names_of_states(derived), [], []
     if isinstance(derived, Mechanism):
         multipliers, outputs = _names_of_multipliers(derived), _output_names(derived)

@@ -8,17 +8,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
 import mpmath
 
+from derive.derivation import derive, lower
 from derive.errors import TisserandError
 from derive.ir.interpreter import interpret
 from derive.ir.model import Model, StartState
 from derive.runtime.interpreted_scene import InterpretedScene
 from derive.simulation.initial.initial_state import initial_state
+from derive.simulation.initial.spatial_state import initial_vectors
+from derive.simulation.inputs import with_functions
+from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene
 
 DIGITS = 10
@@ -39,12 +43,18 @@ class NoStartState(TisserandError):
     """The rounded initial state does not come back to the constraints."""
 
 
-def start_state(scene: Scene, model: Model) -> StartState:
-    """The initial state of a scene with the defaults of its parameters, exact to the last digit of a double.
+def start_state(spec: Scene | NodalBody, model: Model) -> StartState:
+    """The initial state of a scene or a body with the defaults of its parameters, exact to the last digit of a double.
 
-    model: its kernels. Raises what `initial_state` raises, and NoStartState.
+    model: its kernels. Run-time inputs have their values at the start of a simulation, since a prescribed motion may be
+    one of them. Raises SpecError where an input has no value, what `initial_state` raises, and NoStartState.
     """
-    state = initial_state(scene, InterpretedScene(model))
+    if isinstance(spec, NodalBody):
+        return StartState(*(tuple(part.tolist()) for part in initial_vectors(model, spec.start)))
+    if spec.inputs:
+        spec = replace(with_functions(spec, {}), outputs=())
+        model = lower(derive(spec))
+    state = initial_state(spec, InterpretedScene(model))
     with mpmath.workdps(WORKING_DIGITS):
         q, v = _projected(model, *([_rounded(float(x)) for x in part] for part in (state.q, state.v)))
         return StartState(tuple(float(x) + 0.0 for x in q), tuple(float(x) + 0.0 for x in v))

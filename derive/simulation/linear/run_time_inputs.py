@@ -17,10 +17,14 @@ ZERO = TimeFunction("number")
 DERIVATIVES = "this function", "its first derivative", "its second derivative"
 
 
+def with_zero_inputs(scene: Scene) -> Scene:
+    """A scene whose run-time inputs are zero in simulations where the specification gives them no function."""
+    return replace(scene, inputs=tuple(replace(value, function=value.function or ZERO) for value in scene.inputs))
+
+
 def scene_with_values(scene: Scene) -> Scene:
     """A scene whose run-time inputs are replaced by the functions of the specification, or by zero."""
-    inputs = tuple(replace(value, function=value.function or ZERO) for value in scene.inputs)
-    return with_functions(replace(scene, inputs=inputs), {})
+    return with_functions(with_zero_inputs(scene), {})
 
 
 def constants(scene: Scene, native: NativeScene, t: float) -> Vector:

@@ -9,7 +9,7 @@ from typing import Any
 import beams
 import derive
 from conftest import ROOT
-from derive.derivation import lowered_form
+from derive import pipeline
 from derive.pipeline import Built, build
 from derive.report.document.formula import Equation
 from derive.report.document.page import (
@@ -63,10 +63,7 @@ def built(name: str) -> Built:
     """A body through all stages."""
     if name in SCENES:
         return build(ROOT / "scenes" / f"{SCENES[name]}.toml")
-    given = spec(name)
-    derived = derive.derive(given)
-    model = derive.lower(derived)
-    return Built(given, lowered_form(derived, model), model, derive.model_files(model, given), ())
+    return pipeline.generate(spec(name))
 
 
 @cache

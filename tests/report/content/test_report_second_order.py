@@ -11,9 +11,8 @@ import pytest
 
 import beams
 import derive
-from derive.derivation import lowered_form
 from derive.mechanics.symbols import Family, identity
-from derive.pipeline import Built
+from derive.pipeline import generate
 from derive.report.document.formula import Name
 from derive.report.document.page import Details, Heading, Page
 from derive.report.model_page import model_page
@@ -49,9 +48,7 @@ def built(name: str) -> tuple[Any, Page]:
             spec = derive.scene(name, bodies={"one": rod(0, order=2), "two": rod(1, **FULL)}, joints=joints)
         case _:
             spec = derive.scene(name, bodies={"one": rod(0)})
-    derived = derive.derive(spec)
-    model = derive.lower(derived)
-    made = Built(spec, lowered_form(derived, model), model, derive.model_files(model, spec), ())
+    made = generate(spec)
     page = scene_page if made.model.kkt else model_page
     return made.equations, page(made, SpecificationText("the specification", "name = 1"))
 
