@@ -17,8 +17,8 @@ from derive.roles import Role
 from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import Adaptive
 from derive.runtime.loading import load
-from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.spec.construction import nodal_body
 
 CORNERS = np.array(list(product((-0.15, 0.15), (-0.1, 0.1), (-0.05, 0.05))))
@@ -48,7 +48,6 @@ def tumble() -> Tumble:
     nodes = {"positions": CORNERS, "mass": np.full(len(CORNERS), 0.25)}
     spec = nodal_body("tumbling_block", nodes, units="SI", frame="given", modes=0)
     native = load(generated(spec)[1], RUN_FLAGS)
-    assert isinstance(native, NativeBody)
     k = native.setup()
     q, v = np.array([0, 0, 0, 1.0, 0, 0, 0]), np.array([0, 0, 0, *SPIN])
     times = np.linspace(0.0, TURNS * 2 * np.pi / SPIN[1], ROWS)
@@ -69,7 +68,7 @@ def tumble() -> Tumble:
     )
 
 
-def _condition(native: NativeBody, q: Vector, k: Vector) -> float:
+def _condition(native: NativeScene, q: Vector, k: Vector) -> float:
     """The condition number of the rates of the quaternion as a function of the angular velocity."""
     rotation = np.array([role is Role.QUATERNION for role in native.roles])
     columns = [native.rates(q, unit, k)[rotation] for unit in np.eye(native.nv)[3:6]]

@@ -12,7 +12,6 @@ from derive.artifacts import BinaryFile, File, check_folder, write
 from derive.cli.specifications import read_changed
 from derive.errors import SpecError
 from derive.notes.conditioning import condition_warnings
-from derive.runtime.native_scene import NativeScene
 from derive.simulation.linear.eigenmodes import ComplexVector, Mode
 from derive.simulation.linear.mode_files import mode_files, modes_data
 from derive.simulation.linear.modes import Modes, modes
@@ -127,14 +126,14 @@ def _state_space(result: Modes) -> Iterator[str]:
     """The sizes of the state space and its inputs and outputs, in words."""
     linear, native = result.linear, result.native
     yield f"state space: {len(linear.states)} states, {len(linear.inputs)} inputs, {len(linear.outputs)} outputs"
-    if isinstance(native, NativeScene) and native.inputs:
+    if native.inputs:
         values = zip(native.inputs, result.k[native.nk - len(native.inputs) :], strict=True)
         yield f"inputs, with their values in this state: {', '.join(f'{name} = {value:.6g}' for name, value in values)}"
     elif linear.inputs:
         yield "inputs: forces at the markers, in the inertial frame"
     elif linear.outputs:
         yield "inputs: none, as the scene has outputs of its own; declare forces on which they depend in [inputs]"
-    if isinstance(native, NativeScene) and native.outputs:
+    if native.outputs:
         yield f"outputs: {', '.join(native.outputs)}"
     elif linear.outputs:
         yield "outputs: positions of the markers, in the inertial frame"

@@ -9,7 +9,6 @@ import numpy as np
 from derive.export.host_model import HostModel
 from derive.runtime.loading import load
 from derive.runtime.native_call import Matrix, Vector
-from derive.runtime.native_scene import NativeScene
 from derive.simulation.constraints.projection import project
 from derive.simulation.integration.scipy_methods import integrate
 
@@ -39,9 +38,7 @@ def reference_motion(model: HostModel) -> ReferenceMotion:
     given = model.spec.simulation
     times = np.linspace(0.0, 0.1 * (given.duration if given is not None else DURATION), ROWS)
     native = load(model.files)
-    k = native.setup()
-    if isinstance(native, NativeScene):
-        k = native.with_inputs(k, model.held_inputs)
+    k = native.with_inputs(native.setup(), model.held_inputs)
     q, v = project(
         native, k, 0.0, *(np.array([x.start for x in part]) for part in (model.coordinates, model.velocities))
     )

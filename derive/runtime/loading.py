@@ -12,17 +12,15 @@ from pathlib import Path
 
 from derive import cache
 from derive.artifacts import File, write
-from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import FLAGS, OWN_SYMBOLS, compile_shared, compiler_identity
-from derive.runtime.native_body import NativeBody
 from derive.runtime.native_scene import NativeScene
 
 
-def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene | NativeBody:
+def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene:
     """Compile the C of one model in a temporary folder and load it.
 
-    files: those of `model_files`. flags: of the compiler. Returns a NativeScene for a scene, else a NativeBody. Raises
-    CompilerError, ValueError if there is no C file, and TypeError for anything but files.
+    files: those of `model_files`. flags: of the compiler. Raises CompilerError, ValueError if there is no C file, and
+    TypeError for anything but files.
     """
     if isinstance(files, (str, os.PathLike)) or not isinstance(files, Iterable):
         raise TypeError(
@@ -34,7 +32,7 @@ def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene | N
         sources = [Path(folder) / file.path for file in files if file.path.endswith(".c")]
         if not sources:
             raise ValueError("there is no C file among these files")
-        return native_model(shared_library(sources, Path(folder), flags), sources[0].stem)
+        return NativeScene(shared_library(sources, Path(folder), flags), sources[0].stem)
 
 
 def shared_library(
@@ -93,15 +91,9 @@ def _key(sources: Sequence[Path], folder: Path, flags: Sequence[str]) -> str:
     return cache.key("library", *parts)
 
 
-def native_model(library: ctypes.CDLL, name: str) -> NativeScene | NativeBody:
-    """The model of that name in a library that is loaded: a NativeScene or a NativeBody, as its descriptor says."""
-    is_scene = Native(library, name).is_scene
-    return NativeScene(library, name) if is_scene else NativeBody(library, name)
-
-
 def load_scene(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene:
     """Compile and load a scene, as `load` does. Raises ValueError if the model is that of a body."""
     native = load(files, flags)
-    if not isinstance(native, NativeScene):
+    if not native.is_scene:
         raise ValueError(f"{native.name} is a body, not a scene")
     return native

@@ -1,4 +1,4 @@
-"""The functions of a compiled scene: those of a model, its constraints, and its forms as a DAE."""
+"""The functions of a compiled scene or body: those of a model, its constraints, and its forms as a DAE."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from derive.backends.c.optional_parts import OptionalPart
+from derive.ir.patterns import Pattern
 from derive.runtime.compiled_function import CompiledFunction
 from derive.runtime.compiled_model import Native, cj_first, not_explicit
 from derive.runtime.compiler import CompilerError
@@ -58,25 +59,36 @@ class Forms(dict[str, Dae]):
         )
 
 
+NONE = np.zeros(0)
+
+
 class NativeScene(Native):
-    """A compiled scene: M vdot + h = G^T lambda with constraints g(t, q) = 0."""
+    """A compiled scene: M vdot + h = G^T lambda with constraints g(t, q) = 0, and qdot = rates(q, v).
+
+    A body that moves alone is a scene without constraints, inputs and outputs; `bodies` and `dae` are empty.
+    """
 
     def __init__(self, library: ctypes.CDLL, name: str) -> None:
         super().__init__(library, name)
-        self._scene = s = self._model.scene.contents
+        self.multipliers: tuple[str, ...] = ()
+        self.bodies: tuple[str, ...] = ()
+        self.constraint_pattern = Pattern(0, self.nv, (0,) * (self.nv + 1), (), symmetric=False)
+        self.inputs: tuple[str, ...] = ()
+        self.outputs: tuple[str, ...] = ()
+        self.output_units: tuple[str, ...] = ()
+        self.outputs_pattern: Pattern | None = None
+        self.dae = Forms()
+        if self.is_scene:
+            self._prepare(self._model.scene.contents)
+        if self._model.ports:
+            self._prepare_ports(self._model.ports.contents)
+
+    def _prepare(self, s: Any) -> None:
+        """Prepare the names, the pattern and the functions of a scene."""
         self.multipliers = names_of(s.multipliers, self.nlambda)
         self.bodies = tuple(s.bodies[i].decode() for i in range(s.nbodies))
         self.constraint_pattern = pattern_of(s.pattern.contents)
-        ports = self._ports = self._model.ports.contents if self._model.ports else None
-        self.inputs = names_of(ports.u, ports.nu) if ports else ()
-        self.outputs = names_of(ports.out, ports.nout) if ports else ()
-        self.output_units = tuple(ports.out[i].unit.decode() for i in range(ports.nout)) if ports else ()
-        self.outputs_pattern = pattern_of(ports.pattern.contents) if ports and ports.pattern else None
         self.dae = Forms({form.name: form for form in (Dae(s.forms[i], self) for i in range(s.nforms))})
-        self._prepare(s)
-
-    def _prepare(self, s: Any) -> None:
-        """Prepare the functions of a scene."""
         at_position, state, n = (self.nq, self.nk), (self.nq, self.nv, self.nk), self.nlambda
         self._add(s, "constraints", at_position, (n,))
         self._add(s, "constraint_jacobian", at_position, (len(self.constraint_pattern.rowidx),))
@@ -85,22 +97,35 @@ class NativeScene(Native):
         self._add(s, "constraint_bias", state, (n,))
         self._add(s, "solve", state, (self.nv, n))
         self._add(s, "project_velocity", (self.nq, self.nk, n), (self.nv,), constants=1)
-        full = self.nq, self.nv, self.nv, n, self.nk
+
+    def _prepare_ports(self, ports: Any) -> None:
+        """Prepare the names, the pattern and the functions of run-time inputs and outputs."""
+        self.inputs = names_of(ports.u, ports.nu)
+        self.outputs = names_of(ports.out, ports.nout)
+        self.output_units = tuple(ports.out[i].unit.decode() for i in range(ports.nout))
+        full = self.nq, self.nv, self.nv, self.nlambda, self.nk
         if self.outputs:
-            self._add(self._ports, "outputs", full, (len(self.outputs),))
-        if self.outputs_pattern:
-            self._add(self._ports, "outputs_jacobian", full, (len(self.outputs_pattern.rowidx),))
+            self._add(ports, "outputs", full, (len(self.outputs),))
+        if ports.pattern:
+            self.outputs_pattern = pattern_of(ports.pattern.contents)
+            self._add(ports, "outputs_jacobian", full, (len(self.outputs_pattern.rowidx),))
 
     def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
         """The constraints g(t, q) (nlambda,)."""
+        if not self.nlambda:
+            return NONE
         return self._compiled["constraints"]((q, self.own_at(t, k)), t)
 
     def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """The rates of the constraints, gdot = G v + dg/dt (nlambda,)."""
+        if not self.nlambda:
+            return NONE
         return self._compiled["constraint_rates"]((q, v, self.own_at(t, k)), t)
 
     def constraint_jacobian(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
         """Values of the constraint Jacobian G by columns."""
+        if not self.nlambda:
+            return NONE
         return self._compiled["constraint_jacobian"]((q, self.own_at(t, k)), t)
 
     def constraint_bias(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
@@ -109,11 +134,15 @@ class NativeScene(Native):
 
     def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
         """The accelerations vdot (nv,), and lambda (nlambda,), the constraint reactions on body 2 of each joint."""
+        if not self.is_scene:
+            return self.accel(t, q, v, k), NONE
         vdot, multipliers = self._compiled["solve"].results((q, v, self.own_at(t, k)), t)
         return vdot, multipliers
 
     def project_velocity(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
         """The smallest change dv (nv,) of the velocities, measured by dv . M dv, with G dv = r (nlambda,)."""
+        if not self.nlambda:
+            return np.zeros(self.nv)
         return self._compiled["project_velocity"]((q, self.own_at(t, k), r), t)
 
     def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:

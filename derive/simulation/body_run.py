@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from derive.artifacts import File
-from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.body_trajectory import BodyTrajectory, body_column_units, body_column_values
 from derive.simulation.initial.spatial_state import initial_vectors, normalised
 from derive.simulation.integration.integrator import Integrator
@@ -23,7 +23,7 @@ NO_INPUTS = "a body in space has no run-time inputs; make it part of a scene, or
 """The message of the error for run-time inputs of a body."""
 
 
-class BodyRun(PreparedRun[NativeBody, None, BodyTrajectory]):
+class BodyRun(PreparedRun[NativeScene, None, BodyTrajectory]):
     """The simulation of a body in space."""
 
     def __init__(self, body: NodalBody, integrator: str, step: float | None) -> None:
@@ -37,17 +37,16 @@ class BodyRun(PreparedRun[NativeBody, None, BodyTrajectory]):
     def _default_plots(self) -> Sequence[Plot]:
         return body_plots(self.body, self.model)
 
-    def _compiled(self, files: Sequence[File]) -> tuple[NativeBody, Integrator]:
+    def _compiled(self, files: Sequence[File]) -> tuple[NativeScene, Integrator]:
         compiled = self._compile(files)
-        assert isinstance(compiled.native, NativeBody)
         return compiled.native, compiled
 
-    def _start(self, native: NativeBody, k: Vector) -> tuple[Vector, Vector, None]:
+    def _start(self, native: NativeScene, k: Vector) -> tuple[Vector, Vector, None]:
         return *self._initial, None
 
-    def _values(self, native: NativeBody, k: Vector, solution: Solution) -> Sequence[Vector]:
+    def _values(self, native: NativeScene, k: Vector, solution: Solution) -> Sequence[Vector]:
         return body_column_values(native, k, solution)
 
-    def _result(self, native: NativeBody, k: Vector, start: None, solution: Solution) -> BodyTrajectory:
+    def _result(self, native: NativeScene, k: Vector, start: None, solution: Solution) -> BodyTrajectory:
         solution = replace(solution, notes=(*normalised(self.body.start), *solution.notes))
         return BodyTrajectory(self.body, self.model, native, k, solution, self.settings)

@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from derive.ir.model import Model
-from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Matrix, Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.trajectory import ColumnTable, RunSettings
@@ -32,7 +32,7 @@ def body_column_units(model: Model) -> list[tuple[str, str]]:
     return [("t", "s"), *variables, *((name, "J") for name in energy_names(model))]
 
 
-def body_column_values(native: NativeBody, k: Vector, solution: Solution) -> list[Vector]:
+def body_column_values(native: NativeScene, k: Vector, solution: Solution) -> list[Vector]:
     """The values (n,) of the columns of a trajectory of a body, in the order of `body_column_units`."""
     states = zip(solution.q, solution.v, strict=True)
     energies = np.array([native.energy(q, v, k) for q, v in states])
@@ -50,7 +50,7 @@ class BodyTrajectory(ColumnTable):
 
     body: NodalBody
     model: Model
-    native: NativeBody
+    native: NativeScene
     k: Vector
     solution: Solution
     settings: RunSettings

@@ -33,9 +33,9 @@ class Constraints(Protocol):
 
 
 class ConstrainedSystem(Constraints, Protocol):
-    """M(q) vdot + h(t, q, v) = G^T lambda with constraints g(t, q) = 0, as `NativeScene` and `NativeBody` compute them.
+    """M(q) vdot + h(t, q, v) = G^T lambda with constraints g(t, q) = 0, as `NativeScene` computes them.
 
-    q is (nq,), v (nv,); qdot = v except for a body in space, whose quaternion has `rates`. k (nk,) are the constants of
+    q is (nq,), v (nv,); qdot = rates(q, v), which is v except in space, where nq > nv. k (nk,) are the constants of
     `setup`, lambda and g are (nlambda,), all in SI units.
     """
 
@@ -44,6 +44,9 @@ class ConstrainedSystem(Constraints, Protocol):
     nlambda: int
     coordinates: tuple[str, ...]
     multipliers: tuple[str, ...]
+
+    def rates(self, q: Vector, v: Vector, k: Vector) -> Vector:
+        """The rates qdot (nq,) of the coordinates."""
 
     def force(self, t: float, q: Vector, v: Vector, k: Vector) -> Vector:
         """The forces h (nv,)."""

@@ -12,7 +12,6 @@ from derive.errors import Problem, SpecError, quoted
 from derive.generated_models import generated, generated_explicit
 from derive.ir.model import Model
 from derive.runtime.integrators.watch import Watch
-from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.earlier_run import EarlierRun
@@ -29,7 +28,7 @@ from derive.spec.model.scene import Scene
 from derive.spec.parsing.condition import Row
 from derive.spec.parsing.faults import path_text
 
-Native = TypeVar("Native", bound=NativeScene | NativeBody)
+Native = TypeVar("Native", bound=NativeScene)
 Start = TypeVar("Start")
 Result = TypeVar("Result", bound=ColumnTable)
 

@@ -18,7 +18,7 @@ from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import kkt_matrix, mass_matrix
 from derive.spec.model.scene import Scene
 from derive.study.states import start_state
-from derive.study.timing import InterleavedTimes, interleaved_times, scene_of
+from derive.study.timing import InterleavedTimes, interleaved_times
 from derive.study.variants import OperationCounts, SceneVariant, operation_counts, variant
 from derive.terminal import beam_count, show_progress
 
@@ -110,7 +110,7 @@ def _compiled(
 
 def _comparison(pieces: int, first: _Built, second: _Built, runs: int) -> FrameComparison:
     both = (first, second)
-    starts = tuple(start_state(b.variant.scene, scene_of(b.host), scene_of(b.host).setup()) for b in both)
+    starts = tuple(start_state(b.variant.scene, b.host.native, b.host.native.setup()) for b in both)
     simulation = first.variant.scene.simulation
     assert simulation is not None
 
@@ -125,7 +125,7 @@ def _comparison(pieces: int, first: _Built, second: _Built, runs: int) -> FrameC
 
 
 def _cost(built: _Built, q: Vector) -> FrameCost:
-    native = scene_of(built.host)
+    native = built.host.native
     k = native.setup()
     return FrameCost(
         built.counts,

@@ -124,15 +124,9 @@ def interleaved_times(
 
 def common_step(hosts: Sequence[FixedStep], starts: Sequence[State]) -> float:
     """A step (s) that is stable in every frame."""
-    natives = map(scene_of, hosts)
+    natives = [host.native for host in hosts]
     limits = [rk4_step_limit(native, native.setup(), *start) for native, start in zip(natives, starts, strict=True)]
     return STABLE * min(limits)
-
-
-def scene_of(host: FixedStep) -> NativeScene:
-    """The compiled scene of a C integrator."""
-    assert isinstance(host.native, NativeScene)
-    return host.native
 
 
 def _run(host: FixedStep, start: State, step: float, steps: int, copies: int) -> tuple[dict[str, int], float, float]:
@@ -154,7 +148,7 @@ def _calls(
     t, q, v = start
     every = max(1, steps // ROWS)
     rows = host.run(q, v, step=step, steps=steps, every=every, t0=t, tolerance=DRIFT)
-    native = scene_of(host)
+    native = host.native
     once = repeater.seconds(native, function, 100, rows.t, rows.q, rows.v)
     calls = max(1, round(CALLS / max(once, 1e-9)))
     return lambda: repeater.seconds(native, function, calls, rows.t, rows.q, rows.v)

@@ -18,7 +18,8 @@ from conftest import QUICK, ROOT
 from derive.backends.model_files import emit
 from derive.generated_models import generated
 from derive.runtime.integrators.compilation import header_flags, write_sources
-from derive.runtime.loading import native_model, shared_library
+from derive.runtime.loading import shared_library
+from derive.runtime.native_scene import NativeScene
 from derive.spec.toml.read import parse
 
 LINKAGE = """
@@ -83,7 +84,7 @@ class Ode:
         with tempfile.TemporaryDirectory() as folder:
             name, paths = write_sources(emit(model, spec), ["ode"], Path(folder))
             self.library = shared_library(paths, Path(folder), [*QUICK, *header_flags(name, Path(folder))])
-        self.native = native_model(self.library, name)
+        self.native = NativeScene(self.library, name)
         self.model, self.n = ctypes.c_void_p(self.native.address), self.native.nq + self.native.nv
         self.work = np.empty(self.library.tisserand_ode_work(self.model))
         self.inputs = len(model.inputs)

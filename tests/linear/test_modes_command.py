@@ -159,7 +159,7 @@ def test_a_beam_alone_is_drawn_like_a_scene() -> None:
     assert line[0, 1].real == pytest.approx(line[-1, 1].real, rel=1e-9)
     assert np.abs(line).max() == pytest.approx(0.2, rel=1e-6) and np.sign(line[8, 1].real) == -np.sign(line[0, 1].real)
     assert len(re.findall("<path", modes_picture(found, 2))) == 6
-    assert [m["beams"][0]["name"] for m in motions_of(modes_page(found, 2))] == ["lone", "lone"]
+    assert [m["beams"][0]["name"] for m in motions_of(modes_page(found, 2))] == ["beam", "beam"]
 
 
 def test_a_body_in_space_is_drawn() -> None:

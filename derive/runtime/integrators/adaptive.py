@@ -32,7 +32,6 @@ from derive.runtime.integrators.compilation import host_sources
 from derive.runtime.integrators.observer import Observe, Observer
 from derive.runtime.integrators.watch import Watch, Watched, WatchInC
 from derive.runtime.loading import library_data, load_data
-from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 
@@ -166,7 +165,7 @@ class Adaptive:
     library: one that `adaptive_library` returned in another process, which is loaded instead.
     """
 
-    def __init__(self, native: NativeScene | NativeBody, library: bytes | None = None) -> None:
+    def __init__(self, native: NativeScene, library: bytes | None = None) -> None:
         self.native, self._library = native, _loaded(adaptive_library() if library is None else library)
 
     def run(
@@ -206,11 +205,9 @@ class Adaptive:
         instants, jumps = np.array(times, dtype=np.float64), np.array(breaks, dtype=np.float64)
         size = len(instants) + (event is not None)
         rows, drifts = np.empty((size, n + native.nlambda)), np.empty((size, 4))
-        outputs = np.empty((size, len(native.outputs) if isinstance(native, NativeScene) else 0))
+        outputs = np.empty((size, len(native.outputs)))
         observer, happening = Observer(observe, n + native.nlambda), _EventCall(event, crossing, native.nq, native.nv)
-        watching = None
-        if watch is not None and isinstance(native, NativeScene):
-            watching = WatchInC(watch, self._library, native, constants)
+        watching = None if watch is None else WatchInC(watch, self._library, native, constants)
         request = _Request(
             *(len(instants), instants.ctypes.data, len(jumps), jumps.ctypes.data),
             *(happening.address, observer.address, watching.address if watching else 0),

@@ -18,8 +18,9 @@ from derive.artifacts import File
 from derive.errors import TisserandError
 from derive.runtime.compiler import FLAGS
 from derive.runtime.integrators.compilation import header_flags, write_sources
-from derive.runtime.loading import native_model, shared_library
+from derive.runtime.loading import shared_library
 from derive.runtime.native_call import Vector, doubles
+from derive.runtime.native_scene import NativeScene
 
 Array = NDArray[np.float64]
 
@@ -92,7 +93,7 @@ class CIntegrator:
             name, paths = write_sources(files, sources, Path(folder))
             used = [*FLAGS, *flags, *header_flags(name, Path(folder))]
             self.library = shared_library(paths, Path(folder), used, link)
-        self.native = native_model(self.library, name)
+        self.native = NativeScene(self.library, name)
         self.model = ctypes.cast(getattr(self.library, f"{name}_model")(), ctypes.c_void_p)
         self.width: int = self.library.tisserand_fixed_row(self.model)
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from derive.runtime.integrators.adaptive import OFF, Adaptive, AdaptiveError, AdaptiveRun
 from derive.runtime.integrators.c_integrator import CONSISTENT
-from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import ModelError, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.constraints.projection import check_drift
@@ -23,7 +22,7 @@ from derive.simulation.integration.tolerances import absolute_tolerances, consis
 
 
 def adaptive(
-    native: NativeScene | NativeBody,
+    native: NativeScene,
     through_python: Callable[[NativeScene], Integrator] | None = None,
     library: bytes | None = None,
 ) -> Integrator:
@@ -89,7 +88,7 @@ def _solution(run: AdaptiveRun, notes: tuple[str, ...]) -> Solution:
     return Solution(run.t, run.q, run.v, run.lam, run.drift, run.drift_before, cost, notes, run.outputs, run.watched)
 
 
-def _diagnosed(native: NativeScene | NativeBody, k: Vector, limit: float, error: AdaptiveError) -> SimulationError:
+def _diagnosed(native: NativeScene, k: Vector, limit: float, error: AdaptiveError) -> SimulationError:
     """The error that explains why the C integrator cannot continue from its last state."""
     refused = None
     if error.refused is not None:

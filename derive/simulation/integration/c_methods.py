@@ -12,9 +12,7 @@ from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
 from derive.runtime.integrators.ida import Ida
 from derive.runtime.integrators.observer import Observe
-from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
-from derive.runtime.native_scene import NativeScene
 from derive.simulation.errors import IntegrationStopped, SimulationError
 from derive.simulation.integration.c_rows import CRows
 from derive.simulation.integration.integrator import Integrator, Settings, scene_of
@@ -41,10 +39,9 @@ def rk4(files: Sequence[File]) -> Integrator:
     native = host.native
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
-        if settings.step is None and isinstance(native, NativeBody):
+        if settings.step is None and not native.is_scene:
             raise SimulationError("rk4 needs a step for a single body: add --step, or step=... in Python")
-        scene = isinstance(native, NativeScene)
-        limit = rk4_step_limit(native, k, float(times[0]), q, v) if scene else math.inf
+        limit = rk4_step_limit(native, k, float(times[0]), q, v) if native.is_scene else math.inf
         step = settings.step or STABLE * limit
         longest = max((piece.interval / equal_steps(piece.interval, step) for piece in pieces(times)), default=0.0)
         unstable = (

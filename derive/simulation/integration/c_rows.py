@@ -9,7 +9,6 @@ import numpy as np
 
 from derive.runtime.integrators.c_integrator import Integration, IntegratorError
 from derive.runtime.integrators.observer import Observe
-from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.integration.failure_diagnosis import diagnose_failure
@@ -28,7 +27,7 @@ class CRows:
     met between two of them, the integrator runs again from the first one to determine the time to rounding errors.
     """
 
-    def __init__(self, native: NativeScene | NativeBody, run: Run, k: Vector, settings: Settings) -> None:
+    def __init__(self, native: NativeScene, run: Run, k: Vector, settings: Settings) -> None:
         self._native, self._run, self._k, self._settings = native, run, k, settings
         self._counts: Counter[str] = Counter()
         self._seconds = 0.0

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from derive.artifacts import File
 from derive.runtime.integrators.watch import Watch
-from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.errors import SimulationError
@@ -55,7 +54,7 @@ class Integrator:
     for another object with the functions of the scene, which it calls in Python; None if it calls C alone.
     """
 
-    native: NativeScene | NativeBody
+    native: NativeScene
     integrate: Callable[[Vector, Vector, Vector, Vector, Settings], Solution]
     through_python: Callable[[NativeScene], Integrator] | None = None
 
@@ -65,9 +64,9 @@ Compile = Callable[[Sequence[File]], Integrator]
 SimulationError if the method is one for scenes alone."""
 
 
-def scene_of(native: NativeScene | NativeBody, integrator: str) -> NativeScene:
+def scene_of(native: NativeScene, integrator: str) -> NativeScene:
     """The compiled scene. Raises SimulationError if it is a body: `integrator` is a method for scenes alone."""
-    if isinstance(native, NativeBody):
+    if not native.is_scene:
         raise SimulationError(
             f"{integrator} integrates scenes; for the body {native.name} choose adaptive, rk4, dop853 or rk45"
         )

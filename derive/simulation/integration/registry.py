@@ -9,7 +9,6 @@ from derive.artifacts import File
 from derive.registry import Registry
 from derive.runtime.compiler import FLAGS, RUN_FLAGS, WITHOUT_BATCHES
 from derive.runtime.loading import load
-from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.integration import c_methods
@@ -20,10 +19,10 @@ from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.integration.solution import Solution
 
 
-def _scipy(method: Literal["DOP853", "RK45"]) -> Callable[[NativeScene | NativeBody], Integrator]:
+def _scipy(method: Literal["DOP853", "RK45"]) -> Callable[[NativeScene], Integrator]:
     """An explicit method of SciPy."""
 
-    def integrator(native: NativeScene | NativeBody) -> Integrator:
+    def integrator(native: NativeScene) -> Integrator:
         def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
             s.refuse_step(method.lower())
             return integrate(
@@ -46,7 +45,7 @@ def _scipy(method: Literal["DOP853", "RK45"]) -> Callable[[NativeScene | NativeB
     return integrator
 
 
-def _compiled(integrator: Callable[[NativeScene | NativeBody], Integrator]) -> Compile:
+def _compiled(integrator: Callable[[NativeScene], Integrator]) -> Compile:
     """The integrator of a model that is compiled alone."""
     return lambda files: integrator(load(files, RUN_FLAGS))
 

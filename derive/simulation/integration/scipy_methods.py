@@ -10,7 +10,6 @@ from typing import Any, Literal, assert_never
 import numpy as np
 
 from derive.runtime.compiled_model import Native
-from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, IntegrationStopped
@@ -130,7 +129,7 @@ class Evaluator:
             self._accel = self._compiled(native)
         else:
             self._accel = self._interpreted(native)
-        self._rates = self._of_quaternion(native) if isinstance(native, NativeBody) else None
+        self._rates = self._of_quaternion(native) if native.nq != native.nv else None
 
     def cost(self, steps: int, began: float) -> Cost:
         """The cost of a number of steps, since the CPU time `began` (s)."""
@@ -154,8 +153,8 @@ class Evaluator:
         accel: Callable[..., int] = native.function("accel")
         return lambda t: accel(t, q, v, k, vdot)
 
-    def _of_quaternion(self, native: NativeBody) -> Callable[[Vector], Vector]:
-        """The function of y that returns qdot (nq,), for a body whose generalised velocities differ from qdot."""
+    def _of_quaternion(self, native: ConstrainedSystem) -> Callable[[Vector], Vector]:
+        """The function of y that returns qdot (nq,), where the generalised velocities v differ from qdot."""
         return lambda y: native.rates(y[: self._nq], y[self._nq :], self._k)
 
     def _interpreted(self, native: ConstrainedSystem) -> Callable[[float], int]:

@@ -11,8 +11,8 @@ from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
+from derive.simulation.free_beam import FreeBeam, beam_scene
 from derive.simulation.linear.eigenmodes import Mode
-from derive.simulation.linear.lone_beam import LoneBeam, beam_scene
 from derive.simulation.linear.modes import Modes
 from derive.simulation.linear.run_time_inputs import scene_with_values
 from derive.simulation.observables.beams import axis_points, beam_bodies, piece_at, piece_names
@@ -96,10 +96,10 @@ def scene_motion(modes: Modes, states: list[Vector]) -> SceneMotion:
 
 def drawn_scene(modes: Modes) -> tuple[Scene, NativeScene]:
     """The scene that is drawn, and its compiled model. Raises TypeError for a body in space."""
-    if isinstance(modes.spec, Scene) and isinstance(modes.native, NativeScene):
+    if isinstance(modes.spec, Scene):
         return scene_with_values(modes.spec), modes.native
     if isinstance(modes.spec, PlanarBeam):
-        return beam_scene(modes.spec), LoneBeam(modes.native, modes.spec.name)
+        return beam_scene(modes.spec), FreeBeam(modes.native, modes.spec)
     raise TypeError(f"{modes.spec.name} is a body in space, not a planar one")
 
 

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve, qr
 
 from derive.roles import Role
-from derive.runtime.compiled_model import Native
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.constraints.scaling import mass_factor
@@ -89,21 +88,17 @@ class _Derivatives:
     a_v: Matrix
 
 
-def linearise(native: Native, k: Vector, t: float, q: Vector, v: Vector, spin: float = 0.0) -> Linearisation:
+def linearise(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, spin: float = 0.0) -> Linearisation:
     """The linearisation of a model about the consistent state q (nq,), v (nv,) at t (s), with the coefficients at t.
 
     k: the constants (nk,) of `native.setup`, with the inputs at t. spin (rad/s): the speed of a scene that rotates
     steadily; positions of origins are then those in axes that rotate with it, where the coefficients are constant.
     Raises ModelError where accelerations and multipliers of the state are not unique.
     """
-    if isinstance(native, NativeScene):
-        vdot, lam = native.solve(t, q, v, k)
-        d = _of_scene(native, k, t, q, v, vdot, lam)
-        if spin:
-            d = _in_rotating_axes(d, spin * rotating_axes(native))
-    else:
-        vdot, lam = native.accel(t, q, v, k), np.zeros(0)
-        d = _of_body(native, k, t, q, v, vdot)
+    vdot, lam = native.solve(t, q, v, k)
+    d = _of_scene(native, k, t, q, v, vdot, lam) if native.dae else _of_body(native, k, t, q, v, vdot)
+    if spin:
+        d = _in_rotating_axes(d, spin * rotating_axes(native))
     translations = np.array([role is Role.TRANSLATION for role in velocity_roles(native)], dtype=bool)
     dependent, free = independent_coordinates(d.M, d.G, translations)
     S = np.zeros((native.nv, native.nlambda))
@@ -167,14 +162,14 @@ def independent_coordinates(
     return np.sort(dependent), np.setdiff1d(columns, dependent)
 
 
-def velocity_roles(native: Native) -> tuple[Role, ...]:
+def velocity_roles(native: NativeScene) -> tuple[Role, ...]:
     """The role of the coordinate that belongs to each velocity (nv,); an angular velocity in space is a ROTATION."""
     roles = [role for role in native.roles if role is not Role.QUATERNION]
     first = native.roles.index(Role.QUATERNION) if Role.QUATERNION in native.roles else 0
     return (*roles[:first], *[Role.ROTATION] * (native.nv - len(roles)), *roles[first:])
 
 
-def displacement_names(native: Native) -> tuple[str, ...]:
+def displacement_names(native: NativeScene) -> tuple[str, ...]:
     """The names of the elements of zeta (nv,): those of the coordinates, but in space of a small rotation vector."""
     if native.nq == native.nv:
         return native.coordinates
@@ -215,7 +210,7 @@ def _in_rotating_axes(d: _Derivatives, W: Matrix) -> _Derivatives:
     return replace(d, W=d.W - W, H=d.H + d.M @ W, a_v=d.a_v + d.G @ W)
 
 
-def _of_body(native: Native, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector) -> _Derivatives:
+def _of_body(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector) -> _Derivatives:
     """The derivatives from the iteration matrix of a body.
 
     With a quaternion Z depends on q, and dqdot = d(Z v)/dq Z zeta + Z dv = Z zetadot + Zdot zeta.

@@ -10,10 +10,10 @@ from derive.errors import Problem, SpecError
 from derive.generated_models import generated
 from derive.lowering.redundancy import enumeration
 from derive.roles import Role
-from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import FLAGS, WITHOUT_BATCHES
 from derive.runtime.loading import load, load_scene
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
 from derive.simulation.equilibrium import Equilibrium
 from derive.simulation.errors import MovingDrives, NoEquilibrium, SimulationError
@@ -40,7 +40,7 @@ ROWS = 1000.0
 class _State:
     """A compiled model, its constants k (nk,), the state t (s), q (nq,), v (nv,), and the equilibrium if it is one."""
 
-    native: Native
+    native: NativeScene
     k: Vector
     t: float
     q: Vector
@@ -57,7 +57,7 @@ class Modes:
     """
 
     spec: Specification
-    native: Native
+    native: NativeScene
     k: Vector
     linear: Linearisation
     modes: tuple[Mode, ...]

@@ -9,11 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeGuard
 
 import numpy as np
 
-from derive.runtime.compiled_model import Native
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 
@@ -48,12 +46,14 @@ class OutputDerivatives:
     by_u: Matrix
 
 
-def inputs_of(native: Native, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector, lam: Vector) -> InputDerivatives:
+def inputs_of(
+    native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector, lam: Vector
+) -> InputDerivatives:
     """The run-time inputs of a scene, or for a model without inputs and outputs the force components at each marker.
 
     Derivatives with respect to run-time inputs are differences of fourth order of the generated functions.
     """
-    if not _has_ports(native):
+    if not native.inputs and not native.outputs:
         names, jacobian = _markers(native, k, q, v)
         none = np.zeros((native.nlambda, len(names)))
         forces = tuple(f"{marker}_F{i}" for marker, i in names)
@@ -71,26 +71,21 @@ def inputs_of(native: Native, k: Vector, t: float, q: Vector, v: Vector, vdot: V
 
 
 def outputs_of(
-    native: Native, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector, lam: Vector
+    native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector, lam: Vector
 ) -> OutputDerivatives:
     """The outputs of a scene, or the positions of the markers of a model without outputs."""
     nv = native.nv
-    if not isinstance(native, NativeScene) or not native.outputs:
+    if not native.outputs:
         names, jacobian = _markers(native, k, q, v)
         none = np.zeros((len(names), nv))
         positions = tuple(f"{marker}_x{i}" for marker, i in names)
-        inputs = len(native.inputs) if isinstance(native, NativeScene) and native.inputs else len(names)
+        inputs = len(native.inputs) or len(names)
         by_lam, by_u = np.zeros((len(names), native.nlambda)), np.zeros((len(names), inputs))
         return OutputDerivatives(positions, jacobian, none, none, by_lam, by_u)
     assert native.outputs_pattern is not None
     J = native.outputs_pattern.dense(native.outputs_jacobian(t, q, v, vdot, lam, k))
     ends = np.cumsum([native.nq, nv, nv, native.nlambda])
     return OutputDerivatives(native.outputs, *np.split(J, ends, axis=1))
-
-
-def _has_ports(native: Native) -> TypeGuard[NativeScene]:
-    """Whether a model is a scene with inputs or outputs."""
-    return isinstance(native, NativeScene) and bool(native.inputs or native.outputs)
 
 
 def _by_inputs(native: NativeScene, k: Vector, function: Callable[[Vector], Vector]) -> Matrix:
@@ -108,7 +103,7 @@ def _by_inputs(native: NativeScene, k: Vector, function: Callable[[Vector], Vect
     return np.array(columns).T if columns else np.zeros((len(function(k)), 0))
 
 
-def _markers(native: Native, k: Vector, q: Vector, v: Vector) -> tuple[list[tuple[str, int]], Matrix]:
+def _markers(native: NativeScene, k: Vector, q: Vector, v: Vector) -> tuple[list[tuple[str, int]], Matrix]:
     """The name of the marker and the component, from 1, of each row of d(velocity)/dv (rows, nv) of all markers."""
     names: list[tuple[str, int]] = []
     rows = [np.zeros((0, native.nv))]

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from derive.errors import SpecError, TisserandError
-from derive.runtime.loading import load_data, native_model
+from derive.runtime.loading import load_data
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.drive_jumps import check_drives
@@ -170,8 +170,7 @@ def reason(error: Exception) -> str:
 
 @lru_cache(KEPT_MODELS)
 def _loaded(code: ModelCode) -> tuple[NativeScene, Integrator]:
-    native = native_model(load_data(code.library), code.name)
-    assert isinstance(native, NativeScene)
+    native = NativeScene(load_data(code.library), code.name)
     return native, adaptive(native, library=code.integrator)
 
 
