@@ -26,7 +26,7 @@ The public interface, by stages:
     files           model_files, write; File
     compiled code   load, load_scene, vector_flags; Native, NativeScene, Role
     modes           modes; Modes, Mode, Linearisation
-    simulation      simulate, initial_state, equilibrium, integrate; Trajectory, BodyTrajectory, Solution,
+    simulation      simulate, initial_state, equilibrium, integrate; Trajectory, Solution,
                     InitialState, Equilibrium, INTEGRATORS
     sweeps          sweep; grid, listed, random_samples; Samples, SweepResult
     other programs  exported, host_model, casadi_function; HostModel
@@ -73,7 +73,6 @@ if TYPE_CHECKING:
     from derive.runtime.loading import load, load_scene
     from derive.runtime.native_call import ModelError
     from derive.runtime.native_scene import NativeScene
-    from derive.simulation.body_trajectory import BodyTrajectory
     from derive.simulation.equilibrium import Equilibrium, equilibrium
     from derive.simulation.errors import SimulationError
     from derive.simulation.initial.initial_state import InitialState, initial_state
@@ -161,7 +160,6 @@ _MODULES = {
         "load_scene",
     ),
     "derive.runtime.native_scene": ("NativeScene",),
-    "derive.simulation.body_trajectory": ("BodyTrajectory",),
     "derive.simulation.equilibrium": ("Equilibrium", "equilibrium"),
     "derive.simulation.errors": ("SimulationError",),
     "derive.simulation.initial.initial_state": (
@@ -258,7 +256,6 @@ __all__ = [
     "BeamBody",
     "BeamDamping",
     "BodyFrame",
-    "BodyTrajectory",
     "Bushing",
     "CompilerError",
     "CustomBody",

@@ -34,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
     spec, changes = read_changed(options.spec, options.set)
     check_folder(_planned_files(spec.name), options.out, EXPECTED_SIZE)
     show_progress(f"{spec.name}: deriving, compiling and linearising ...")
-    progress = SimulationProgress(spec.name, options.at) if isinstance(spec, Scene) and options.at else None
+    progress = SimulationProgress(spec.name, options.at) if options.at else None
     try:
         result = modes(spec, at=options.at, progress=progress)
     except SpecError as error:

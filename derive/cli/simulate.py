@@ -15,16 +15,14 @@ from derive.cli.result_files import picture_names
 from derive.cli.simulation_summary import Pieces, PlotCurves, SimulationResult, summary_data, summary_text
 from derive.cli.specifications import in_file_order, read_changed, simulated
 from derive.errors import SpecError
-from derive.simulation.body_run import BodyRun
-from derive.simulation.body_trajectory import BodyTrajectory
 from derive.simulation.earlier_run import EarlierRun, read_run
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
 from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.plots import plot_curves, plot_text
 from derive.simulation.output_times import output_times
+from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.run_record import DRIFT_COLUMNS, run_files
-from derive.simulation.scene_run import SceneRun
-from derive.simulation.simulate import prepared
+from derive.simulation.simulated_scene import surroundings
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Deflection
@@ -61,9 +59,9 @@ class TitledRun:
 
     path: Path
     title: str
-    run: SceneRun | BodyRun
+    run: PreparedRun
 
-    def trajectory(self, earlier: EarlierRun | None) -> Trajectory | BodyTrajectory:
+    def trajectory(self, earlier: EarlierRun | None) -> Trajectory:
         """Run the simulation with a line of progress, and return its motion."""
         progress = SimulationProgress(self.title, self.run.settings.simulation.duration)
         try:
@@ -100,7 +98,6 @@ class Simulations:
         self.plots = in_file_order(self.main.plots, options.spec)
         for plot in self.plots:
             for pieces in plot.pieces:
-                assert isinstance(spec, Scene)
                 scene = _divided(spec, plot.cut, pieces)
                 if _pieces(scene) not in self._variants:
                     self._variants[_pieces(scene)] = self._prepared(scene)
@@ -110,7 +107,7 @@ class Simulations:
         show_progress(f"{title}: deriving the equations ...")
         try:
             with lines_of(self._options.spec):
-                run = prepared(spec, self._options.integrator, self._options.step, complete=False)
+                run = PreparedRun(spec, self._options.integrator, self._options.step, complete=False)
         finally:
             show_progress()
         return TitledRun(self._options.spec, title, run)
@@ -140,7 +137,6 @@ class Simulations:
         shown: list[PlotCurves] = []
         for plot in self.plots:
             if plot.pieces:
-                assert isinstance(self._spec, Scene)
                 variants = [(beam_count(n), done[_pieces(_divided(self._spec, plot.cut, n))]) for n in plot.pieces]
             else:
                 label = str(plot.quantity.marker) if isinstance(plot.quantity, Deflection) else ""
@@ -150,21 +146,22 @@ class Simulations:
 
 
 def _pieces(spec: Scene | NodalBody) -> Pieces:
-    return tuple((b.name, b.pieces) for b in spec.bodies if isinstance(b, BeamBody)) if isinstance(spec, Scene) else ()
+    return tuple((b.name, b.pieces) for b in surroundings(spec).bodies if isinstance(b, BeamBody))
 
 
-def _divided(scene: Scene, cut: str | None, pieces: int) -> Scene:
+def _divided(spec: Scene | NodalBody, cut: str | None, pieces: int) -> Scene:
     """The scene with the beam `cut` divided into `pieces` pieces."""
+    scene = surroundings(spec)
     bodies = (replace(b, pieces=pieces) if isinstance(b, BeamBody) and b.name == cut else b for b in scene.bodies)
     return replace(scene, bodies=tuple(bodies))
 
 
-def _files(main: Trajectory | BodyTrajectory, shown: Sequence[PlotCurves]) -> list[File]:
-    texts = [(plot, plot_text(plot, main.spec, main.units), curves) for plot, curves in shown]
-    if isinstance(main, BodyTrajectory):
+def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
+    texts = [(plot, plot_text(plot, main.scene, main.units), curves) for plot, curves in shown]
+    if main.body:
         from derive.simulation.observables.spatial_player_data import spatial_player_data
 
-        page = spatial_player_page(spatial_player_data(main))
+        page = spatial_player_page(spatial_player_data(main.body, main.t, main.q))
     else:
         columns = [
             Column(curve.label or text.doc, curve.unit, curve.y)

@@ -9,7 +9,6 @@ from typing import Any
 
 from derive.notes.conditioning import condition_warnings
 from derive.percentages import percent
-from derive.simulation.body_trajectory import BodyTrajectory
 from derive.simulation.observables.plots import PlotCurve, plot_text, with_unit
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.plots import Plot
@@ -30,8 +29,8 @@ Plain = dict[str, Any]
 class SimulationResult:
     """The simulation of a specification (main), all simulations that were run, the plots, and the values set."""
 
-    main: Trajectory | BodyTrajectory
-    runs: Mapping[Pieces, Trajectory | BodyTrajectory]
+    main: Trajectory
+    runs: Mapping[Pieces, Trajectory]
     plots: tuple[PlotCurves, ...]
     changes: tuple[SetValue, ...]
 
@@ -53,7 +52,7 @@ def summary_data(path: Path, result: SimulationResult, files: Sequence[str]) -> 
     }
 
 
-def _run(pieces: Pieces, trajectory: Trajectory | BodyTrajectory) -> Plain:
+def _run(pieces: Pieces, trajectory: Trajectory) -> Plain:
     solution = trajectory.solution
     return {
         "pieces": dict(pieces),
@@ -63,11 +62,11 @@ def _run(pieces: Pieces, trajectory: Trajectory | BodyTrajectory) -> Plain:
         "evaluations": solution.cost.evaluations,
         "cpu_seconds": solution.cost.seconds,
         "notes": trajectory.notes,
-        **(_of_body(trajectory) if isinstance(trajectory, BodyTrajectory) else _of_scene(trajectory)),
+        **(_of_body(trajectory) if trajectory.body else _of_scene(trajectory)),
     }
 
 
-def _of_body(trajectory: BodyTrajectory) -> Plain:
+def _of_body(trajectory: Trajectory) -> Plain:
     energy = trajectory.energies.sum(axis=1)
     return {"energy": energy[0], "energy_change": energy[-1] - energy[0]}
 
@@ -84,8 +83,8 @@ def _of_scene(trajectory: Trajectory) -> Plain:
     }
 
 
-def _plot(main: Trajectory | BodyTrajectory, plot: Plot, curves: Sequence[PlotCurve]) -> Plain:
-    text = plot_text(plot, main.spec, main.units)
+def _plot(main: Trajectory, plot: Plot, curves: Sequence[PlotCurve]) -> Plain:
+    text = plot_text(plot, main.scene, main.units)
     return {
         "name": plot.name,
         "quantity": text.doc,

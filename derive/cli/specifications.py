@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from derive.errors import Problem, SpecError
-from derive.simulation.free_beam import beam_scene
-from derive.simulation.simulate import SYMBOLIC, simulation_settings
-from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.body import NodalBody, SymbolicBody
+from derive.simulation import simulated_scene
+from derive.simulation.simulate import simulation_settings
+from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.set_values import SetValue, with_values
@@ -72,13 +71,10 @@ def simulated(
 
     What is not given stays as it is. Raises SpecError if the specification cannot be simulated.
     """
-    if isinstance(spec, SymbolicBody):
-        raise SpecError((Problem("", SYMBOLIC),), str(path))
     try:
-        if isinstance(spec, PlanarBeam):
-            spec = beam_scene(spec)
-        settings = simulation_settings(spec, duration, output, tolerance, until)
-        return replace(spec, simulation=settings)
+        mechanism = simulated_scene.simulated(spec)
+        settings = simulation_settings(mechanism, duration, output, tolerance, until)
+        return replace(mechanism, simulation=settings)
     except SpecError as error:
         raise SpecError(error.problems, str(path)) from None
 

@@ -7,24 +7,16 @@ from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 
 from derive.artifacts import File
-from derive.errors import Problem, SpecError
 from derive.ir.model import Model, Variable
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.notes.model_notes import limits
 from derive.pipeline import generate
-from derive.simulation.free_beam import beam_scene
 from derive.simulation.initial.start_state import start_state
 from derive.simulation.linear.run_time_inputs import input_values
-from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.body import NodalBody, SymbolicBody
+from derive.simulation.simulated_scene import simulated, surroundings
+from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene, Specification
-
-SYMBOLIC = (
-    "all numbers of this body are parameters, so that it has no initial state for a host to start from: give the body "
-    "by its nodes, as a beam or as a scene; or build it, and set its parameters in a program of your own"
-)
-"""The message of the error for a symbolic body."""
 
 
 @dataclass(frozen=True)
@@ -102,17 +94,14 @@ def host_model(spec: Specification, sensitivities: bool = False) -> HostModel:
     sensitivities: see `derive.lower`. Raises SpecError and SimulationError where there is no initial state, as
     `simulate` does.
     """
-    if isinstance(spec, SymbolicBody):
-        raise SpecError((Problem("", SYMBOLIC),), None)
-    if isinstance(spec, PlanarBeam):
-        spec = beam_scene(spec)
-    values = input_values(spec, 0.0) if isinstance(spec, Scene) else ()
-    result = generate(spec, sensitivities, ("c",), start_needed=True)
+    mechanism = simulated(spec, lacking="it has no initial state for a host to start from")
+    values = input_values(surroundings(mechanism), 0.0)
+    result = generate(mechanism, sensitivities, ("c",), start_needed=True)
     model = result.model
-    start = model.start or start_state(spec, model)
+    start = model.start or start_state(mechanism, model)
     return HostModel(
-        spec.name,
-        spec,
+        mechanism.name,
+        mechanism,
         result.derived,
         model,
         result.files,
@@ -122,7 +111,7 @@ def host_model(spec: Specification, sensitivities: bool = False) -> HostModel:
         _scalars(model.outputs, None),
         _scalars(model.parameters, model.defaults),
         _scalars(model.multipliers, None),
-        tuple(_notes(spec)),
+        tuple(_notes(mechanism)),
     )
 
 
@@ -145,8 +134,7 @@ def _scalars(variables: Sequence[Variable], values: Sequence[float] | None) -> t
 
 def _notes(spec: Scene | NodalBody) -> Iterator[str]:
     """Notes for the user: inputs without a value, and limits of the model."""
-    if isinstance(spec, Scene):
-        for value in spec.inputs:
-            if value.function is None:
-                yield f"inputs.{value.name}: there is no value; it is 0 in the initial state, and the host sets it"
+    for value in surroundings(spec).inputs:
+        if value.function is None:
+            yield f"inputs.{value.name}: there is no value; it is 0 in the initial state, and the host sets it"
     yield from limits(spec)

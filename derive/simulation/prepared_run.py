@@ -2,78 +2,97 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Generic, TypeVar
 
 from derive.artifacts import File
 from derive.errors import Problem, SpecError, quoted
 from derive.generated_models import generated, generated_explicit
-from derive.ir.model import Model
-from derive.runtime.integrators.watch import Watch
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
+from derive.simulation.drive_jumps import check_drives
+from derive.simulation.drive_obstacle import drive_obstacle
 from derive.simulation.earlier_run import EarlierRun
+from derive.simulation.errors import SimulationError
+from derive.simulation.initial.initial_state import InitialState, initial_state, scene_size
+from derive.simulation.initial.spatial_state import body_size, spatial_state
+from derive.simulation.inputs import DrivenScene, InputFunction, with_functions
 from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.registry import EXPLICIT, INTEGRATORS
 from derive.simulation.integration.solution import Progress, Solution
+from derive.simulation.observables.default_plots import default_plots
+from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
-from derive.simulation.stop_condition import StateColumn, stop_condition, stop_event
-from derive.simulation.trajectory import ColumnTable, RunSettings
+from derive.simulation.simulated_scene import surroundings
+from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
+from derive.simulation.trajectory import RunSettings, Trajectory, column_units, column_values
+from derive.simulation.validity.measure import validity
+from derive.simulation.validity.monitoring_outputs import monitoring_outputs, with_monitors
+from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.checks.plotted_columns import missing_columns
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
+from derive.spec.model.scene_functions import breaks
 from derive.spec.parsing.condition import Row
 from derive.spec.parsing.faults import path_text
 
-Native = TypeVar("Native", bound=NativeScene)
-Start = TypeVar("Start")
-Result = TypeVar("Result", bound=ColumnTable)
+NO_INPUTS = "a body in space has no run-time inputs; make it part of a scene, or leave `inputs` out"
+"""The message of the error for run-time inputs of a body."""
 
 
-class PreparedRun(ABC, Generic[Native, Start, Result]):
-    """The simulation of `spec`, with its `model`, its columns and its plots; `trajectory` runs it.
+class PreparedRun:
+    """The simulation of a scene, or of a body in space alone, with its columns and its plots; `trajectory` runs it.
 
-    units: those of the columns by their names. complete_model: the model with the outputs that monitor its validity.
-    files: the generated files that are compiled. Subclasses implement the differences of a scene and a body in space.
+    scene: what is simulated, with functions in place of its run-time inputs; a body alone is in an empty scene. size:
+    of the scene or the body, m. model: the kernels; complete_model: those with the outputs that monitor its validity.
+    files: the generated files that are compiled. units: those of the columns by their names.
     """
 
-    breaks: tuple[float, ...] = ()
-    """The times (s) at which functions of time jump."""
+    def __init__(
+        self,
+        spec: Scene | NodalBody,
+        integrator: str = "adaptive",
+        step: float | None = None,
+        inputs: Mapping[str, InputFunction] | None = None,
+        complete: bool = True,
+    ) -> None:
+        """Arguments as for `simulate`; the specification has a `simulation`.
 
-    size: float
-    """The size of the scene or body that is simulated, m."""
-
-    def __init__(self, spec: Scene | NodalBody, integrator: str, step: float | None, complete: bool = True) -> None:
-        """Arguments as for `simulate`; the specification has a `simulation`. Raises SpecError, UnknownNameError.
-
-        complete: whether the model has all functions; otherwise a scene for an explicit integrator has those it calls.
+        complete: whether the model of a scene has all functions, or only those that the integrator calls, which takes
+        half the time. Raises SpecError, UnknownNameError, SimulationError.
         """
         assert spec.simulation is not None, "simulation_settings makes it"
-        self.spec, self.settings = spec, RunSettings(spec.simulation, integrator, step)
+        self.settings, self.inputs = RunSettings(spec.simulation, integrator, step), dict(inputs or {})
+        self.body = spec if isinstance(spec, NodalBody) else None
+        if self.body and self.inputs:
+            raise SimulationError(NO_INPUTS)
+        self.scene = with_functions(surroundings(spec), self.inputs)
+        self.spec = self.body or self.scene
+        self.size = body_size(self.body) if self.body else scene_size(self.scene)
+        check_drives(self.scene)
         self._compile = INTEGRATORS[integrator]
-        self._monitored = self._with_monitors(spec)
-        if isinstance(self._monitored, Scene) and integrator in EXPLICIT and not complete:
-            self.complete_model, self.files = generated_explicit(self._monitored)
+        if self.body or complete or integrator not in EXPLICIT:
+            self.complete_model, self.files = generated(self.body or with_monitors(self.scene))
         else:
-            self.complete_model, self.files = generated(self._monitored)
-        self.model = self._without_monitors(self.complete_model)
-        columns = self._columns()
+            self.complete_model, self.files = generated_explicit(with_monitors(self.scene))
+        own = len(self.complete_model.outputs) - len(monitoring_outputs(self.scene))
+        self.model = replace(self.complete_model, outputs=self.complete_model.outputs[:own])
+        columns = column_units(self.scene, self.model)
         self.units = dict(columns)
         problems = [*_repeated(name for name, _ in columns), *plots_of_nothing(spec.plots, tuple(self.units))]
         self._until, wrong = stop_condition(spec.simulation, tuple(self.units))
         if problems or wrong:
             raise SpecError((*problems, *wrong))
-        self.plots = (*spec.plots, *self._default_plots())
+        self._spatial = spatial_state(self.model, self.body.start) if self.body else None
+        self.plots = (*spec.plots, *default_plots(self.scene, self.model))
 
     def trajectory(
         self,
         earlier: EarlierRun | None = None,
         progress: Progress | None = None,
         announce: Callable[[str], None] | None = None,
-    ) -> Result:
+    ) -> Trajectory:
         """The motion; arguments as for `simulate`. Raises CompilerError, ModelError, SimulationError.
 
         announce: called before the integration with each note on the expected motion; the result has these notes too.
@@ -81,76 +100,55 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
         simulation = self.settings.simulation
         native, integrator = self._compiled(self.files)
         k = native.setup()
-        q, v, start = self._start(native, k)
-        times = output_times(simulation)
-        foreseen = tuple(self._foreseen(native, k, q)) if earlier is None else ()
+        initial = self._spatial or initial_state(self.scene, native, k)
+        q, v, times = initial.q, initial.v, output_times(simulation)
+        foreseen: tuple[str, ...] = ()
+        if earlier is not None:
+            q, v, times = earlier.q, earlier.v, earlier.times(times)
+        elif (obstacle := drive_obstacle(self.scene, native, k, q, self.size)) is not None:
+            foreseen = (str(obstacle),)
         if announce is not None:
             for text in foreseen:
                 announce(text)
-        if earlier is not None:
-            q, v, times = earlier.q, earlier.v, earlier.times(times)
 
         def row(solution: Solution) -> Row:
-            values = self._values(native, k, solution)
+            values = column_values(self.scene, native, k, solution)
             return {name: float(column[0]) for name, column in zip(self.units, values, strict=True)}
 
+        watched = scene_watch(self.scene, native, k, float(times[0]), q)
         settings = Settings(
             tolerance=simulation.tolerance,
             size=self.size,
             step=self.settings.step,
-            breaks=self.breaks,
-            until=stop_event(self._until, row, native, k, self._state_columns(native)),
+            breaks=breaks(self.scene),
+            until=stop_event(self._until, row, native, k, state_columns(self.scene, native)),
             progress=progress,
-            watch=self._watch(native, k, float(times[0]), q),
+            watch=watched.watch if watched.beams else None,
         )
         solution = integrator.integrate(k, q, v, times, settings)
         if earlier is not None:
             solution = earlier.continued(self.model, solution)
-        return self._result(native, k, start, replace(solution, notes=(*foreseen, *solution.notes)))
+        solution = replace(solution, notes=(*foreseen, *solution.notes))
+        return self._result(native, k, initial, solution)
 
-    def _with_monitors(self, spec: Scene | NodalBody) -> Scene | NodalBody:
-        """The specification that is compiled: with outputs that monitor the validity of its model."""
-        return spec
+    def _compiled(self, files: Sequence[File]) -> tuple[NativeScene, Integrator]:
+        """The compiled model, in which inputs follow functions in Python, and the integrator."""
+        name, compiled = self.settings.integrator, self._compile(files)
+        if not self.inputs:
+            return compiled.native, compiled
+        if compiled.through_python is None:
+            raise SimulationError(
+                f"{name} calls C alone, which knows no functions of Python for {', '.join(self.inputs)}; choose "
+                "dop853, rk45 or ida, or write the functions in the specification"
+            )
+        native = DrivenScene(compiled.native, self.scene, self.inputs)
+        return native, compiled.through_python(native)
 
-    def _without_monitors(self, model: Model) -> Model:
-        """The model without the outputs that monitor its validity."""
-        return model
-
-    def _foreseen(self, native: Native, k: Vector, q: Vector) -> Iterable[str]:
-        """Notes on expected events of a motion from the initial configuration q (nq,)."""
-        return ()
-
-    def _watch(self, native: Native, k: Vector, t: float, q: Vector) -> Watch | None:
-        """The quantities that are watched after each step of a motion from q (nq,) at t, s; None if there are none."""
-        return None
-
-    def _state_columns(self, native: Native) -> Mapping[str, StateColumn]:
-        """The columns that need no more than the time and the state, see `stop_event`."""
-        return {}
-
-    @abstractmethod
-    def _columns(self) -> Sequence[tuple[str, str]]:
-        """The names of the columns with their units."""
-
-    @abstractmethod
-    def _default_plots(self) -> Iterable[Plot]:
-        """The plots beside those of the specification."""
-
-    @abstractmethod
-    def _compiled(self, files: Sequence[File]) -> tuple[Native, Integrator]:
-        """The compiled model and the integrator."""
-
-    @abstractmethod
-    def _start(self, native: Native, k: Vector) -> tuple[Vector, Vector, Start]:
-        """The initial q (nq,) and v (nv,), and the record of the initial state for the result."""
-
-    @abstractmethod
-    def _values(self, native: Native, k: Vector, solution: Solution) -> Sequence[Vector]:
-        """The values (n,) of the columns."""
-
-    @abstractmethod
-    def _result(self, native: Native, k: Vector, start: Start, solution: Solution) -> Result:
-        """The motion as named columns."""
+    def _result(self, native: NativeScene, k: Vector, initial: InitialState, solution: Solution) -> Trajectory:
+        """The motion as named columns, with the monitors of its validity."""
+        motion = SceneMotion(self.scene, native, k, solution.t, solution.q, solution.v, solution.outputs)
+        monitors = validity(motion, solution.watched)
+        return Trajectory(self.scene, self.model, initial, motion, solution, self.settings, monitors, self.body)
 
 
 def _repeated(names: Iterable[str]) -> Iterator[Problem]:

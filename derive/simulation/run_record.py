@@ -10,7 +10,6 @@ import numpy as np
 
 from derive.artifacts import MARK, File, sha256
 from derive.backends.model_files import fingerprint
-from derive.simulation.body_trajectory import BodyTrajectory
 from derive.simulation.observables.csv_writer import csv
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.scene import Scene
@@ -20,7 +19,7 @@ DRIFT_COLUMNS = 4
 """The drift numbers of each row in the record: the violations of g and gdot, after the projection and before it."""
 
 
-def run_files(trajectory: Trajectory | BodyTrajectory) -> tuple[File, File]:
+def run_files(trajectory: Trajectory) -> tuple[File, File]:
     """The CSV file of a trajectory, and its record NAME.json, in the folder NAME.
 
     The CSV has nothing but names and numbers; the record has the units of its columns, the settings of the integrator,
@@ -36,7 +35,7 @@ def run_files(trajectory: Trajectory | BodyTrajectory) -> tuple[File, File]:
     return File(table, text, record=record), File(record, written)
 
 
-def _content(trajectory: Trajectory | BodyTrajectory) -> dict[str, Any]:
+def _content(trajectory: Trajectory) -> dict[str, Any]:
     """The record as plain data, in SI units."""
     settings, solution = trajectory.settings, trajectory.solution
     simulation = settings.simulation
@@ -60,9 +59,9 @@ def _content(trajectory: Trajectory | BodyTrajectory) -> dict[str, Any]:
     }
 
 
-def _validity(trajectory: Trajectory | BodyTrajectory) -> dict[str, Any]:
+def _validity(trajectory: Trajectory) -> dict[str, Any]:
     """The data of the monitors of beams, and the warnings where a limit is passed; empty where there are no beams."""
-    if isinstance(trajectory, BodyTrajectory) or not trajectory.validity:
+    if not trajectory.validity:
         return {}
     return {"validity": [monitor.data for monitor in trajectory.validity], "warnings": [*trajectory.warnings]}
 

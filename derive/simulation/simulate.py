@@ -4,60 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, overload
+from typing import Any
 
 from derive.errors import Problem, SpecError
-from derive.simulation.body_run import NO_INPUTS, BodyRun
-from derive.simulation.body_trajectory import BodyTrajectory
 from derive.simulation.earlier_run import EarlierRun
-from derive.simulation.errors import SimulationError
-from derive.simulation.free_beam import beam_scene
 from derive.simulation.inputs import InputFunction
 from derive.simulation.integration.solution import Progress
-from derive.simulation.scene_run import SceneRun
+from derive.simulation.prepared_run import PreparedRun
+from derive.simulation.simulated_scene import simulated
 from derive.simulation.trajectory import Trajectory
 from derive.spec.construction import validated
 from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.body import NodalBody, SymbolicBody
+from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import Simulation
-
-SYMBOLIC = (
-    "all numbers of this body are parameters, so that there is nothing to simulate with: give the body by its nodes, "
-    "as a beam or as a scene; or build it, and set its parameters in a program of your own"
-)
-"""The message of the error for a symbolic body."""
-
-
-@overload
-def simulate(
-    spec: Scene | PlanarBeam,
-    *,
-    duration: float | None = None,
-    output: float | None = None,
-    tolerance: float | None = None,
-    integrator: str = "adaptive",
-    step: float | None = None,
-    until: str | None = None,
-    earlier: EarlierRun | None = None,
-    inputs: Mapping[str, InputFunction] | None = None,
-    progress: Progress | None = None,
-) -> Trajectory: ...
-
-
-@overload
-def simulate(
-    spec: NodalBody,
-    *,
-    duration: float | None = None,
-    output: float | None = None,
-    tolerance: float | None = None,
-    integrator: str = "adaptive",
-    step: float | None = None,
-    until: str | None = None,
-    earlier: EarlierRun | None = None,
-    progress: Progress | None = None,
-) -> BodyTrajectory: ...
 
 
 def simulate(
@@ -72,51 +32,25 @@ def simulate(
     earlier: EarlierRun | None = None,
     inputs: Mapping[str, InputFunction] | None = None,
     progress: Progress | None = None,
-) -> Trajectory | BodyTrajectory:
+) -> Trajectory:
     """The motion of a scene from its consistent initial state, or of a single body from its `start`.
 
     A single beam is simulated as a scene in which it is the body "beam".
 
     duration, output, tolerance: the time, s, the interval between rows, s, and the error of a step, instead of those of
     the `simulation` of the specification. integrator: a name in `INTEGRATORS`; a body takes adaptive, dop853, rk45 and
-    rk4. step:
-    that of integrators with fixed steps, s; the others refuse it. until: a condition on columns that ends the motion,
-    such as "rod_phi > pi/2". earlier: a run that is continued, see `read_run`; its rows come first.
+    rk4. step: that of integrators with fixed steps, s; the others refuse it. until: a condition on columns that ends
+    the motion, such as "rod_phi > pi/2". earlier: a run that is continued, see `read_run`; its rows come first.
     inputs: of a scene, functions of the time (s) in Python in place of those of the specification, by the names of the
     run-time inputs; that of a prescribed motion returns its first two time derivatives as well.
     progress: called with the time (s) that the integration has reached.
 
     Raises TypeError for anything else, SpecError, UnknownNameError, CompilerError, ModelError, SimulationError.
     """
-    if isinstance(spec, PlanarBeam):
-        spec = beam_scene(spec)
-    if not isinstance(spec, (Scene, NodalBody, SymbolicBody)):
-        what = f"a scene, a beam or a body given by nodes is needed, not {type(spec).__name__}"
-        raise TypeError(f"{what}; read its file with derive.read(...)")
-    if isinstance(spec, SymbolicBody):
-        raise SpecError((Problem("", SYMBOLIC),), spec.name)
-    simulation = simulation_settings(spec, duration, output, tolerance, until)
-    return prepared(replace(spec, simulation=simulation), integrator, step, inputs).trajectory(earlier, progress)
-
-
-def prepared(
-    spec: Scene | NodalBody,
-    integrator: str = "adaptive",
-    step: float | None = None,
-    inputs: Mapping[str, InputFunction] | None = None,
-    complete: bool = True,
-) -> SceneRun | BodyRun:
-    """The simulation of a scene or a body with a `simulation`, checked and ready to run; arguments as for `simulate`.
-
-    complete: whether its model has all functions, or only those that the integrator calls, which takes half the time.
-
-    Raises SpecError, UnknownNameError, SimulationError.
-    """
-    if isinstance(spec, Scene):
-        return SceneRun(spec, integrator, step, inputs or {}, complete)
-    if inputs:
-        raise SimulationError(NO_INPUTS)
-    return BodyRun(spec, integrator, step)
+    mechanism = simulated(spec)
+    simulation = simulation_settings(mechanism, duration, output, tolerance, until)
+    run = PreparedRun(replace(mechanism, simulation=simulation), integrator, step, inputs)
+    return run.trajectory(earlier, progress)
 
 
 def simulation_settings(

@@ -1,4 +1,4 @@
-"""The motion of a scene as named columns."""
+"""The motion of a scene, or of a body in space alone, as named columns."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from functools import cached_property
 from importlib import import_module
 from typing import Any
 
+import numpy as np
+
 from derive.errors import TisserandError
 from derive.ir.model import Model
 from derive.notes.scene_notes import scene_notes
 from derive.registry import UnknownNameError
-from derive.runtime.native_call import Vector
+from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.integration.solution import Solution
@@ -25,6 +27,9 @@ from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import Simulation
 
+ENERGIES = ("kinetic_energy", "strain_energy", "gravity_potential")
+"""The names of the energies, in the order of the model; the last only where there is gravity."""
+
 
 @dataclass(frozen=True)
 class RunSettings:
@@ -36,55 +41,91 @@ class RunSettings:
 
 
 def column_units(scene: Scene, model: Model) -> list[tuple[str, str]]:
-    """The names of the columns of a trajectory of a scene, with their units, before it is computed."""
-    units = [("t", "s"), *((drive.name, drive_unit(scene, drive)) for drive in scene.drives)]
-    for prefix, variables in (
-        ("", model.coordinates),
-        ("", model.velocities),
-        ("lambda_", model.multipliers),  # a drive and its multiplier have one name otherwise
-        ("u_", model.inputs),
-        ("", model.outputs),
-    ):
-        units += [(f"{prefix}{variable.name}", variable.unit) for variable in variables]
-    return units
+    """The names of the columns of a trajectory in a scene, with their units, before it is computed."""
+    return [
+        ("t", "s"),
+        *((drive.name, drive_unit(scene, drive)) for drive in scene.drives),
+        *(
+            (name, "" if x.unit == "1" else x.unit)
+            for x in (*model.coordinates, *model.velocities)
+            for name in x.elements
+        ),
+        *((f"lambda_{x.name}", x.unit) for x in model.multipliers),  # a drive and its multiplier have one name
+        *((f"u_{x.name}", x.unit) for x in model.inputs),
+        *((x.name, x.unit) for x in model.outputs),
+        *((name, "J") for name in energy_names(scene, model)),
+    ]
+
+
+def energy_names(scene: Scene, model: Model) -> tuple[str, ...]:
+    """The names of the columns of the energies, which a body alone has in place of the outputs of a scene."""
+    return () if scene.bodies else ENERGIES[: len(model.kernel("energy").outputs[0].elements)]
 
 
 def column_values(scene: Scene, native: NativeScene, k: Vector, solution: Solution) -> list[Vector]:
-    """The values (n,) of the columns of a trajectory of a scene, in the order of `column_units`."""
+    """The values (n,) of the columns of a trajectory in a scene, in the order of `column_units`."""
     drives = [simulated_drive(native, drive, solution.t) for drive in scene.drives]
     monitors = {output.name for output in monitoring_outputs(scene)}
     inputs, outputs = port_values(native, k, solution, monitors)
-    return [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T, *inputs.T, *outputs.T]
+    columns = [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T, *inputs.T, *outputs.T]
+    if not scene.bodies:
+        states = zip(solution.q, solution.v, strict=True)
+        columns += [*np.array([native.energy(q, v, k) for q, v in states]).T]
+    return columns
 
 
 class PandasMissing(TisserandError):
     """The package pandas is not installed."""
 
 
-class ColumnTable(Mapping[str, Vector]):
-    """A motion as named columns: `table["rod_phi"]` is a vector (n,) in SI units. Subclasses say which there are."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(Mapping[str, Vector]):
+    """The motion of a scene, as named columns: `trajectory["rod_phi"]` is a vector (n,) in SI units.
 
+    The columns are the time "t", the prescribed motions of drives, coordinates, their rates, multipliers, inputs that
+    follow functions in Python, and outputs, by the names of `columns`; `units` has their units. q (n, nq), v (n, nv)
+    and lam (n, nlambda) are the same as matrices. `solution` adds drift and cost, `initial` is the consistent initial
+    state, `motion` the basis of observables, `model` the kernels, `settings` those of the run, `validity` the monitors
+    of each beam, `warnings` the beams that pass a limit. An unknown name raises UnknownNameError.
+
+    Of a body in space alone (`body`) the scene is empty; the last columns are its energies, J.
+    """
+
+    scene: Scene
+    model: Model
+    initial: InitialState
+    motion: SceneMotion
     solution: Solution
+    settings: RunSettings
+    validity: tuple[Monitor, ...] = ()
+    body: NodalBody | None = None
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The beams whose models are not valid in this motion, with the cause, the implied error and the remedy."""
+        return tuple(monitor.warning for monitor in self.validity if monitor.passed)
 
     @property
     def name(self) -> str:
         """The name of the model."""
-        raise NotImplementedError
+        return self.scene.name
 
     @property
     def spec(self) -> Scene | NodalBody:
         """The scene or body that is simulated."""
-        raise NotImplementedError
+        return self.body or self.scene
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The deviations of the run from its specification, and where a stop condition is met."""
-        return self.solution.notes
+        """The notes on bodies whose motion is prescribed, on the initial state, and on the run."""
+        return *scene_notes(self.scene), *self.initial.notes, *self.solution.notes
 
-    @property
+    @cached_property
     def table(self) -> tuple[Column, ...]:
         """All columns with their names, units and values (n,); the first is the time."""
-        raise NotImplementedError
+        values = column_values(self.scene, self.motion.native, self.motion.k, self.solution)
+        units = column_units(self.scene, self.model)
+        return tuple(Column(*named, column) for named, column in zip(units, values, strict=True))
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -116,6 +157,12 @@ class ColumnTable(Mapping[str, Vector]):
         """The Lagrange multipliers (n, nlambda)."""
         return self.solution.lam
 
+    @property
+    def energies(self) -> Matrix:
+        """The energies (n, energies) of a body alone, J: kinetic, strain and, with gravity, potential energy."""
+        names = energy_names(self.scene, self.model)
+        return np.column_stack([self[name] for name in names]) if names else np.zeros((len(self.t), 0))
+
     def to_pandas(self) -> Any:
         """A pandas.DataFrame with the columns, indexed by time (s). Raises PandasMissing."""
         try:
@@ -140,50 +187,3 @@ class ColumnTable(Mapping[str, Vector]):
     def __repr__(self) -> str:
         span = f"{len(self.t)} rows from {self.t[0]:g} to {self.t[-1]:g} s"
         return f"Trajectory of {self.name}: {span}, columns {', '.join(self.columns)}"
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Trajectory(ColumnTable):
-    """The motion of a scene, as named columns: `trajectory["rod_phi"]` is a vector (n,) in SI units.
-
-    The columns are the time "t", the prescribed motions of drives, coordinates, their rates, multipliers, inputs that
-    follow functions in Python, and outputs, by the names of `columns`; `units` has their units. q (n, nq), v (n, nv)
-    and lam (n, nlambda) are the same as matrices. `solution` adds drift and cost, `initial` is the consistent initial
-    state, `motion` the basis of observables, `model` the kernels, `settings` those of the run, `validity` the monitors
-    of each beam, `warnings` the beams that pass a limit. An unknown name raises UnknownNameError.
-    """
-
-    scene: Scene
-    model: Model
-    initial: InitialState
-    motion: SceneMotion
-    solution: Solution
-    settings: RunSettings
-    validity: tuple[Monitor, ...] = ()
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """The beams whose models are not valid in this motion, with the cause, the implied error and the remedy."""
-        return tuple(monitor.warning for monitor in self.validity if monitor.passed)
-
-    @property
-    def name(self) -> str:
-        """The name of the scene."""
-        return self.scene.name
-
-    @property
-    def spec(self) -> Scene:
-        """The scene."""
-        return self.scene
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """The notes on bodies whose motion is prescribed, on the initial state, and on the run."""
-        return *scene_notes(self.scene), *self.initial.notes, *self.solution.notes
-
-    @cached_property
-    def table(self) -> tuple[Column, ...]:
-        """All columns with their names, units and values (n,)."""
-        values = column_values(self.scene, self.motion.native, self.motion.k, self.solution)
-        units = column_units(self.scene, self.model)
-        return tuple(Column(*named, column) for named, column in zip(units, values, strict=True))

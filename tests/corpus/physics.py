@@ -26,8 +26,7 @@ from corpus.generator import CorpusScene
 from corpus.python_kernels import disagreements
 from corpus.summed_terms import summed_terms
 from derive.ir.model import Model
-from derive.simulation.scene_run import SceneRun
-from derive.simulation.simulate import prepared
+from derive.simulation.prepared_run import PreparedRun
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import value_at
@@ -53,8 +52,7 @@ def physics(scene: CorpusScene, path: Path) -> Iterator[Finding]:
     variant.write_text(tomlkit.dumps(with_outputs(scene.tables, kept)))
     spec = derive.read(variant)
     assert isinstance(spec, Scene)
-    run = prepared(spec)
-    assert isinstance(run, SceneRun)
+    run = PreparedRun(spec)
     motion = run.trajectory().motion
     native = motion.native
     for name, value in parameters(scene.tables).items():

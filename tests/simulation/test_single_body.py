@@ -11,7 +11,7 @@ import pytest
 
 import derive
 from conftest import ROOT
-from derive.simulation.initial.spatial_state import initial_vectors
+from derive.simulation.initial.spatial_state import spatial_state
 
 BLOCK = derive.read(ROOT / "scenes/block.toml")
 
@@ -60,7 +60,7 @@ def test_quaternions_have_length_one_from_the_first_row_on() -> None:
     found = derive.simulate(replace(body(0), start=start), duration=2.0, output=0.01, tolerance=1e-4)
     assert found.q[0, 3:7] == pytest.approx([np.sqrt(0.5), 0, np.sqrt(0.5), 0], abs=1e-15)
     assert np.abs(np.linalg.norm(found.q[:, 3:7], axis=1) - 1).max() < 4e-16
-    assert found.solution.notes == ("body.start.rotation: length of the quaternion 0.99999041 -> 1",)
+    assert found.notes == ("body.start.rotation: length of the quaternion 0.99999041 -> 1",)
 
 
 def test_more_amplitudes_than_modes_are_refused() -> None:
@@ -68,9 +68,9 @@ def test_more_amplitudes_than_modes_are_refused() -> None:
     with pytest.raises(
         derive.SpecError, match=r"body\.start\.amplitudes: there are 2 numbers, and the body has 1 mode"
     ):
-        initial_vectors(model, derive.SpatialStart(amplitudes=(1.0, 2.0)))
-    q, v = initial_vectors(model, derive.SpatialStart(amplitude_rates=(3.0,)))
-    assert q.tolist() == [0, 0, 0, 1, 0, 0, 0, 0] and v.tolist() == [0, 0, 0, 0, 0, 0, 3]
+        spatial_state(model, derive.SpatialStart(amplitudes=(1.0, 2.0)))
+    state = spatial_state(model, derive.SpatialStart(amplitude_rates=(3.0,)))
+    assert state.q.tolist() == [0, 0, 0, 1, 0, 0, 0, 0] and state.v.tolist() == [0, 0, 0, 0, 0, 0, 3]
 
 
 def test_methods_for_scenes_are_refused() -> None:

@@ -10,7 +10,6 @@ import derive
 from derive.cli.main import main
 from derive.simulation.initial.contradictions import InitialValue
 from derive.simulation.prepared_run import PreparedRun
-from derive.simulation.simulate import prepared
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
 
@@ -79,12 +78,12 @@ def test_two_columns_of_one_name() -> None:
     """An input has a column if a function in Python gives it: its name is that of an output here."""
     scene = parse(BEAM + '[outputs.u_push]\nkind = "energy"\n[outputs.u]\nkind = "position"\nmarker = "rod.tip"\n')
     assert isinstance(scene, Scene)
-    prepared(scene)
+    PreparedRun(scene)
     scene = parse(BEAM + '[outputs.u_push]\nkind = "distance"\nbetween = ["ground.hook", "rod.tip"]\n')
     assert isinstance(scene, Scene)
-    prepared(scene)
+    PreparedRun(scene)
     with pytest.raises(derive.SpecError, match='two columns are called "u_push"; choose other names'):
-        prepared(scene, inputs={"push": lambda t: 0.0})
+        PreparedRun(scene, inputs={"push": lambda t: 0.0})
 
 
 def test_files_are_planned_by_their_names(runs: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -86,7 +86,7 @@ class Prepared:
 def quick(monkeypatch: pytest.MonkeyPatch) -> list[Scene]:
     """Scenes that were simulated, quickly."""
     asked: list[Scene] = []
-    monkeypatch.setattr(command, "prepared", lambda scene, *_, **__: Prepared(scene, asked))
+    monkeypatch.setattr(command, "PreparedRun", lambda scene, *_, **__: Prepared(scene, asked))
     return asked
 
 

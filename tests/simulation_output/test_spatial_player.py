@@ -15,8 +15,8 @@ from browser import CHROMIUM, browsed
 from conftest import ROOT
 from derive.artifacts import MARK
 from derive.cli.main import main
-from derive.simulation.body_trajectory import BodyTrajectory
 from derive.simulation.observables.spatial_player_data import MAX_NODES, neighbours, spatial_player_data
+from derive.simulation.trajectory import Trajectory
 from derive.visual.player import spatial_player_page
 
 START = derive.SpatialStart(
@@ -29,7 +29,7 @@ START = derive.SpatialStart(
 
 
 @pytest.fixture(scope="module")
-def trajectory() -> BodyTrajectory:
+def trajectory() -> Trajectory:
     block = replace(derive.read(ROOT / "scenes/block.toml"), modes=1, start=START)
     return derive.simulate(block, duration=0.02, output=1e-3, tolerance=1e-6)
 
@@ -50,47 +50,47 @@ def node_positions(data: dict, instant: int) -> np.ndarray:
     return c + w + 2 * np.cross(r, np.cross(r, w) + e[0] * w)
 
 
-def test_nodes_of_the_page_are_where_the_model_has_its_markers(trajectory: BodyTrajectory) -> None:
-    data = spatial_player_data(trajectory)
+def test_nodes_of_the_page_are_where_the_model_has_its_markers(trajectory: Trajectory) -> None:
+    data = spatial_player_data(trajectory.body, trajectory.t, trajectory.q)
     for instant in (0, 7, 20):
         x = node_positions(data, instant)
         for marker in data["markers"]:
             q, v = trajectory.q[instant], trajectory.v[instant]
-            wanted = trajectory.native.marker(marker["name"], q, v, trajectory.k)[0]
+            wanted = trajectory.motion.native.marker(marker["name"], q, v, trajectory.motion.k)[0]
             np.testing.assert_allclose(x[marker["node"]], wanted, atol=3e-6)  # m
 
 
-def test_edges_are_those_of_the_cells_of_a_grid(trajectory: BodyTrajectory) -> None:
+def test_edges_are_those_of_the_cells_of_a_grid(trajectory: Trajectory) -> None:
     """The block has 17 x 5 x 3 nodes: 16 5 3 + 17 4 3 + 17 5 2 edges along its axes, and no diagonals."""
-    data = spatial_player_data(trajectory)
+    data = spatial_player_data(trajectory.body, trajectory.t, trajectory.q)
     x, edges = np.array(data["nodes"]), np.array(data["edges"])
     assert len(edges) == 16 * 5 * 3 + 17 * 4 * 3 + 17 * 5 * 2
     assert (np.count_nonzero(np.abs(x[edges[:, 0]] - x[edges[:, 1]]) > 1e-9, axis=1) == 1).all()
     assert neighbours(np.zeros((1, 3))) == []
 
 
-def test_a_body_of_many_nodes_is_drawn_as_a_box(trajectory: BodyTrajectory, monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = spatial_player_data(trajectory)
+def test_a_body_of_many_nodes_is_drawn_as_a_box(trajectory: Trajectory, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = spatial_player_data(trajectory.body, trajectory.t, trajectory.q)
     assert len(whole["nodes"]) == 255 <= MAX_NODES
     monkeypatch.setattr("derive.simulation.observables.spatial_player_data.MAX_NODES", 254)
-    box = spatial_player_data(trajectory)
+    box = spatial_player_data(trajectory.body, trajectory.t, trajectory.q)
     assert len(box["nodes"]) == 8 and len(box["edges"]) == 12 and box["markers"] == []
     corners = node_positions(whole, 9)[[0, 254]]
     found = node_positions(box, 9)[[0, 7]]
     np.testing.assert_allclose(found, corners, atol=1e-6)
 
 
-def test_the_page_needs_nothing_from_outside(trajectory: BodyTrajectory) -> None:
-    text = spatial_player_page(spatial_player_data(trajectory))
+def test_the_page_needs_nothing_from_outside(trajectory: Trajectory) -> None:
+    text = spatial_player_page(spatial_player_data(trajectory.body, trajectory.t, trajectory.q))
     assert MARK in text[:1000] and "prefers-color-scheme: dark" in text
     assert not re.search(r"https?://|<link|@import|url\(|fetch\(|import\(|src=", text)
     assert len(text.encode()) < 300_000
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")
-def test_it_plays_in_a_browser(trajectory: BodyTrajectory, tmp_path: Path) -> None:
+def test_it_plays_in_a_browser(trajectory: Trajectory, tmp_path: Path) -> None:
     """From the front e1 points to the right and e3 upwards: node 0 is drawn there, as far from the middle as it is."""
-    data = spatial_player_data(trajectory)
+    data = spatial_player_data(trajectory.body, trajectory.t, trajectory.q)
     path = tmp_path / "page.html"
     path.write_text(spatial_player_page(data))
     dom = browsed(path, "t=0.013&yaw=0&pitch=0", "1000,900")

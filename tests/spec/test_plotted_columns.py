@@ -9,7 +9,7 @@ import pytest
 import derive
 from conftest import ROOT
 from derive.cli.main import main
-from derive.simulation.free_beam import beam_scene
+from derive.simulation.simulated_scene import beam_scene
 from derive.simulation.trajectory import column_units
 from derive.spec.checks.plotted_columns import possible_columns
 from derive.spec.model.scene import Scene

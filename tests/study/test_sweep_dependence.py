@@ -11,7 +11,7 @@ from sweep_scenes import pendulum, slider
 from derive.runtime.loading import load_scene
 from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_state import initial_state, scene_size
-from derive.simulation.scene_run import SceneRun
+from derive.simulation.prepared_run import PreparedRun
 from derive.spec.model.scene import EQUILIBRIUM, Scene
 from derive.spec.model.scene_functions import breaks
 from derive.spec.set_values import with_values
@@ -27,7 +27,7 @@ from derive.study.sweep.dependence import initial_parameters, with_defaults
     ids=["slider", "pendulum"],
 )
 def test_parameters_that_are_left_out_change_nothing(scene: Scene, expected: set[str]) -> None:
-    run = SceneRun(scene, "adaptive", None, {})
+    run = PreparedRun(scene)
     native = load_scene(run.files)
     initial = initial_parameters(run.scene, run.complete_model)
     assert initial == expected
@@ -47,7 +47,7 @@ def test_parameters_that_are_left_out_change_nothing(scene: Scene, expected: set
 
 def test_the_first_guess_follows_the_parameters() -> None:
     """The displacement of the slider counts from the bearing, to which its guide leads."""
-    native = load_scene(SceneRun(slider(), "adaptive", None, {}).files)
+    native = load_scene(PreparedRun(slider()).files)
     number = native.coordinates.index("slider_s")
     assert initial_guess(slider(), native)[0][number] == pytest.approx(0.45)
     assert initial_guess(slider(), native, native.setup(x0=0.1))[0][number] == pytest.approx(0.35)

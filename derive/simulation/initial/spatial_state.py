@@ -1,4 +1,4 @@
-"""The initial state of a body in space that moves alone, from its `start`."""
+"""The size and the initial state of a body in space that moves alone."""
 
 from __future__ import annotations
 
@@ -7,17 +7,18 @@ import numpy as np
 from derive.errors import Problem, SpecError
 from derive.ir.model import Model
 from derive.runtime.native_call import Vector
+from derive.simulation.initial.initial_state import InitialState
+from derive.spec.model.body import NodalBody
 from derive.spec.model.simulation import SpatialStart
 
 
-def normalised(start: SpatialStart) -> tuple[str, ...]:
-    """A note if the quaternion of an initial state has another length than 1, apart from rounding errors."""
-    length = float(np.linalg.norm(start.quaternion))
-    return () if abs(length - 1.0) < 1e-12 else (f"body.start.rotation: length of the quaternion {length:.9g} -> 1",)
+def body_size(body: NodalBody) -> float:
+    """The diagonal (m) of the box around all nodes; 1 of a point."""
+    return float(np.linalg.norm(np.ptp(body.data.positions, axis=0))) or 1.0
 
 
-def initial_vectors(model: Model, start: SpatialStart) -> tuple[Vector, Vector]:
-    """The coordinates q (nq,) and velocities v (nv,) of an initial state, with the quaternion scaled to length 1.
+def spatial_state(model: Model, start: SpatialStart) -> InitialState:
+    """The initial state of a body, with the quaternion scaled to length 1, which a note mentions.
 
     Raises SpecError if there are more amplitudes than modes.
     """
@@ -29,10 +30,12 @@ def initial_vectors(model: Model, start: SpatialStart) -> tuple[Vector, Vector]:
     ]
     if problems:
         raise SpecError(tuple(problems))
-    quaternion = np.array(start.quaternion) / np.linalg.norm(start.quaternion)
-    q = np.concatenate([start.position, quaternion, _padded(start.amplitudes, modes)])
+    length = float(np.linalg.norm(start.quaternion))
+    scaled = abs(length - 1.0) >= 1e-12  # apart from rounding errors
+    notes = (f"body.start.rotation: length of the quaternion {length:.9g} -> 1",) if scaled else ()
+    q = np.concatenate([start.position, np.array(start.quaternion) / length, _padded(start.amplitudes, modes)])
     v = np.concatenate([start.velocity, start.angular_velocity, _padded(start.amplitude_rates, modes)])
-    return q, v
+    return InitialState(0.0, q, v, 0.0, 0.0, False, False, remainders=notes)
 
 
 def _padded(values: tuple[float, ...], size: int) -> Vector:

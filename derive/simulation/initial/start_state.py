@@ -20,7 +20,7 @@ from derive.ir.interpreter import interpret
 from derive.ir.model import Model, StartState
 from derive.runtime.interpreted_scene import InterpretedScene
 from derive.simulation.initial.initial_state import initial_state
-from derive.simulation.initial.spatial_state import initial_vectors
+from derive.simulation.initial.spatial_state import spatial_state
 from derive.simulation.inputs import with_functions
 from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene
@@ -50,7 +50,8 @@ def start_state(spec: Scene | NodalBody, model: Model) -> StartState:
     one of them. Raises SpecError where an input has no value, what `initial_state` raises, and NoStartState.
     """
     if isinstance(spec, NodalBody):
-        return StartState(*(tuple(part.tolist()) for part in initial_vectors(model, spec.start)))
+        state = spatial_state(model, spec.start)
+        return StartState(tuple(state.q.tolist()), tuple(state.v.tolist()))
     if spec.inputs:
         spec = replace(with_functions(spec, {}), outputs=())
         model = lower(derive(spec))

@@ -11,12 +11,12 @@ from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
-from derive.simulation.free_beam import FreeBeam, beam_scene
 from derive.simulation.linear.eigenmodes import Mode
 from derive.simulation.linear.modes import Modes
 from derive.simulation.linear.run_time_inputs import scene_with_values
 from derive.simulation.observables.beams import axis_points, beam_bodies, piece_at, piece_names
 from derive.simulation.observables.motion import Array, SceneMotion, marker_positions, outline, transformed
+from derive.simulation.simulated_scene import FreeBeam, beam_scene
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene
 

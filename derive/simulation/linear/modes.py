@@ -23,8 +23,8 @@ from derive.simulation.linear.eigenmodes import Mode, eigenmodes
 from derive.simulation.linear.linearisation import Linearisation, linearise
 from derive.simulation.linear.run_time_inputs import constants, scene_with_values
 from derive.simulation.observables.motion import SceneMotion
-from derive.simulation.simulate import prepared, simulation_settings
-from derive.simulation.trajectory import Trajectory
+from derive.simulation.prepared_run import PreparedRun
+from derive.simulation.simulate import simulation_settings
 from derive.spec.model.scene import EQUILIBRIUM, Scene, Specification
 from derive.spec.model.scene_functions import input_functions, time_functions
 from derive.spec.model.time_function import depends_on_time
@@ -131,13 +131,12 @@ def _motion(scene: Scene, at: float, progress: Progress | None) -> SceneMotion:
     rows = ROWS if scene.simulation is None else min(ROWS, max(1.0, at / scene.simulation.output))
     try:
         scene = replace(scene, simulation=simulation_settings(scene, at, at / rows))
-        run = prepared(scene, complete=False).trajectory(progress=progress)
+        run = PreparedRun(scene, complete=False).trajectory(progress=progress)
     except SpecError as error:
         if reasons := [p for p in error.problems if p.path in ("simulation.duration", "simulation.output")]:
             text = f"--at {at:g} (in Python at={at:g}) is no time, in s, up to which a motion can be computed"
             raise SpecError((Problem("", f"{text}: {reasons[0].message}"),)) from None
         raise
-    assert isinstance(run, Trajectory)
     return run.motion
 
 

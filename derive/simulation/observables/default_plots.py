@@ -10,43 +10,39 @@ from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, Cho
 from derive.mechanics.multibody.outputs.marker_motion import MARKER
 from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS, output_type
 from derive.roles import Role
-from derive.simulation.body_trajectory import energy_names
-from derive.spec.model.body import NodalBody
+from derive.simulation.trajectory import energy_names
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import Scene
 
-COORDINATES = {
+PLANAR = {
     "angles": (Role.ROTATION,),
     "positions": (Role.TRANSLATION, Role.DISPLACEMENT),
     "deformations": (Role.AMPLITUDE,),
 }
-"""The plots of coordinates by their names, with the roles of the coordinates in each."""
+"""The plots of coordinates in the plane by their names, with the roles of the coordinates in each."""
+SPATIAL = {
+    "position": (Role.TRANSLATION,),
+    "rotation": (Role.QUATERNION,),
+    "angular_velocity": (),
+    "amplitudes": (Role.AMPLITUDE,),
+}
+"""The plots of the coordinates of a body in space, and of its angular velocity."""
 
 
 def default_plots(scene: Scene, model: Model) -> tuple[Plot, ...]:
-    """One plot over the time for each output that no plot shows; without outputs and plots, those of coordinates."""
+    """One plot over the time for each output that no plot shows; without outputs and plots, those of coordinates and,
+    of a body in space alone, of its angular velocity and energies."""
     if scene.outputs or scene.plots:
         return tuple(_plot(_free_name(output, scene), output_columns(output)) for output in _unplotted(scene))
-    quantities = (
-        (name, [x for c in model.coordinates if c.role in roles for x in c.elements])
-        for name, roles in COORDINATES.items()
-    )
-    return tuple(_plot(name, columns) for name, columns in quantities if columns)
-
-
-def body_plots(body: NodalBody, model: Model) -> tuple[Plot, ...]:
-    """The plots over time of the motion and the energies of a body in space; none if it has plots of its own."""
-    if body.plots:
-        return ()
-    names = {role: [name for x in model.coordinates if x.role is role for name in x.elements] for role in Role}
+    spatial = any(c.role is Role.QUATERNION for c in model.coordinates)
     quantities = {
-        "position": names[Role.TRANSLATION],
-        "rotation": names[Role.QUATERNION],
-        "angular_velocity": [x.name for x in model.velocities[3:6]],
-        "amplitudes": names[Role.AMPLITUDE],
-        "energy": [*energy_names(model)],
+        name: [x for c in model.coordinates if c.role in roles for x in c.elements]
+        for name, roles in (SPATIAL if spatial else PLANAR).items()
     }
+    if spatial:
+        quantities["angular_velocity"] = [x.name for x in model.velocities[3:6]]
+    quantities["energy"] = [*energy_names(scene, model)]
     return tuple(_plot(name, columns) for name, columns in quantities.items() if columns)
 
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from derive.mechanics.multibody.outputs.deflection import deflection_doc
 from derive.simulation.observables.motion import Array, SceneMotion, deflection, deviation, drive_unit, simulated_drive
-from derive.simulation.trajectory import ColumnTable, Trajectory
-from derive.spec.model.body import NodalBody
+from derive.simulation.trajectory import Trajectory
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.scene import Scene
 
@@ -52,19 +51,18 @@ class PlotCurve:
         return float(np.sqrt(np.mean(self.deviation[1] ** 2))), float(np.abs(self.deviation[1]).max())
 
 
-def plot_curves(plot: Plot, trajectory: ColumnTable, label: str) -> tuple[PlotCurve, ...]:
+def plot_curves(plot: Plot, trajectory: Trajectory, label: str) -> tuple[PlotCurve, ...]:
     """The curves of a plot in a motion; several columns are distinguished by their names behind the label.
 
     Raises UnknownNameError for a column that the motion does not have.
     """
     quantity = plot.quantity
     if isinstance(quantity, Deflection):
-        assert isinstance(trajectory, Trajectory), "the specification of a body has no plots of deflections"
         return (plot_curve(plot, trajectory.motion, label),)
     return _column_curves(plot, quantity, trajectory, label)
 
 
-def _column_curves(plot: Plot, quantity: ColumnCurves, table: ColumnTable, label: str) -> tuple[PlotCurve, ...]:
+def _column_curves(plot: Plot, quantity: ColumnCurves, table: Trajectory, label: str) -> tuple[PlotCurve, ...]:
     """The curves of a plot of columns."""
     x, units = table[quantity.x], table.units
     names = {name: f"{label}: {name}" if label else name for name in quantity.y}
@@ -92,14 +90,13 @@ class PlotText:
     x_unit: str
 
 
-def plot_text(plot: Plot, spec: Scene | NodalBody, units: Mapping[str, str]) -> PlotText:
+def plot_text(plot: Plot, scene: Scene, units: Mapping[str, str]) -> PlotText:
     """The texts of a plot; `units` are those of the columns of the motion."""
     quantity = plot.quantity
     match quantity:
         case Deflection():
-            assert isinstance(spec, Scene), "the specification of a body has no plots of deflections"
             doc = deflection_doc(quantity.marker, quantity.chord, quantity.divided_by)
-            return PlotText(doc, _drive_label(spec, plot), _drive_unit(spec, plot))
+            return PlotText(doc, _drive_label(scene, plot), _drive_unit(scene, plot))
         case ColumnCurves():
             return PlotText(", ".join(quantity.y), "time" if quantity.x == "t" else quantity.x, units[quantity.x])
     assert_never(quantity)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from derive.reduction.body import prepare
-from derive.simulation.body_trajectory import BodyTrajectory
 from derive.simulation.observables.motion import Array
 from derive.simulation.observables.player_data import RESOLUTION, Plain, channel, frames, rounded, speeds
 from derive.spec.model.body import NodalBody
@@ -47,14 +46,10 @@ def drawn_body(body: NodalBody) -> DrawnBody:
     return DrawnBody(shapes.x, shapes.phi, neighbours(shapes.x), radius, markers)
 
 
-def spatial_player_data(trajectory: BodyTrajectory) -> Plain:
-    """The content of the page of a motion: lengths in m, times in s."""
-    drawn = drawn_body(trajectory.body)
-    return {
-        "name": trajectory.name,
-        **body_data(drawn),
-        **body_motion_data(drawn, trajectory.t, trajectory.q),
-    }
+def spatial_player_data(body: NodalBody, t: Array, q: Array) -> Plain:
+    """The content of the page of the motion q (n, nq) of a body at the times t (n,): lengths in m, times in s."""
+    drawn = drawn_body(body)
+    return {"name": body.name, **body_data(drawn), **body_motion_data(drawn, t, q)}
 
 
 def body_data(drawn: DrawnBody) -> Plain:

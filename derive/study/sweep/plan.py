@@ -13,10 +13,10 @@ from derive.generated_models import package_hash
 from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import adaptive_library
 from derive.runtime.loading import model_library
-from derive.simulation.free_beam import beam_scene
 from derive.simulation.inputs import with_functions
-from derive.simulation.scene_run import SceneRun
+from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.simulate import simulation_settings
+from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import CustomBody, JointInitialValues, Scene, SceneBody, Specification
 from derive.spec.model.simulation import NOT_GIVEN
@@ -164,7 +164,7 @@ class _Models:
         self._progress = progress
         self._numbers: dict[str, int] = {}
         self.codes: list[ModelCode] = []
-        self.runs: list[SceneRun] = []
+        self.runs: list[PreparedRun] = []
 
     def add(self, scene: Scene) -> tuple[Scene, int]:
         """The scene as it is simulated, and the number of its model."""
@@ -178,7 +178,7 @@ class _Models:
                 )
             self._numbers[key] = len(self.codes)
             self._progress(f"{scene.name}: deriving and compiling model {len(self.codes) + 1}")
-            run = SceneRun(scene, "adaptive", None, {}, complete=False)
+            run = PreparedRun(scene, complete=False)
             name, library = model_library(run.files, RUN_FLAGS)
             initial = initial_parameters(run.scene, run.complete_model)
             self.runs.append(run)
