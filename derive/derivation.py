@@ -78,18 +78,19 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
 
 
 @paused()
-def lower(derived: Equations | Mechanism, sensitivities: bool = False) -> Model:
+def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit: bool = False) -> Model:
     """The kernels of a model: straight-line code, or loops over the modes of a spatial body if these are faster.
 
     sensitivities: add the kernels `parameter_jacobian` and `solve_kkt` for derivatives with respect to parameters and
-    inputs, which models with loops do not have.
+    inputs, which models with loops do not have. explicit: leave out the kernels of a scene that explicit integration
+    does not call, which takes half the time.
     Raises SpecError if the specification requires straight-line code that would be too long, or has loops where
     sensitivities are required; TypeError for anything but equations.
     """
     if not isinstance(derived, (Equations, Mechanism)):
         raise TypeError(f"the equations that derive.derive(spec) returns are needed, not {type(derived).__name__}")
     if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
-        return lower_flat(derived.expanded(), sensitivities=sensitivities)
+        return lower_flat(derived.expanded(), sensitivities=sensitivities, explicit=explicit)
     estimate = cost_model.estimate_costs(derived.body)
     try:
         flat = estimate.selected(derived.lowering) == "flat"
@@ -103,16 +104,6 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False) -> Model:
     return (
         lower_flat(derived.expanded(), reason, sensitivities=sensitivities) if flat else lower_tables(derived, reason)
     )
-
-
-@paused()
-def explicit_model(scene: Scene) -> Model:
-    """The model of a scene with the kernels that explicit integration calls, which takes half the time of all.
-
-    Raises SpecError as `derive` does.
-    """
-    check_specification(scene)
-    return lower_flat(assembly.mechanism(scene).expanded(), explicit=True)
 
 
 def lowered_form(derived: Equations | Mechanism, model: Model) -> Equations:

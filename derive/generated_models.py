@@ -59,7 +59,7 @@ def generated_explicit(scene: Scene) -> Generated:
     """
     if scene.start is not None:
         return generated(scene)
-    return _kept("explicit model", scene, lambda: _made_explicit(scene))
+    return _kept("explicit model", scene, lambda: _made(scene, explicit=True))
 
 
 def _kept(kind: str, spec: Specification, made: Callable[[], Generated]) -> Generated:
@@ -81,18 +81,11 @@ def _kept(kind: str, spec: Specification, made: Callable[[], Generated]) -> Gene
     return result
 
 
-def _made(spec: Specification) -> Generated:
+def _made(spec: Specification, explicit: bool = False) -> Generated:
     from derive.derivation import derive, lower  # not needed for what is kept
 
-    model = lower(derive(spec))
-    return model, emit(model, spec)
-
-
-def _made_explicit(scene: Scene) -> Generated:
-    from derive.derivation import explicit_model  # likewise
-
-    model = explicit_model(scene)
-    return model, explicit_files(model, scene)
+    model = lower(derive(spec), explicit=explicit)
+    return model, explicit_files(model, spec) if explicit else emit(model, spec)
 
 
 @cache

@@ -11,7 +11,6 @@ from derive.backends.wrapping import prefixed
 from derive.export.host_model import HostModel
 from derive.export.reference_motion import reference_motion
 from derive.rendering import render
-from derive.spec.model.scene import Scene
 
 INTEGRATOR = ("adaptive_rows", "adaptive", "dormand_prince", "fixed_step")
 """The parts of `templates/host` with which exports integrate."""
@@ -48,7 +47,7 @@ def sample_values(model: HostModel) -> dict[str, object]:
         "name": model.name,
         "macro": model.name.upper(),
         "abi": ABI,
-        "scene": isinstance(model.spec, Scene),
+        "scene": model.is_scene,
         "coordinates": model.coordinates,
         "velocities": model.velocities,
         "states": model.states,

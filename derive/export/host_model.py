@@ -60,6 +60,11 @@ class HostModel:
     notes: tuple[str, ...]
 
     @property
+    def is_scene(self) -> bool:
+        """Whether the C has the functions of a scene, which a body alone does not have."""
+        return self.model.kkt is not None
+
+    @property
     def states(self) -> tuple[HostVariable, ...]:
         """x = [q; v] (nq + nv,)."""
         return (*self.coordinates, *self.velocities)

@@ -24,7 +24,7 @@ def jax_files(host: HostModel) -> tuple[File, ...]:
         "spline": render("python/spline.py.jinja", {"numbers": False}).strip() if model.splines else "",
         "splines": spline_functions(model),
         "functions": straight_line_functions(model, Failure.NAN),
-        "scene": bool(model.bodies),
+        "scene": host.is_scene,
     }
     return File(f"{host.name}.py", render("export/jax/module.py.jinja", values)), File(
         "manifest.json", host.manifest.text

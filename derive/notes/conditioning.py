@@ -24,16 +24,22 @@ def shape_condition(beam: PlanarBeam) -> float:
     return float(np.linalg.cond(gram / np.outer(size, size)))
 
 
+def beams(spec: Specification) -> tuple[tuple[PlanarBeam, int], ...]:
+    """The beams of a specification, each with the number of pieces into which it is divided."""
+    match spec:
+        case Scene():
+            return tuple((body.beam, body.pieces) for body in spec.bodies if isinstance(body, BeamBody))
+        case PlanarBeam():
+            return ((spec, 1),)
+    return ()
+
+
 def condition_warnings(spec: Specification) -> tuple[str, ...]:
     """A warning on each beam whose shapes are so nearly dependent that accelerations lose digits."""
-    if isinstance(spec, Scene):
-        beams = [body.beam for body in spec.bodies if isinstance(body, BeamBody)]
-    else:
-        beams = [spec] if isinstance(spec, PlanarBeam) else []
     return tuple(
         f"the mass matrix of {beam.name} has a condition number of {condition:.0e}: accelerations may lose "
         f"{min(16, round(np.log10(condition)))} of 16 digits; {_advice(beam)}"
-        for beam in beams
+        for beam, _ in beams(spec)
         if (condition := shape_condition(beam)) > ILL_CONDITIONED
     )
 

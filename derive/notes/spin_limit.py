@@ -23,9 +23,10 @@ from scipy.linalg import eigh
 from derive.mechanics.bodies.beam import beam_body
 from derive.mechanics.body import Body
 from derive.mechanics.symbols import Family
+from derive.notes.conditioning import beams
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody, Scene, Specification
+from derive.spec.model.scene import Specification
 
 NOTICEABLE = 0.99
 """A limit below this part of the first natural frequency is that of the frame, and not of the beam."""
@@ -62,11 +63,7 @@ def spin_limits(beam: PlanarBeam) -> SpinLimits:
 
 def spin_notes(spec: Specification) -> tuple[str, ...]:
     """A line on each beam of first order whose frame and whose number of shapes lower the spin that it bears."""
-    if isinstance(spec, Scene):
-        beams = [(body.beam, body.pieces) for body in spec.bodies if isinstance(body, BeamBody)]
-    else:
-        beams = [(spec, 1)] if isinstance(spec, PlanarBeam) else []
-    return tuple(note for beam, pieces in beams if (note := _note(beam, pieces)))
+    return tuple(note for beam, pieces in beams(spec) if (note := _note(beam, pieces)))
 
 
 def _note(beam: PlanarBeam, pieces: int) -> str:

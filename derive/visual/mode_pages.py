@@ -10,7 +10,7 @@ from derive.simulation.linear.eigenmodes import Mode
 from derive.simulation.linear.modes import Modes
 from derive.simulation.observables.motion import Array, body_coordinates
 from derive.simulation.observables.player_data import player_data
-from derive.simulation.observables.spatial_player_data import body_data, body_motion_data, drawn_body
+from derive.simulation.observables.spatial_player_data import DrawnBody, body_data, body_motion_data, drawn_body
 from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.visual.mode_shapes import ModePanel, mode_picture
@@ -34,9 +34,9 @@ def is_drawn(modes: Modes, count: int) -> bool:
 def modes_picture(modes: Modes, count: int) -> str:
     """The shapes of the first `count` modes as SVG, those of zero eigenvalues apart."""
     title = f"{modes.spec.name}: modes"
-    if isinstance(modes.spec, NodalBody):
+    if (drawn := _spatial(modes)) is not None:
         note = "Grey: the undeformed body; solid: displaced by the mode, at an arbitrary amplitude."
-        return mode_picture(title, note, _body_panels(modes, modes.spec, count), np.zeros((0, 2)))
+        return mode_picture(title, note, _body_panels(modes, drawn, count), np.zeros((0, 2)))
     scene = drawn_scene(modes)[0]
     panels = []
     for label, mode in drawn_modes(modes, count):
@@ -49,9 +49,13 @@ def modes_picture(modes: Modes, count: int) -> str:
     return mode_picture(title, note, panels, ground)
 
 
-def _body_panels(modes: Modes, body: NodalBody, count: int) -> list[ModePanel]:
+def _spatial(modes: Modes) -> DrawnBody | None:
+    """The drawing of a body in space; None of a planar model."""
+    return drawn_body(modes.spec) if isinstance(modes.spec, NodalBody) else None
+
+
+def _body_panels(modes: Modes, drawn: DrawnBody, count: int) -> list[ModePanel]:
     """The edges of a body in space, projected."""
-    drawn = drawn_body(body)
     yaw, pitch = VIEW
     away = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
     axes = np.array([[np.cos(yaw), np.sin(yaw), 0.0], np.sin(pitch) * away + [0.0, 0.0, np.cos(pitch)]])
@@ -69,7 +73,7 @@ def modes_page(modes: Modes, count: int) -> str:
     """A page that plays the first `count` modes, those of zero eigenvalues apart; damping is not shown."""
     title, frames, pages = f"{modes.spec.name}: modes", np.arange(PERIODS * FRAMES + 1), []
     phases = 2 * np.pi * frames / FRAMES
-    drawn = drawn_body(modes.spec) if isinstance(modes.spec, NodalBody) else None
+    drawn = _spatial(modes)
     for label, mode in drawn_modes(modes, count):
         period = 2 * np.pi / mode.eigenvalue.imag if mode.eigenvalue.imag else NOMINAL_PERIOD
         times = period * frames / FRAMES

@@ -31,7 +31,7 @@ def exudyn_files(host: HostModel) -> tuple[File, ...]:
         "macro": name.upper(),
         "title": model.doc,
         "host": host,
-        "scene": bool(model.bodies),
+        "scene": host.is_scene,
         "quaternion": quaternion,
         "constraints": multipliers if quaternion is None else 1,
         "dimension": 2 if quaternion is None else 3,
@@ -73,7 +73,7 @@ def _quaternion(model: Model) -> int | None:
 def _values(model: Model) -> Iterator[int]:
     """The numbers of values of the sparse matrices that the user functions expand."""
     named = [("mass", "M"), ("jacobian", "jac"), *((f"marker_{marker.name}", "jacobian") for marker in model.markers)]
-    if model.bodies:
+    if model.kkt is not None:
         named.append(("constraint_jacobian", "G"))
     for kernel, output in named:
         yield len(model.pattern(kernel, output).rowidx)

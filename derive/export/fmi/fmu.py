@@ -18,7 +18,7 @@ from derive.export.fmi.variables import Causality, FmiVariable, fmi_variables, n
 from derive.export.host_model import HostModel
 from derive.export.interface import RECORD, HostFile, Interface
 from derive.rendering import render
-from derive.spec.model.scene import Scene
+from derive.simulation.simulated_scene import surroundings
 from derive.spec.model.scene_functions import breaks
 from derive.spec.model.simulation import Simulation
 from derive.version import VERSION
@@ -91,7 +91,6 @@ def _token(sources: Mapping[str, str]) -> str:
 
 def _start(model: HostModel, token: str) -> str:
     """The text of model.c."""
-    scene = model.spec if isinstance(model.spec, Scene) else None
     values = {
         "mark": MARK,
         "licence": LICENCE,
@@ -101,7 +100,7 @@ def _start(model: HostModel, token: str) -> str:
         "inputs": model.inputs,
         "started": (*model.inputs, *model.states),
         "sizes": nominals(model),
-        "breaks": () if scene is None else breaks(scene),
+        "breaks": breaks(surroundings(model.spec)),
         "number": repr,
     }
     return render("export/fmi/model.c.jinja", values)

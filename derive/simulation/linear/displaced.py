@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from derive.simulation.observables.motion import Array, SceneMotion, marker_posi
 from derive.simulation.simulated_scene import FreeBeam, beam_scene
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.simulation import NOT_GIVEN
 
 DISPLACEMENT = 0.1
 """The largest displacement of a point of a displaced scene, in sizes of the scene."""
@@ -99,7 +100,7 @@ def drawn_scene(modes: Modes) -> tuple[Scene, NativeScene]:
     if isinstance(modes.spec, Scene):
         return scene_with_values(modes.spec), modes.native
     if isinstance(modes.spec, PlanarBeam):
-        return beam_scene(modes.spec), FreeBeam(modes.native, modes.spec)
+        return beam_scene(replace(modes.spec, start=NOT_GIVEN)), FreeBeam(modes.native, modes.spec)
     raise TypeError(f"{modes.spec.name} is a body in space, not a planar one")
 
 
