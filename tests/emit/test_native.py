@@ -87,6 +87,19 @@ def test_a_model_may_have_no_markers() -> None:
     assert derive.load(special("no_markers").files).markers == ()
 
 
+def test_a_body_alone_is_a_scene_without_constraints_and_ports() -> None:
+    """What takes a scene takes a body as well."""
+    model = beams.native("point", 2)
+    k = model.with_inputs(model.setup(), [])
+    assert not model.is_scene and not model.dae
+    assert model.bodies == model.multipliers == model.inputs == model.outputs == ()
+    assert model.constraint_pattern.dense(model.constraint_jacobian(0.0, Q, k)).shape == (0, model.nv)
+    assert model.constraints(0.0, Q, k).shape == model.constraint_rates(0.0, Q, V, k).shape == (0,)
+    vdot, multipliers = model.solve(0.0, Q, V, k)
+    assert vdot.tolist() == model.accel(0.0, Q, V, k).tolist() and multipliers.shape == (0,)
+    assert model.project_velocity(0.0, Q, k, np.zeros(0)).tolist() == [0.0] * model.nv
+
+
 def test_models_live_side_by_side() -> None:
     """All are called model.so in folders that are gone; none may be taken for another."""
     names = [derive.load(beams.made(frame, 2).files) for frame in ("mean", "point", "mean")]

@@ -11,6 +11,7 @@ from host_models import PUSHED, STEERED, prepared, scene
 import derive
 from derive.export.fmi.variables import Causality, fmi_variables
 from derive.export.host_model import host_model
+from derive.pipeline import generate
 from derive.spec.toml.read import parse
 
 
@@ -75,6 +76,13 @@ def test_other_functions_have_start_values() -> None:
     text = STEERED.replace('"amplitude*(1 + sin(4*t)) + 3*t^2"', '"amplitude*exp(2*t) + step(t, -1, 1) + abs(t - 2)"')
     value, rate, acceleration, _ = (u.start for u in prepared(text).inputs)
     assert (value, rate, acceleration) == pytest.approx((0.5 + 0.5 + 2.0, 1.0 + 15 / 16 - 1.0, 2.0), rel=1e-14)
+
+
+def test_files_are_those_of_the_pipeline() -> None:
+    """The C with its function NAME_start, as `build` generates it."""
+    model = scene("four_bar")
+    assert model.files == generate(model.spec, backends=("c",)).files
+    assert "four_bar_start(" in model.header.text and isinstance(model.derived, derive.Mechanism)
 
 
 def test_a_body_has_no_ports() -> None:

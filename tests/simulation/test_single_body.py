@@ -63,6 +63,20 @@ def test_quaternions_have_length_one_from_the_first_row_on() -> None:
     assert found.notes == ("body.start.rotation: length of the quaternion 0.99999041 -> 1",)
 
 
+def test_a_body_and_a_scene_have_trajectories_of_one_type() -> None:
+    """Of a body the scene is empty, and its energies are columns; a scene has those that it declares as outputs."""
+    start = derive.SpatialStart(position=(1.0, 2.0, 3.0), amplitudes=(1e-6,))
+    alone = derive.simulate(replace(body(1, -9.81), start=start), duration=1e-3, output=1e-3)
+    beam = derive.simulate(derive.planar_beam("free"), duration=0.1, output=0.1)
+    assert type(alone) is type(beam) is derive.Trajectory
+    assert (alone.scene.bodies, beam.scene.bodies[0].name) == ((), "beam")
+    assert alone.spec.start == start and alone.initial.q.tolist() == alone.q[0].tolist()
+    assert alone.columns[-3:] == ("kinetic_energy", "strain_energy", "gravity_potential")
+    assert alone.energies.shape == (2, 3) and beam.energies.shape == (2, 0)
+    assert alone.energies[:, 1].tolist() == alone["strain_energy"].tolist() and alone["strain_energy"][0] > 0
+    assert alone.validity == alone.warnings == ()
+
+
 def test_more_amplitudes_than_modes_are_refused() -> None:
     model = derive.lower(derive.derive(body(1)))
     with pytest.raises(
