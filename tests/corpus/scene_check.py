@@ -60,7 +60,7 @@ def derived_once() -> Iterator[None]:
     derivation = sys.modules["derive.derivation"]
     equations, kernels = derivation.derive, derivation.lower
     derived: dict[str, Any] = {}
-    lowered: dict[tuple[int, bool], Any] = {}
+    lowered: dict[tuple[int, bool, bool], Any] = {}
 
     def derive(spec: Any) -> Any:
         key = repr(spec)
@@ -68,10 +68,11 @@ def derived_once() -> Iterator[None]:
             derived[key] = equations(spec)
         return derived[key]
 
-    def lower(of: Any, sensitivities: bool = False) -> Any:
-        if (id(of), sensitivities) not in lowered:
-            lowered[id(of), sensitivities] = of, kernels(of, sensitivities)  # `of` is kept, so that its id is
-        return lowered[id(of), sensitivities][1]
+    def lower(of: Any, sensitivities: bool = False, explicit: bool = False) -> Any:
+        key = id(of), sensitivities, explicit
+        if key not in lowered:
+            lowered[key] = of, kernels(of, sensitivities, explicit)  # `of` is kept, so that its id is
+        return lowered[key][1]
 
     with pytest.MonkeyPatch.context() as patch:
         for name, module in list(sys.modules.items()):
