@@ -13,7 +13,7 @@ from pathlib import Path
 from derive.artifacts import File, check_folder, write
 from derive.cli.result_files import picture_names
 from derive.cli.simulation_summary import Pieces, PlotCurves, SimulationResult, summary_data, summary_text
-from derive.cli.specifications import in_file_order, read_changed, simulated
+from derive.cli.specifications import in_file_order, read_changed, simulation_of
 from derive.errors import SpecError
 from derive.simulation.earlier_run import EarlierRun, read_run
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
     Errors in the specification, its plots and its files are reported before the first run.
     """
     given, changes = read_changed(options.spec, options.set)
-    spec = simulated(given, options.spec, options.duration, options.output, options.tolerance, options.until)
+    spec = simulation_of(given, options.spec, options.duration, options.output, options.tolerance, options.until)
     simulations = Simulations(spec, options)
     check_folder(simulations.planned_files(), options.out, simulations.expected_size())
     earlier = read_run(options.out, simulations.main.spec) if options.resume else None

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from derive.errors import Problem, SpecError
-from derive.simulation import simulated_scene
-from derive.simulation.simulate import simulation_settings
+from derive.simulation.simulate import with_simulation
+from derive.simulation.simulated_scene import simulated
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene, Specification
@@ -30,9 +30,8 @@ def read_scene(path: Path) -> Scene:
     spec = read(path)
     if not isinstance(spec, Scene):
         raise SpecError((Problem("", "a scene is needed, and this is a single body"),), str(path))
-    scene = simulated(spec, path)
-    assert isinstance(scene, Scene)
-    return scene
+    with _file(path):
+        return with_simulation(spec)
 
 
 def read_changed(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Specification, tuple[SetValue, ...]]:
@@ -59,7 +58,7 @@ def in_file_order(plots: Sequence[Plot], path: Path) -> tuple[Plot, ...]:
     return tuple(sorted(plots, key=line))
 
 
-def simulated(
+def simulation_of(
     spec: Specification,
     path: Path,
     duration: float | None = None,
@@ -71,10 +70,15 @@ def simulated(
 
     What is not given stays as it is. Raises SpecError if the specification cannot be simulated.
     """
+    with _file(path):
+        return with_simulation(simulated(spec), duration, output, tolerance, until)
+
+
+@contextmanager
+def _file(path: Path) -> Iterator[None]:
+    """Give the errors of a specification the file as their source."""
     try:
-        mechanism = simulated_scene.simulated(spec)
-        settings = simulation_settings(mechanism, duration, output, tolerance, until)
-        return replace(mechanism, simulation=settings)
+        yield
     except SpecError as error:
         raise SpecError(error.problems, str(path)) from None
 

@@ -62,7 +62,7 @@ class PreparedRun:
         complete: whether the model of a scene has all functions, or only those that the integrator calls, which takes
         half the time. Raises SpecError, UnknownNameError, SimulationError.
         """
-        assert spec.simulation is not None, "simulation_settings makes it"
+        assert spec.simulation is not None, "with_simulation makes it"
         self.settings, self.inputs = RunSettings(spec.simulation, integrator, step), dict(inputs or {})
         self.body = spec if isinstance(spec, NodalBody) else None
         if self.body and self.inputs:

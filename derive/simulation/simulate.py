@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 from derive.errors import Problem, SpecError
 from derive.simulation.earlier_run import EarlierRun
@@ -18,6 +18,8 @@ from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import Simulation
+
+Simulated = TypeVar("Simulated", bound=Scene | NodalBody)
 
 
 def simulate(
@@ -47,31 +49,27 @@ def simulate(
 
     Raises TypeError for anything else, SpecError, UnknownNameError, CompilerError, ModelError, SimulationError.
     """
-    mechanism = simulated(spec)
-    simulation = simulation_settings(mechanism, duration, output, tolerance, until)
-    run = PreparedRun(replace(mechanism, simulation=simulation), integrator, step, inputs)
+    run = PreparedRun(with_simulation(simulated(spec), duration, output, tolerance, until), integrator, step, inputs)
     return run.trajectory(earlier, progress)
 
 
-def simulation_settings(
-    spec: Scene | NodalBody,
+def with_simulation(
+    spec: Simulated,
     duration: float | None = None,
     output: float | None = None,
     tolerance: float | None = None,
     until: str | None = None,
-) -> Simulation:
-    """The `simulation` of a scene or a body, in which the given values replace those of the specification.
+) -> Simulated:
+    """A scene or a body with a `simulation`, in which the given values replace those of the specification.
 
     Raises SpecError if it is incomplete or wrong.
     """
     given = {"duration": duration, "output": output, "tolerance": tolerance, "until": until}
     changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     if spec.simulation is not None and not changes:
-        return spec.simulation
+        return spec
     if spec.simulation is None and not {"duration", "output"} <= set(changes):
         text = "this table is missing; add it, with `duration` (s) and `output`, the time between rows (s)"
         raise SpecError((Problem("simulation", text),))
     changed = replace(spec.simulation, **changes) if spec.simulation else Simulation(**changes)
-    simulation = validated(replace(spec, simulation=changed)).simulation
-    assert simulation is not None
-    return simulation
+    return replace(spec, simulation=validated(replace(spec, simulation=changed)).simulation)

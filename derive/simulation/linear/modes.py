@@ -24,7 +24,7 @@ from derive.simulation.linear.linearisation import Linearisation, linearise
 from derive.simulation.linear.run_time_inputs import constants, scene_with_values
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.prepared_run import PreparedRun
-from derive.simulation.simulate import simulation_settings
+from derive.simulation.simulate import with_simulation
 from derive.spec.model.scene import EQUILIBRIUM, Scene, Specification
 from derive.spec.model.scene_functions import input_functions, time_functions
 from derive.spec.model.time_function import depends_on_time
@@ -130,8 +130,7 @@ def _motion(scene: Scene, at: float, progress: Progress | None) -> SceneMotion:
     """The motion of a scene up to a time (s). Raises SpecError, which names the option if the time is the reason."""
     rows = ROWS if scene.simulation is None else min(ROWS, max(1.0, at / scene.simulation.output))
     try:
-        scene = replace(scene, simulation=simulation_settings(scene, at, at / rows))
-        run = PreparedRun(scene, complete=False).trajectory(progress=progress)
+        run = PreparedRun(with_simulation(scene, at, at / rows), complete=False).trajectory(progress=progress)
     except SpecError as error:
         if reasons := [p for p in error.problems if p.path in ("simulation.duration", "simulation.output")]:
             text = f"--at {at:g} (in Python at={at:g}) is no time, in s, up to which a motion can be computed"

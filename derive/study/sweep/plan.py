@@ -15,7 +15,7 @@ from derive.runtime.integrators.adaptive import adaptive_library
 from derive.runtime.loading import model_library
 from derive.simulation.inputs import with_functions
 from derive.simulation.prepared_run import PreparedRun
-from derive.simulation.simulate import simulation_settings
+from derive.simulation.simulate import with_simulation
 from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import CustomBody, JointInitialValues, Scene, SceneBody, Specification
@@ -203,8 +203,7 @@ def _without_start(scene: Scene) -> Scene:
 
 def _simulated(spec: Scene | PlanarBeam, options: RunOptions) -> Scene:
     scene = beam_scene(spec) if isinstance(spec, PlanarBeam) else spec
-    settings = simulation_settings(scene, options.duration, options.interval, options.tolerance, options.until)
-    return replace(scene, simulation=settings)
+    return with_simulation(scene, options.duration, options.interval, options.tolerance, options.until)
 
 
 def _symbol(name: str, changes: Sequence[SetValue]) -> str | None:
