@@ -17,7 +17,7 @@ from derive.garbage_collection import paused
 from derive.ir.model import Model
 from derive.lowering import cost_model
 from derive.lowering.flat.lower import lower as lower_flat
-from derive.lowering.loops.functions import lower_tables
+from derive.lowering.loops.body_functions import lower_tables
 from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
 from derive.mechanics.bodies.modal_body import ModalBody

@@ -15,7 +15,7 @@ from derive.generated_models import generated
 from derive.lowering.cost_model import estimate_costs
 from derive.lowering.flat.graph import Graph, LoweringError
 from derive.lowering.flat.setup_constants import Constants
-from derive.lowering.functions import functions_of
+from derive.lowering.model_functions import functions_of
 from derive.mechanics.bodies.spatial_body import parametric_body
 from derive.runtime.compiled_model import Native
 from derive.runtime.loading import load_scene

@@ -7,8 +7,8 @@ import pytest
 import derive
 from conftest import ROOT
 from derive.lowering.flat.lower import OF_BODIES, OF_MECHANISMS
-from derive.lowering.functions import FunctionKind, functions_of
-from derive.lowering.loops.functions import IMPLEMENTATIONS
+from derive.lowering.loops.body_functions import IMPLEMENTATIONS
+from derive.lowering.model_functions import FunctionKind, functions_of
 
 
 def test_both_lowerings_implement_every_function() -> None:

@@ -20,7 +20,7 @@ from typing import TypeAlias
 import sympy as sp
 from sympy.polys.matrices import DomainMatrix
 
-from derive.lowering.flat.functions import VANISHING
+from derive.lowering.flat.body_functions import VANISHING
 from derive.lowering.flat.polynomials import Coefficient, NotPolynomialError, Polynomial, StatePolynomials, rational
 from derive.mechanics.equations import Equations
 

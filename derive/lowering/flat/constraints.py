@@ -15,13 +15,13 @@ from derive.ir.model import Kernel, Kkt
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.elimination_orders import fill_in
+from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
-from derive.lowering.flat.functions import pivot_checks
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.schedule import NamedValue, RequiredValue, Step
-from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.ldlt import Factorisation, factorise, solve
+from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint

@@ -20,7 +20,7 @@ from derive.lowering.flat.graph import Graph, representable
 from derive.lowering.flat.schedule import NamedValue, OutputValue, RequiredValue, Step, StepItem, schedule
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.flat.shared_sums import SharedSums
-from derive.lowering.functions import ModelFunction, OutputElements
+from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import local, state_rate, t
 from derive.mechanics.terms import Intermediate, ModelConstant, rotation_symbols

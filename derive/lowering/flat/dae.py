@@ -16,7 +16,7 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import acceleration_residual, jacobian_entries
 from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.schedule import Step
-from derive.lowering.functions import ModelFunction, OutputElements
+from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.symbols import local, state_rate
 
 

@@ -8,29 +8,29 @@ from dataclasses import replace
 from derive.ir.model import Kernel, Model, Variable, Zero
 from derive.lowering.attitude import with_attitude_check
 from derive.lowering.elimination_orders import EliminationRule
-from derive.lowering.flat import accelerations, constraints, dae, functions, outputs
+from derive.lowering.flat import accelerations, body_functions, constraints, dae, outputs
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.sensitivities import parameter_jacobian, solve_kkt, with_derivatives
 from derive.lowering.flat.setup import setup_kernel
-from derive.lowering.functions import FunctionKind, ModelFunction, functions_of
+from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.terms import model_terms
 from derive.mechanics.equations import Equations
 
 Implementation = Callable[[Context, ModelFunction], Kernel]
 
 OF_BODIES: Mapping[FunctionKind, Implementation] = {
-    FunctionKind.MASS: functions.mass,
-    FunctionKind.FORCE: functions.force,
-    FunctionKind.MASS_FORCE: functions.mass_force,
+    FunctionKind.MASS: body_functions.mass,
+    FunctionKind.FORCE: body_functions.force,
+    FunctionKind.MASS_FORCE: body_functions.mass_force,
     FunctionKind.ACCEL: accelerations.accel,
-    FunctionKind.ENERGY: functions.energy,
-    FunctionKind.MOMENTUM: functions.momentum,
-    FunctionKind.RATES: functions.rates,
-    FunctionKind.MARKER: functions.marker,
-    FunctionKind.LOAD: functions.load,
-    FunctionKind.RESIDUAL: functions.residual,
-    FunctionKind.JACOBIAN: functions.jacobian,
+    FunctionKind.ENERGY: body_functions.energy,
+    FunctionKind.MOMENTUM: body_functions.momentum,
+    FunctionKind.RATES: body_functions.rates,
+    FunctionKind.MARKER: body_functions.marker,
+    FunctionKind.LOAD: body_functions.load,
+    FunctionKind.RESIDUAL: body_functions.residual,
+    FunctionKind.JACOBIAN: body_functions.jacobian,
     FunctionKind.PARAMETER_JACOBIAN: parameter_jacobian,
     FunctionKind.SOLVE_KKT: solve_kkt,
 }

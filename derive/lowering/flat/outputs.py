@@ -9,7 +9,7 @@ from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, stores
 from derive.lowering.flat.schedule import Step
-from derive.lowering.functions import ModelFunction, OutputElements
+from derive.lowering.model_functions import ModelFunction, OutputElements
 
 
 def outputs(context: Context, function: ModelFunction) -> Kernel:

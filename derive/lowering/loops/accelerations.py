@@ -9,13 +9,13 @@ from derive.ir.model import Kernel, Section
 from derive.ir.patterns import pattern
 from derive.ir.statements import Require, Requirement, ReturnCode, Store, StoreLocal, StoreStrided, TriangularSolve
 from derive.lowering.elimination_orders import elimination_order
+from derive.lowering.flat.body_functions import VANISHING
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.functions import VANISHING
-from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.ldlt import factorise, solve
 from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar, Target
 from derive.lowering.loops.context import RIGID, SHAPE, LoopContext
 from derive.lowering.loops.program import Program
+from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.sums import ModeSum
 from derive.mechanics.symbols import Family, I, is_indexed, local, quantity
 from derive.mechanics.tables import TableKind

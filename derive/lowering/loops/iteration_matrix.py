@@ -9,9 +9,9 @@ import sympy as sp
 from derive.ir.model import Kernel
 from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import MatrixStore, Store, StoreStrided
-from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar
 from derive.lowering.loops.context import CJ, RIGID, SHAPE, LoopContext
+from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT
 from derive.mechanics.symbols import Symbol
 

@@ -34,7 +34,6 @@ from derive.ir.statements import (
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.schedule import NamedValue, OutputValue, Step, StepItem, schedule
-from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.loops.assignments import (
     NOTHING,
     Assignment,
@@ -47,6 +46,7 @@ from derive.lowering.loops.assignments import (
     pair_expression,
 )
 from derive.lowering.loops.loop_invariants import LoopInvariants, by_vector
+from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.sums import PARITY, ModeSum, TableSum, canonical
 from derive.mechanics.symbols import Symbol, identity, is_indexed
 from derive.mechanics.terms import Intermediate, rotation_symbols

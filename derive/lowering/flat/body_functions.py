@@ -13,8 +13,8 @@ from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, array_input, define, stores
 from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step
-from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.ldlt import Factorisation
+from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.symbols import state_rate
 
 VANISHING = Fraction(1, 2**44)

@@ -13,12 +13,12 @@ from derive.ir.model import Argument, Kernel, Model, Zero
 from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import Store, StoreStrided
 from derive.lowering.attitude import with_attitude_check
-from derive.lowering.functions import FunctionKind, ModelFunction, OutputElements, functions_of
 from derive.lowering.loops import data_layout as store
 from derive.lowering.loops.accelerations import accel
 from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar
 from derive.lowering.loops.context import RIGID, SHAPE, LoopContext, row_labels
 from derive.lowering.loops.iteration_matrix import jacobian
+from derive.lowering.model_functions import FunctionKind, ModelFunction, OutputElements, functions_of
 from derive.mechanics.expansion import TRANSLATIONS
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import Family, I, amplitude, state_rate
