@@ -8,13 +8,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import groupby
 from typing import assert_never
 
-from derive.backends.wrapping import PLUS, BreakableText, join
+from derive.backends.wrapping import BreakableText, join
 from derive.ir.expressions import (
     CONDITIONS,
-    ArrayAccess,
+    Element,
     Expr,
+    LaneSum,
     MatrixEntry,
     Number,
     Operation,
@@ -22,10 +24,18 @@ from derive.ir.expressions import (
     ScalarRef,
     TableValue,
 )
+from derive.ir.indices import LANES, ElementIndex, Of
 
 SIGN = {Operator.ADD: " + ", Operator.SUB: " - ", Operator.MUL: " * ", Operator.DIV: " / "}
 SUM, PRODUCT, ATOM = 1, 2, 3
 """The binding strengths of a text: sums, products with signed numbers, and texts that never need parentheses."""
+QUANTITIES = {
+    Of.VALUE: "{0}",
+    Of.BLOCK: f"{{0}} / {LANES}",
+    Of.LANE: f"{{0}} % {LANES}",
+    Of.PAIRS: "{0} * ({0} - 1) / 2",
+}
+"""The quantities of variables in indices, in C."""
 BINDING = {
     **dict.fromkeys((Operator.ADD, Operator.SUB), SUM),
     **dict.fromkeys((Operator.MUL, Operator.DIV, Operator.NEG), PRODUCT),
@@ -34,7 +44,7 @@ CHOICES = CONDITIONS | {Operator.WHEN, Operator.SIGN}
 """The operators that are written as a choice between two values."""
 
 
-Named = ScalarRef | ArrayAccess | MatrixEntry
+Named = ScalarRef | Element | MatrixEntry
 """A leaf of an expression that code refers to by a name."""
 
 
@@ -90,43 +100,48 @@ class _Text:
 
 
 def text(expr: Expr, dialect: Dialect, name: Callable[[Named], BreakableText] | None = None) -> BreakableText:
-    """The code of an expression; `name` writes names and elements, as `element` does with the index i if not given."""
+    """The code of an expression; `name` writes names and elements, as `element` does if not given."""
     return _text(expr, dialect, name or element).code
 
 
-def element(leaf: Named, index: BreakableText | None = None) -> BreakableText:
-    """A name, or an element of an array in a loop, in C.
-
-    `index` is the text of the loop index, broken between the terms of a sum; by default i.
-    """
+def element(leaf: Named) -> BreakableText:
+    """A name, or an element of an array, in C."""
     match leaf:
         case ScalarRef():
             return BreakableText((leaf.name,))
+        case Element():
+            assert leaf.index
+            return BreakableText((f"{leaf.array}[{index_text(leaf.index)}]",))
         case MatrixEntry():
-            return join(leaf.table, "[", index or "i", "]")
-        case ArrayAccess():
-            return join(leaf.array, "[", strided(leaf.offset, leaf.stride, index), "]")
+            raise AssertionError("entries of matrices are expanded to elements")
         case _:
             assert_never(leaf)
 
 
-def strided(offset: int, stride: int, index: BreakableText | None = None) -> BreakableText:
-    """stride * index + offset."""
-    if stride == 1:
-        product = index or BreakableText(("i",))
-    elif index is None or len(index.pieces) == 1:
-        product = join(f"{stride} * ", index or "i")
-    else:
-        product = join(f"{stride} * (", index, ")")
-    return join(product, PLUS, str(offset)) if offset else product
+def index_text(index: ElementIndex, offset_first: bool = True) -> str:
+    """An index in C; its offset is first unless that is negative."""
+    first = not index.terms or (index.offset > 0 and offset_first)
+    parts = [str(index.offset)] if first else []
+    for stride, group in groupby(index.terms, lambda term: term.stride):
+        quantities = [(term.of, QUANTITIES[term.of].format(term.variable)) for term in group]
+        total = " + ".join(quantity for _, quantity in quantities)
+        single = len(quantities) == 1 and quantities[0][0] is Of.VALUE
+        factor = total if single or abs(stride) == 1 else f"({total})"
+        product = factor if abs(stride) == 1 else f"{abs(stride)} * {factor}"
+        parts.append(f"{'-' if stride < 0 else '+'} {product}" if parts else product)
+    if not first and index.offset:
+        parts.append(f"{'-' if index.offset < 0 else '+'} {abs(index.offset)}")
+    return " ".join(parts)
 
 
 def _text(expr: Expr, dialect: Dialect, name: Callable[[Named], BreakableText]) -> _Text:
     match expr:
         case Number():
             return dialect.number(expr.value)
-        case ScalarRef() | ArrayAccess() | MatrixEntry():
+        case ScalarRef() | Element() | MatrixEntry():
             return _Text(name(expr), ATOM, False)
+        case LaneSum():
+            return _text(expr.expr, dialect, name)
         case TableValue():
             argument = _text(expr.argument, dialect, name).code
             return _Text(join(f"{expr.table}({dialect.lookup}", argument, f", {expr.order})"), ATOM, False)

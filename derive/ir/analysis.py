@@ -2,99 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from fractions import Fraction
-from typing import assert_never
+from collections.abc import Iterable, Iterator, Mapping
 
-from derive.ir.expressions import ArrayAccess, Expr, Number, Operation, ScalarRef, TableValue, walk
-from derive.ir.statements import (
-    Accumulate,
-    Cholesky,
-    Clear,
-    Let,
-    Map,
-    MatrixStore,
-    MatVec,
-    Pack,
-    Require,
-    RequireFinite,
-    Statement,
-    Store,
-    TriangularSolve,
-)
+from derive.ir.expansion import expand
+from derive.ir.expressions import Element, Expr, LaneSum, Operation, ScalarRef, TableValue, walk
+from derive.ir.loop_nests import CHANGES, Alias, Assign, BlockProduct, For, Node, every, expressions_of, inner
+from derive.ir.statements import Statement
 
 
 def expressions(statement: Statement) -> tuple[Expr, ...]:
     """The expressions in a statement."""
-    match statement:
-        case Let() | Store() | Require():
-            return (statement.expr,)
-        case Map():
-            return tuple(item.expr for item in statement.body)
-        case Accumulate():
-            return (*(let.expr for let in statement.lets), *(e for s in statement.sums for e in (s.base, s.term)))
-        case MatrixStore():
-            return (statement.expr,) if statement.diagonal is None else (statement.expr, statement.diagonal)
-        case MatVec() | Pack() | Clear() | RequireFinite() | Cholesky() | TriangularSolve():
-            return ()
-        case _:
-            assert_never(statement)
+    return tuple(expr for node in every(expand(statement)) for expr in expressions_of(node))
 
 
 def reads(statement: Statement) -> Iterator[str]:
-    """The names that a statement reads: scalars and arrays, but not the argument of a `RequireFinite` as a whole."""
-    for part in (part for expr in expressions(statement) for part in walk(expr)):
-        if isinstance(part, ScalarRef):
-            yield part.name
-        elif isinstance(part, ArrayAccess):
-            yield part.array
-    match statement:
-        case MatVec():
-            yield statement.packing.array
-            for term in statement.terms:
-                yield from (product.vector for product in term.sums)
-                yield from (term.base,) if term.base else ()
-        case MatrixStore():
-            yield statement.packing.array
-        case Pack():
-            yield from (source.array for source in statement.sources)
-        case Cholesky():
-            yield statement.source
-        case TriangularSolve():
-            yield statement.factor
-        case Let() | Store() | Require() | Map() | Accumulate() | Clear() | RequireFinite():
-            pass
-        case _:
-            assert_never(statement)
+    """The names that a statement reads: scalars and arrays."""
+    return names_read(expand(statement))
+
+
+def names_read(nodes: Iterable[Node]) -> Iterator[str]:
+    """The names that plain statements read: scalars and arrays."""
+    for node in every(nodes):
+        if isinstance(node, Alias):
+            yield node.array
+        elif isinstance(node, BlockProduct):
+            yield node.matrix
+        for part in (part for expr in expressions_of(node) for part in walk(expr)):
+            if isinstance(part, ScalarRef):
+                yield part.name
+            elif isinstance(part, Element | LaneSum):
+                yield part.array
 
 
 def operations(statement: Statement) -> int:
     """Arithmetic operations of a statement; a sine or a look-up counts as one, padding does not count."""
-    match statement:
-        case Let() | Store() | Require():
-            return _operations_of(statement.expr)
-        case Map():
-            return statement.count * sum(_operations_of(item.expr) for item in statement.body)
-        case Accumulate():
-            once = sum(1 + _operations_of(s.base) for s in statement.sums if s.base != Number(Fraction(0)))
-            term = sum(1 + _operations_of(s.term) for s in statement.sums)
-            term += sum(_operations_of(let.expr) for let in statement.lets)
-            return once + statement.count * term
-        case MatVec():
-            return 2 * statement.packing.count**2 * sum(len(term.sums) for term in statement.terms)
-        case MatrixStore():
-            n = statement.packing.count
-            diagonal = n * (1 + _operations_of(statement.diagonal)) if statement.diagonal else 0
-            return n**2 * _operations_of(statement.expr) + diagonal
-        case Cholesky():
-            return statement.count**3 // 3 + statement.count**2
-        case TriangularSolve():
-            return statement.count**2 * len(statement.arrays)
-        case Pack() | Clear() | RequireFinite():
-            return 0
+    return _operations(expand(statement), {})
+
+
+def _operations(nodes: Iterable[Node], values: Mapping[str, int]) -> int:
+    """Operations where the variables of the loops around have these values."""
+    return sum(_operations_of(node, values) for node in nodes)
+
+
+def _operations_of(node: Node, values: Mapping[str, int]) -> int:
+    match node:
+        case For():
+            steps = range(node.start.at(values), node.stop.at(values), node.step)
+            if any(isinstance(part, For) and _bounds_depend(part, node.variable) for part in every(node.body)):
+                return sum(_operations(node.body, {**values, node.variable: step}) for step in steps)
+            return len(steps) * _operations(node.body, {**values, node.variable: 0})
+        case Assign():
+            target = 1 if node.operator in CHANGES else 0
+            return target + sum(isinstance(part, Operation | TableValue) for part in walk(node.expr))
         case _:
-            assert_never(statement)
+            own = sum(isinstance(p, Operation | TableValue) for e in expressions_of(node) for p in walk(e))
+            return own + _operations(inner(node), values)
 
 
-def _operations_of(expr: Expr) -> int:
-    return sum(isinstance(part, Operation | TableValue) for part in walk(expr))
+def _bounds_depend(loop: For, variable: str) -> bool:
+    return loop.start.has(variable) or loop.stop.has(variable)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
-from typing import Literal
 
-LoopIndex = Literal["i", "j"]
-"""The index of a loop over the modes: i, and j of the outer loop over the columns of a matrix."""
+from derive.ir.indices import LANES, ElementIndex, constant
 
 
 class Operator(Enum):
@@ -86,13 +85,34 @@ class Operation:
 
 
 @dataclass(frozen=True)
-class ArrayAccess:
-    """Element offset + stride * index of an array, where `index` is that of a loop over the modes."""
+class Element:
+    """An element of an array.
+
+    state: the variable of the loop over the states of a batch, if the array has a value for each of them, and "" if
+    not. A scalar with a value for each state has no index.
+    """
 
     array: str
-    index: LoopIndex
-    stride: int = 1
-    offset: int = 0
+    index: ElementIndex | None
+    state: str = ""
+
+
+@dataclass(frozen=True)
+class LaneSum:
+    """The sum of four lanes in an array, (0 + 1) + (2 + 3), from an index on.
+
+    Its additions are counted with those to the lanes.
+    """
+
+    array: str
+    first: int
+
+    @property
+    def expr(self) -> Expr:
+        """The sum as an operation on elements."""
+        first, second, third, fourth = (Element(self.array, constant(self.first + k)) for k in range(LANES))
+        pairs = Operation(Operator.ADD, (first, second)), Operation(Operator.ADD, (third, fourth))
+        return Operation(Operator.ADD, pairs)
 
 
 @dataclass(frozen=True)
@@ -111,9 +131,20 @@ class TableValue:
     argument: Expr
 
 
-Leaf = Number | ScalarRef | ArrayAccess | MatrixEntry | TableValue
+Leaf = Number | ScalarRef | Element | LaneSum | MatrixEntry | TableValue
 """A leaf of an expression graph, which has no operands; the argument of a table is no part of the graph."""
 Expr = Leaf | Operation
+
+
+def mapped(expr: Expr, leaf: Callable[[Leaf], Expr]) -> Expr:
+    """An expression with its leaves replaced; of a table, its argument."""
+    match expr:
+        case Operation():
+            return Operation(expr.kind, tuple(mapped(arg, leaf) for arg in expr.args))
+        case TableValue():
+            return replace(expr, argument=mapped(expr.argument, leaf))
+        case _:
+            return leaf(expr)
 
 
 def walk(expr: Expr) -> list[Expr]:

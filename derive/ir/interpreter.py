@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import Any, assert_never
 
 from derive.errors import TisserandError
+from derive.ir.batches import COUNT, STATE, batch
+from derive.ir.expansion import expand
 from derive.ir.expressions import (
-    ArrayAccess,
+    Element,
     Expr,
+    LaneSum,
     MatrixEntry,
     Number,
     Operation,
@@ -18,29 +21,22 @@ from derive.ir.expressions import (
     ScalarRef,
     TableValue,
 )
+from derive.ir.indices import LANES
+from derive.ir.loop_nests import (
+    Accumulator,
+    Alias,
+    Assign,
+    BlockProduct,
+    For,
+    If,
+    Local,
+    Node,
+    PartOf,
+    Sines,
+)
 from derive.ir.model import Kernel
 from derive.ir.operator_functions import ARITHMETIC, LIBRARY
-from derive.ir.statements import (
-    LANES,
-    Accumulate,
-    Cholesky,
-    Clear,
-    Let,
-    Map,
-    MatrixStore,
-    MatVec,
-    Pack,
-    Packing,
-    Require,
-    RequireFinite,
-    Requirement,
-    ReturnCode,
-    Statement,
-    Store,
-    StoreLocal,
-    StoreStrided,
-    TriangularSolve,
-)
+from derive.ir.statements import Let, Require, Requirement, ReturnCode
 
 
 class RequirementError(TisserandError, ArithmeticError):
@@ -59,25 +55,25 @@ def interpret(
     functions: Mapping[str, Callable[..., Any]] | None = None,
     check: bool = True,
     tables: Mapping[str, Callable[[Any, int], Any]] | None = None,
+    nodes: Iterable[Node] | None = None,
 ) -> dict[str, list[Any]]:
     """The outputs of a kernel: by their names, lists of the sizes of `kernel.outputs`.
 
     arguments: by their names, sequences of the sizes of the arguments, or numbers for scalars; number: converts exact
     constants into the type of number; functions: `sin`, `cos`, `sqrt` and the others of `LIBRARY` of that type; check:
     whether requirements are checked; tables: functions of an argument and the order of the derivative, by the names of
-    the tables of the model, such as its splines. Raises RequirementError if a requirement does not hold, ValueError for
-    a wrong length.
+    the tables of the model, such as its splines; nodes: plain statements to run in place of the statements of the
+    kernel. Raises RequirementError if a requirement does not hold, ValueError for a wrong length.
     """
     call = {**ARITHMETIC, **LIBRARY}
     call |= {Operator(name): function for name, function in (functions or {}).items()}
     run = _Run(kernel, arguments, number, call, check, tables or {})
-    for statement in kernel.statements:
-        run.step(statement)
+    run.all(nodes if nodes is not None else (node for statement in kernel.statements for node in expand(statement)))
     return run.outputs
 
 
 class _Run:
-    """Values and arrays by name while a kernel runs."""
+    """Values and arrays by name while a kernel runs; a part of an array is known by the array and its first element."""
 
     def __init__(
         self,
@@ -91,7 +87,8 @@ class _Run:
         self.number, self.call, self.check, self.tables = number, call, check, tables
         self.zero = number(Fraction(0))
         self.values: dict[str, Any] = {}
-        self.arrays: dict[str, list[Any]] = {}
+        self.variables: dict[str, int] = {}
+        self.arrays: dict[str, tuple[list[Any], int]] = {}
         for a in kernel.arguments:
             values: Any = arguments[a.name]
             if a.scalar:
@@ -99,160 +96,146 @@ class _Run:
                 continue
             if len(values) != a.size:
                 raise ValueError(f"{a.name} needs {a.size} elements, not {len(values)}")
-            self.arrays[a.name] = list(values)
+            array = list(values)
+            self.arrays[a.name] = array, 0
             self.values |= {name: values[index] for index, name in a.named_elements}
-            self.arrays |= {v.name: list(values[v.offset : v.offset + v.size]) for v in a.arrays}
+            self.arrays |= {v.name: (array, v.offset) for v in a.arrays}
         self.outputs: dict[str, list[Any]] = {o.name: [None] * o.size for o in kernel.outputs}
+        self.arrays |= {name: (values, 0) for name, values in self.outputs.items()}
 
-    def value(self, expr: Expr, i: int = 0, j: int = 0, packing: Packing | None = None) -> Any:
-        """An expression, in a loop at i (and j)."""
+    def value(self, expr: Expr) -> Any:
+        """The value of an expression."""
         match expr:
             case Number():
                 return self.number(expr.value)
             case ScalarRef():
                 return self.values[expr.name]
-            case ArrayAccess():
-                return self.arrays[expr.array][expr.offset + expr.stride * (i if expr.index == "i" else j)]
-            case MatrixEntry():
-                assert packing is not None
-                return self.arrays[packing.array][packing.position(expr.table, i, j)]
+            case Element():
+                array, position = self.place(expr)
+                return array[position]
+            case LaneSum():
+                return self.value(expr.expr)
             case Operation():
-                return self.call[expr.kind](*(self.value(arg, i, j, packing) for arg in expr.args))
+                return self.call[expr.kind](*(self.value(arg) for arg in expr.args))
             case TableValue():
-                return self.tables[expr.table](self.value(expr.argument, i, j, packing), expr.order)
+                return self.tables[expr.table](self.value(expr.argument), expr.order)
+            case MatrixEntry():
+                raise AssertionError("entries of matrices are expanded to elements")
             case _:
                 assert_never(expr)
 
-    def step(self, statement: Statement) -> None:
-        """Run one statement."""
-        match statement:
-            case Let():
-                self.values[statement.name] = self.value(statement.expr)
-            case Store():
-                self.outputs[statement.output][statement.index] = self.value(statement.expr)
+    def place(self, element: Element) -> tuple[list[Any], int]:
+        """The list that holds an element, and its index there."""
+        if element.state:
+            return self._row(element), self.variables[element.state]
+        array, first = self.arrays[element.array]
+        assert element.index
+        return array, first + element.index.at(self.variables)
+
+    def _row(self, element: Element) -> list[Any]:
+        """The values of all states of an element or of a scalar."""
+        array, first = self.arrays[element.array]
+        return array[first + element.index.at(self.variables)] if element.index else array
+
+    def all(self, nodes: Iterable[Node]) -> None:
+        """Run plain statements."""
+        for node in nodes:
+            self.step(node)
+
+    def step(self, node: Node) -> None:
+        """Run one of them."""
+        match node:
+            case Let() | Accumulator():
+                self.values[node.name] = self.value(node.expr)
+            case Assign():
+                self._assign(node)
             case Require():
-                self._require(statement)
-            case Map():
-                self._map(statement)
-            case Accumulate():
-                self._accumulate(statement)
-            case MatVec():
-                self._matvec(statement)
-            case MatrixStore():
-                self._matrix_store(statement)
-            case Pack():
-                self._pack(statement)
-            case Clear():
-                self.outputs[statement.output] = [self.zero] * statement.count
-            case RequireFinite():
-                if self.check and not all(map(math.isfinite, self.arrays[statement.argument])):
-                    raise RequirementError(statement.code, statement.text)
-            case Cholesky():
-                self._cholesky(statement)
-            case TriangularSolve():
-                self._triangular_solve(statement)
+                if self.check and not _meets(self.value(node.expr), node.kind):
+                    self.fail(node)
+            case Local():
+                self.arrays[node.array] = self.cleared(node.size), 0
+            case Alias():
+                array, first = self.arrays[node.array]
+                self.arrays[node.name] = array, first + node.index.at(self.variables)
+            case For():
+                for step in range(node.start.at(self.variables), node.stop.at(self.variables), node.step):
+                    self.variables[node.variable] = step
+                    self.all(node.body)
+            case If():
+                self.all(node.then if self.variables[node.variable] < node.bound else node.otherwise)
+            case PartOf():
+                self.all(node.body)
+            case BlockProduct():
+                self._block_product(node)
+            case Sines():
+                angles = self._row(node.angle)
+                for name, operator in ((node.sine, Operator.SIN), (node.cosine, Operator.COS)):
+                    self.arrays[name] = [self.call[operator](angle) for angle in angles], 0
             case _:
-                assert_never(statement)
+                assert_never(node)
 
-    def _require(self, statement: Require) -> None:
-        result = self.value(statement.expr)
-        if self.check and not _meets(result, statement.kind):
-            raise RequirementError(statement.code, statement.text)
+    def fail(self, requirement: Require) -> None:
+        """End, since a requirement does not hold."""
+        raise RequirementError(requirement.code, requirement.text)
 
-    def _map(self, loop: Map) -> None:
-        for item in loop.body:
-            if isinstance(item, StoreLocal):
-                self.arrays[item.array] = [self.zero] * loop.count
-        for i in range(loop.count):
-            for item in loop.body:
-                value = self.value(item.expr, i)
-                match item:
-                    case Let():
-                        self.values[item.name] = value
-                    case StoreLocal():
-                        self.arrays[item.array][i] = value
-                    case StoreStrided():
-                        self.outputs[item.output][item.offset + item.stride * i] = value
-                    case _:
-                        assert_never(item)
+    def cleared(self, size: int) -> list[Any]:
+        """The elements of a new array."""
+        return [self.zero] * size
 
-    def _accumulate(self, loop: Accumulate) -> None:
-        lanes = [[self.zero] * LANES for _ in loop.sums]
-        for i in range(loop.count):
-            for let in loop.lets:
-                self.values[let.name] = self.value(let.expr, i)
-            for lane, total in zip(lanes, loop.sums, strict=True):
-                lane[i % LANES] = lane[i % LANES] + self.value(total.term, i)
-        for (a, b, c, d), total in zip(lanes, loop.sums, strict=True):
-            self.values[total.name] = self.value(total.base) + ((a + b) + (c + d))
+    def _block_product(self, node: BlockProduct) -> None:
+        matrix, first = self.arrays[node.matrix]
+        first += node.first.at(self.variables)
+        (vector, x), (target, y) = self.place(node.vector), self.place(node.target)
+        for state in range(len(target[y])):
+            for r in range(y, y + LANES):
+                for c in range(LANES):
+                    entry = node.sign * matrix[first + r - y + node.stride * c]
+                    target[r][state] = target[r][state] + entry * vector[x + c][state]
 
-    def _matvec(self, loop: MatVec) -> None:
-        packing = loop.packing
-        tables, n = self.arrays[packing.array], packing.count
-        for term in loop.terms:
-            y = list(self.arrays[term.base][:n]) if term.base else [self.zero] * n
-            for product in term.sums:
-                x = self.arrays[product.vector]
-                for i in range(n):
-                    for j in range(n):
-                        part = tables[packing.position(product.table, i, j)] * x[j]
-                        y[i] = y[i] + part if product.sign > 0 else y[i] - part
-            self.arrays[term.name] = y
+    def _assign(self, node: Assign) -> None:
+        value = self.value(node.expr)
+        if node.operator is Operator.NEG:
+            value = self.call[Operator.NEG](value)
+        elif node.operator is not None:
+            value = self.call[node.operator](self.value(node.target), value)
+        if isinstance(node.target, ScalarRef):
+            self.values[node.target.name] = value
+        else:
+            array, position = self.place(node.target)
+            array[position] = value
 
-    def _matrix_store(self, loop: MatrixStore) -> None:
-        for j in range(loop.packing.count):
-            for i in range(loop.packing.count):
-                value = self.value(loop.expr, i, j, loop.packing)
-                if i == j and loop.diagonal is not None:
-                    value = value + self.value(loop.diagonal, i, j, loop.packing)
-                self.outputs[loop.output][loop.offset + loop.stride * j + i] = value
 
-    def _pack(self, loop: Pack) -> None:
-        n = loop.packing.count
-        for source in loop.sources:
-            for i in range(n):
-                for j in range(n):
-                    index = triangle(n, min(i, j), max(i, j), source.parity)
-                    value = self.zero
-                    if index is not None:
-                        value = self.arrays[source.array][index * source.components + source.component]
-                        value = -value if i > j and source.parity < 0 else value
-                    self.outputs[loop.output][loop.packing.position(source.table, i, j)] = value
+class _BatchRun(_Run):
+    """A run of many states, in which each element of an array is a list of values; `codes` are those of the states."""
 
-    def _cholesky(self, s: Cholesky) -> None:
-        n, source = s.count, self.arrays[s.source]
-        low = [[self.zero] * n for _ in range(n)]
-        for i in range(n):
-            for j in range(i + 1):
-                index = triangle(n, j, i, 1)
-                assert index is not None
-                low[i][j] = source[index]
-        for j in range(n):
-            for i in range(j, n):
-                for m in range(j):
-                    low[i][j] = low[i][j] - low[i][m] * low[j][m]
-            if self.check and not low[j][j] > 0:
-                raise RequirementError(s.code, s.text)
-            inverse = self.number(Fraction(1)) / self.call[Operator.SQRT](low[j][j])
-            for i in range(j + 1, n):
-                low[i][j] = low[i][j] * inverse
-            low[j][j] = inverse
-        for j in range(n):
-            for i in range(n):
-                self.outputs[s.output][s.offset + j * n + i] = low[i][j]
+    def __init__(self, kernel: Kernel, arguments: Mapping[str, Any], scalars: Iterable[str], states: int) -> None:
+        super().__init__(kernel, arguments, float, {**ARITHMETIC, **LIBRARY}, True, {})
+        self.codes, self.variables[COUNT] = [0] * states, states
+        self.outputs |= {o.name: [[self.zero] * states for _ in range(o.size)] for o in kernel.outputs}
+        self.arrays |= {name: (values, 0) for name, values in self.outputs.items()}
+        self.arrays |= {name: ([self.zero] * states, 0) for name in scalars}
 
-    def _triangular_solve(self, s: TriangularSolve) -> None:
-        n, low = s.count, self.arrays[s.factor]
-        for name in s.arrays:
-            y = self.arrays[name]
-            for j in reversed(range(n)) if s.transposed else range(n):
-                if s.transposed:
-                    for i in range(j + 1, n):
-                        y[j] = y[j] - low[j * n + i] * y[i]
-                y[j] = y[j] * low[j * n + j]
-                if not s.transposed:
-                    for i in range(j + 1, n):
-                        y[i] = y[i] - low[j * n + i] * y[j]
+    def fail(self, requirement: Require) -> None:
+        """Give the state the code of the first requirement that does not hold."""
+        state = self.variables[STATE]
+        self.codes[state] = self.codes[state] or requirement.code
+
+    def cleared(self, size: int) -> list[Any]:
+        """The elements of a new array."""
+        return [[self.zero] * self.variables[COUNT] for _ in range(size)]
+
+
+def interpret_batch(
+    kernel: Kernel, arguments: Mapping[str, Any], states: int
+) -> tuple[dict[str, list[list[float]]], list[int]]:
+    """The outputs of a kernel for many states, as lists of elements with a value for each state; and their codes.
+
+    arguments: as those of `interpret`, but q, v and others that have states with a list of values in each element.
+    """
+    many = batch(kernel)
+    run = _BatchRun(kernel, arguments, many.scalars, states)
+    run.all(many.nodes)
+    return run.outputs, run.codes
 
 
 def _meets(value: Any, requirement: Requirement) -> bool:
@@ -263,10 +246,3 @@ def _meets(value: Any, requirement: Requirement) -> bool:
             return math.isfinite(value)
         case _:
             assert_never(requirement)
-
-
-def triangle(n: int, i: int, j: int, parity: int) -> int | None:
-    """The index of the pair i <= j in the upper triangle by rows; an odd matrix (parity -1) has no diagonal."""
-    if parity > 0:
-        return i * n - i * (i - 1) // 2 + j - i
-    return None if i == j else i * (n - 1) - i * (i - 1) // 2 + j - i - 1

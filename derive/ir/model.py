@@ -69,6 +69,11 @@ class Argument:
         return tuple(zip(self.positions or range(len(self.elements)), self.elements, strict=True))
 
     @property
+    def names(self) -> frozenset[str]:
+        """The names of elements and of parts."""
+        return frozenset({*self.elements, *(view.name for view in self.arrays)})
+
+    @property
     def size(self) -> int:
         """The number of elements of the array; 0 for a scalar."""
         return len(self.elements) + sum(view.size for view in self.arrays)

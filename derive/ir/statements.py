@@ -11,9 +11,7 @@ from enum import Enum, IntEnum
 from typing import assert_never
 
 from derive.ir.expressions import Expr
-
-LANES = 4
-"""Lanes of a sum and columns of a panel: what vector units take at once, so that no compiler need reorder a sum."""
+from derive.ir.indices import LANES, ElementIndex, IndexTerm, Of, padded
 
 
 class ReturnCode(IntEnum):
@@ -173,14 +171,21 @@ class Packing:
         """The distance of the blocks of rows of a matrix."""
         return self.stride(table) * self.padded
 
-    def position(self, table: str, i: int, j: int) -> int:
+    def entry(self, table: str, i: str = "i", j: str = "j") -> ElementIndex:
         """The index of entry (i, j) of a matrix in the array."""
-        return self.first(table) + i // LANES * self.block(table) + self.stride(table) * j + i % LANES
+        return ElementIndex(self.first(table), (*self.column(table, i, j).terms, IndexTerm(1, i, Of.LANE)))
 
+    def before(self, table: str, i: str = "i") -> ElementIndex:
+        """The index of the first element of the block of row i of a matrix."""
+        return ElementIndex(self.first(table), (IndexTerm(self.block(table), i, Of.BLOCK),))
 
-def padded(count: int) -> int:
-    """The next multiple of four."""
-    return -(-count // LANES) * LANES
+    def column(self, table: str, i: str = "i", j: str = "j") -> ElementIndex:
+        """The index of the first of the four entries of column j in that block."""
+        return ElementIndex(self.first(table), (*self.before(table, i).terms, IndexTerm(self.stride(table), j)))
+
+    def in_block(self, table: str, i: str = "i", j: str = "j") -> ElementIndex:
+        """The index of entry (i, j) of a matrix, counted from the first element of the block."""
+        return ElementIndex(0, (IndexTerm(self.stride(table), j), IndexTerm(1, i, Of.LANE)))
 
 
 @dataclass(frozen=True)

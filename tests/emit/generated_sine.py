@@ -9,7 +9,6 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from derive.backends.c.batch_loops import STATES_MACRO
 from derive.rendering import render
 from derive.runtime.compiler import FLAGS, compile_shared
 
@@ -39,7 +38,7 @@ void blocks(int n, const double *x, double *s, double *c)
 def library(flags: tuple[str, ...] = FLAGS) -> ctypes.CDLL:
     with TemporaryDirectory() as folder:
         source = Path(folder) / "sine.c"
-        source.write_text(FUNCTIONS % (STATES_MACRO, render("c/sine.c.jinja", {})))
+        source.write_text(FUNCTIONS % (render("c/states.c.jinja", {}), render("c/sine.c.jinja", {})))
         return ctypes.CDLL(str(compile_shared([source], Path(folder) / "sine.so", flags)))
 
 

@@ -237,7 +237,7 @@ def test_columns_of_the_attitude_share_their_factors(frame: str) -> None:
 @pytest.mark.parametrize("n", [1, 4, 5, 9])
 def test_packing_puts_each_entry_in_a_place_of_its_own(n: int) -> None:
     packing = Packing("tables", n, (("a", "b"), ("c",)))
-    places = {packing.position(t, i, j) for t in packing.tables for i in range(n) for j in range(n)}
+    places = {packing.entry(t).at({"i": i, "j": j}) for t in packing.tables for i in range(n) for j in range(n)}
     assert len(places) == 3 * n * n and max(places) < packing.size
 
 
@@ -250,7 +250,7 @@ def test_tables_of_a_function_are_read_once_and_in_order() -> None:
         tables = [table for table in packing.tables if table in read]
         assert tuple(tables) == sum(packing.groups[:groups], ())
         cells = ((i, j, t) for group in packing.groups[:groups] for i in (0, 4) for j in range(8) for t in group)
-        assert [packing.position(t, i, j) for i, j, t in cells] == list(range(0, len(tables) * 64, 4))
+        assert [packing.entry(t).at({"i": i, "j": j}) for i, j, t in cells] == list(range(0, len(tables) * 64, 4))
 
 
 def test_translations_without_force_and_coupling_are_no_part_of_the_system() -> None:

@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from derive.backends.c.batch_block import SHARED, StateBlock, declarations
-from derive.backends.c.batch_loops import Lines, rows_helper
+from derive.backends.c.batch_block import Lines, StateBlock
+from derive.backends.c.nests import declarations
 from derive.backends.c.signatures import names, parameters, signature
-from derive.ir.model import Argument, Kernel, Model
-from derive.ir.statements import MatVec
+from derive.ir.batches import state_arguments
+from derive.ir.indices import LANES
+from derive.ir.model import Kernel, Model
 from derive.rendering import render
 
 KERNELS = ("mass", "force", "mass_force", "accel", "energy", "momentum", "rates")
@@ -93,14 +94,9 @@ def _is_short(block: StateBlock) -> bool:
     return block.is_straight and len(block.kernel.statements) <= SHORT
 
 
-def _moved(kernel: Kernel) -> list[Argument]:
-    """The arguments that have a value for each state."""
-    return [a for a in kernel.arguments if not a.scalar and a.name not in SHARED]
-
-
 def _copied(kernel: Kernel) -> dict[str, int]:
     """The sizes of the arrays that have a value for each state."""
-    return {a.name: a.size for a in _moved(kernel)} | {o.name: o.size for o in kernel.outputs}
+    return {a.name: a.size for a in state_arguments(kernel)} | {o.name: o.size for o in kernel.outputs}
 
 
 def _copies(kernel: Kernel) -> int:
@@ -180,9 +176,9 @@ def _copying(model: str, kernel: Kernel, count: int) -> Lines:
     passed = ", ".join(copies.get(argument, argument) for argument in names(kernel))
     over_states = f" for (int b = 0; b < {count}; b++)" if count > 1 else ""
     own, among = (f"{count} * e + b", "e * all + b") if count > 1 else ("e", "e * all")
-    lines = declarations("double", [f"{copies[array]}[{count * size}]" for array, size in _copied(kernel).items()])
+    lines = declarations([f"{copies[array]}[{count * size}]" for array, size in _copied(kernel).items()])
     lines += ["    int code;"]
-    for a in _moved(kernel):
+    for a in state_arguments(kernel):
         loops = f"for (int e = 0; e < {a.size}; e++){over_states}"
         lines.append(f"    {loops} {copies[a.name]}[{own}] = {a.name}[{among}];")
     lines.append(f"    code = {name}_batch({count}, {passed});")
@@ -192,24 +188,9 @@ def _copying(model: str, kernel: Kernel, count: int) -> Lines:
     return ["/* States in arrays of their own. */", *head, "{", *lines, "    return code;", "}"]
 
 
-@dataclass(frozen=True)
-class WidthHelpers:
-    """The helpers of blocks of one width: whether arrays are gathered, and products with tables."""
-
-    name: str
-    width: int
-    gathers: bool
-    products: str
-
-
 def batch_helpers(model: Model, blocks: Mapping[str, StateBlock]) -> str:
-    """The static functions that the functions of the batches call."""
-    helpers = []
-    for width in sorted({block.width for block in blocks.values()}):
-        name = f"{model.name}_block{width}"
-        alike = [block for block in blocks.values() if block.width == width]
-        multiplies = any(isinstance(s, MatVec) for block in alike for s in block.kernel.statements)
-        products = "".join(f"{line}\n" for line in rows_helper(name, width)) if multiplies else ""
-        helpers.append(WidthHelpers(name, width, any(block.views for block in alike), products))
+    """The static functions that the functions of the batches call: products with tables for each width, and codes."""
+    widths = sorted({block.width for block in blocks.values() if block.multiplies})
     checked = any(block.checked for block in blocks.values())
-    return render("c/block.c.jinja", {"name": model.name, "blocks": helpers, "checked": checked})
+    values = {"name": model.name, "widths": widths, "checked": checked, "lanes": range(LANES)}
+    return render("c/block.c.jinja", values)

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import accumulate, chain, groupby
-from typing import assert_never
+from itertools import accumulate, groupby
 
 from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers, stack
-from derive.backends.c.batch_loops import STATES_MACRO
-from derive.backends.c.lanes import LANES_MACRO, indented
-from derive.backends.c.loops import CLoops
-from derive.backends.c.matrix_loops import diagonal, stored_in_blocks, stores_in_block
+from derive.backends.c.nests import CNests
 from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
 from derive.backends.c.packed import entries, packed_functions
 from derive.backends.c.signatures import parameters, signature
@@ -27,24 +23,13 @@ from derive.backends.description import (
     pattern_texts,
     section_text,
 )
-from derive.backends.expression_text import C, text
-from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
-from derive.backends.wrapping import comment, join, prefixed, statement
-from derive.ir.analysis import expressions, reads
+from derive.backends.source_map import SourceBuilder, SourceLine, plain
+from derive.backends.wrapping import comment, prefixed
+from derive.ir.analysis import expressions, names_read
 from derive.ir.expressions import Operation, Operator, walk
+from derive.ir.lanes import section_in_lanes
 from derive.ir.model import Kernel, Model, Section, Variable
-from derive.ir.statements import (
-    Accumulate,
-    Let,
-    MatrixStore,
-    MatVec,
-    Require,
-    RequireFinite,
-    Requirement,
-    ScalarStatement,
-    Statement,
-    Store,
-)
+from derive.ir.statements import Require, Statement
 from derive.rendering import render
 from derive.roles import Role
 
@@ -153,10 +138,9 @@ def enumerated(names: Sequence[str]) -> str:
 def _helpers(model: Model) -> str:
     """The macros and static functions that the functions of a model call."""
     every = [s for kernel in model.kernels for s in kernel.statements]
-    lanes = any(isinstance(s, Accumulate | MatVec | MatrixStore) for s in every)
-    lines = [LANES_MACRO] if lanes else []
-    lines += [STATES_MACRO, *([render("c/sine.c.jinja", {})] if any(map(_has_sine, every)) else [])]
-    return "\n".join([*lines, *spline_lines(model)])
+    parts = ["lanes"] if model.lowering == "table" else []
+    parts += ["states", *(["sine"] if any(map(_has_sine, every)) else [])]
+    return "\n".join([*(render(f"c/{part}.c.jinja", {}) for part in parts), *spline_lines(model)])
 
 
 def _function(model: Model, kernel: Kernel) -> list[SourceLine]:
@@ -167,33 +151,23 @@ def _function(model: Model, kernel: Kernel) -> list[SourceLine]:
     """
     named = _arguments(kernel)
     lines = plain(*_signature_of(model, kernel), "{", *named)
-    loops, loads = CLoops(), _element_loads(kernel)
+    nests, loads = CNests({o.name for o in kernel.outputs}), _element_loads(kernel)
     for k, section in enumerate(kernel.sections):
         lines += plain(*([""] if k or named else []), *comment([section_text(section)], "    "))
-        lines += _section(section, k, loops, loads)
+        lines += _section(section, k, nests, loads)
     return [*lines, *plain("    return 0;", "}")]
 
 
-def _section(section: Section, number: int, loops: CLoops, loads: dict[str, str]) -> list[SourceLine]:
+def _section(section: Section, number: int, nests: CNests, loads: dict[str, str]) -> list[SourceLine]:
     """The lines of a section; matrices that are stored block by block are within the products before them.
 
     loads: the lines that load elements; those that the section needs are taken out.
     """
     lines: list[SourceLine] = []
-    blocks = stored_in_blocks(section.body)
-    within = {m for stores in blocks.values() for m in stores}
-    for n, item in enumerate(section.body):
-        needed = chain(reads(item), *(reads(section.body[m]) for m in blocks.get(n, {})))
-        lines += plain(*(loads.pop(name) for name in dict.fromkeys(needed) if name in loads))
-        match item:
-            case Let() | Store() | Require():
-                printed = _statement(item)
-            case MatrixStore() if n in within:
-                printed = indented(diagonal(item))
-            case _:
-                stores = blocks.get(n, {}).items()
-                printed = loops.lines(item, [line.of(number, m) for m, s in stores for line in stores_in_block(s)])
-        lines += [line if line.statement is not None else line.of(number, n) for line in printed]
+    for n, nodes in section_in_lanes(section.body):
+        lines += plain(*(loads.pop(name) for name in dict.fromkeys(names_read(nodes)) if name in loads))
+        printed = nests.lines(nodes)
+        lines += [line.of(number, n if line.statement is None else line.statement) for line in printed]
     return lines
 
 
@@ -218,7 +192,7 @@ def _element_loads(kernel: Kernel) -> dict[str, str]:
 def _arguments(kernel: Kernel) -> list[str]:
     """Name the arrays that are read; mark the arguments that are not."""
     lines = []
-    used = kernel.used | {s.argument for s in kernel.statements if isinstance(s, RequireFinite)}
+    used = kernel.used
     for argument in kernel.arguments:
         read = any(name in used for name in argument.elements)
         arrays = [view for view in argument.arrays if view.name in used]
@@ -229,21 +203,6 @@ def _arguments(kernel: Kernel) -> list[str]:
             lines.append(f"    (void) {argument.name};")
     lines += [f"    (void) {o.name};" for o in kernel.outputs if not o.size]
     return lines
-
-
-def _statement(item: ScalarStatement) -> list[SourceLine]:
-    value = text(item.expr, C)
-    match item:
-        case Let():
-            return defining(statement("    ", f"const double {item.name} = ", value, ";"), item.name)
-        case Store():
-            target = f"{item.output}[{item.index}] = "
-            return storing(statement("    ", target, value, ";"), item.output, item.index)
-        case Require():
-            test = join("!(", value, " > 0.0)") if item.kind is Requirement.POSITIVE else join("!isfinite(", value, ")")
-            return plain(*statement("    ", "if (", test, f") return {item.code}; /* {item.text} */"))
-        case _:
-            assert_never(item)
 
 
 def _first_indices(variables: tuple[Variable, ...]) -> list[tuple[str, int]]:

@@ -2,29 +2,13 @@
 
 from __future__ import annotations
 
-from typing import assert_never
-
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Operation, Operator, walk
+from derive.ir.indices import LANES
+from derive.ir.lanes import section_in_lanes
+from derive.ir.loop_nests import Accumulator, For, Local, every
 from derive.ir.model import Kernel
-from derive.ir.statements import (
-    LANES,
-    Accumulate,
-    Cholesky,
-    Clear,
-    Let,
-    Map,
-    MatrixStore,
-    MatVec,
-    Pack,
-    Require,
-    RequireFinite,
-    Statement,
-    Store,
-    StoreLocal,
-    TriangularSolve,
-    padded,
-)
+from derive.ir.statements import Let, Statement
 
 DOUBLE = 8
 """The size of a double, in bytes."""
@@ -40,42 +24,19 @@ def stack_bytes(kernel: Kernel) -> int:
     """The bytes of stack that the C function of a kernel takes at most; functions of <math.h> come on top.
 
     It is a bound by experience: `tests/emit/test_stack_use.py` compares it with what gcc and clang state for
-    processors with 32 and 64 bits, for all levels of optimisation.
+    processors with 32 and 64 bits, for all levels of optimisation. The arrays of the lanes of sums are the copies of
+    the numbers in which these are computed.
     """
     used = kernel.used
+    nodes = [node for s in kernel.sections for _, part in section_in_lanes(s.body) for node in every(part)]
     read = sum(name in used for argument in kernel.arguments for _, name in argument.named_elements)
-    arrays: dict[str, int] = {}
-    numbers = read + sum(_numbers(statement, arrays) + SINE * _sines(statement) for statement in kernel.statements)
+    arrays = {node.array: node.size for node in nodes if isinstance(node, Local) and not node.totals}
+    sums = {node.name for node in nodes if isinstance(node, Accumulator)}
+    named = sum(isinstance(node, Let | For) for node in nodes)
+    numbers = read + named + LANES * len(sums) + SINE * sum(map(_sines, kernel.statements))
     return DOUBLE * (COPIES * numbers + sum(arrays.values())) + FRAME
 
 
 def _sines(statement: Statement) -> int:
     parts = (part for expr in expressions(statement) for part in walk(expr) if isinstance(part, Operation))
     return sum(part.kind in (Operator.SIN, Operator.COS) for part in parts)
-
-
-def _numbers(statement: Statement, arrays: dict[str, int]) -> int:
-    """The numbers that a statement names; the sizes of its local arrays are added to `arrays`."""
-    match statement:
-        case Let():
-            return 1
-        case Map():
-            for item in statement.body:
-                if isinstance(item, StoreLocal):
-                    arrays[item.array] = padded(statement.count)
-            return sum(isinstance(item, Let) for item in statement.body)
-        case Accumulate():
-            return len(statement.lets) + (1 + LANES) * len(statement.sums)
-        case MatVec():
-            size = statement.packing.padded
-            for term in statement.terms:
-                arrays[term.name] = size
-            return LANES * len(statement.terms)
-        case TriangularSolve():
-            return len(statement.arrays)
-        case MatrixStore() | Pack() | Cholesky():
-            return LANES
-        case Store() | Require() | Clear() | RequireFinite():
-            return 0
-        case _:
-            assert_never(statement)

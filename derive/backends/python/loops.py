@@ -11,10 +11,10 @@ from typing import assert_never
 from derive.backends.expression_text import PYTHON, Named, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.backends.wrapping import PLUS, WIDTH, BreakableText, join, statement
-from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, ScalarRef, walk
+from derive.ir.expressions import Element, Expr, MatrixEntry, Number, ScalarRef, walk
+from derive.ir.indices import LANES, ElementIndex, variable
 from derive.ir.model import Argument
 from derive.ir.statements import (
-    LANES,
     Accumulate,
     Cholesky,
     Clear,
@@ -92,18 +92,19 @@ class PythonLoops:
                 case ScalarRef():
                     scalar = leaf.name if leaf.name in self.inside else f"_last({leaf.name})"
                     return BreakableText((scalar if depth == 1 or leaf.name in self.inside else f"_last({scalar})",))
-                case ArrayAccess():
-                    return BreakableText((self._array(leaf, count, depth),))
+                case Element():
+                    assert leaf.index
+                    return BreakableText((self._array(leaf.array, leaf.index, count, depth),))
                 case _:
                     assert_never(leaf)
 
         return text(expr, PYTHON, name)
 
-    def _array(self, access: ArrayAccess, count: int, depth: int = 1) -> str:
-        if access.stride > 1:
-            return f"{access.array}[..., {access.offset}::{access.stride}]"
-        known = self.lengths.get(access.array, count)
-        cut = access.array if known == count else f"{access.array}[..., :{count}]"
+    def _array(self, array: str, index: ElementIndex, count: int, depth: int = 1) -> str:
+        if index.stride("i") > 1:
+            return f"{array}[..., {index.offset}::{index.stride('i')}]"
+        known = self.lengths.get(array, count)
+        cut = array if known == count else f"{array}[..., :{count}]"
         return cut if depth == 1 else f"{cut}[..., None, :]"
 
     def _map_item(self, item: MapItem, count: int) -> Lines:
@@ -137,7 +138,7 @@ class PythonLoops:
         n = packing.count
         lines: Lines = []
         for term in loop.terms:
-            parts = [self._array(ArrayAccess(term.base, "i"), n)] if term.base else []
+            parts = [self._array(term.base, variable("i"), n)] if term.base else []
             for p in term.sums:
                 matrix = f"_table(xp, {packing.array}, {_places(packing, p.table)}, {n})"
                 parts.append(f"{'-' if p.sign < 0 else ''}_product(xp, {p.vector}, {matrix})")

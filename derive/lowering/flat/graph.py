@@ -13,8 +13,9 @@ import sympy as sp
 
 from derive.errors import TisserandError
 from derive.ir.expressions import (
-    ArrayAccess,
+    Element,
     Expr,
+    LaneSum,
     Leaf,
     MatrixEntry,
     Number,
@@ -129,7 +130,7 @@ class Graph:
             case ScalarRef(name):
                 known = self.constants
                 return known is not None and (name in known.coefficients or name in known.hoisted.values())
-            case ArrayAccess() | MatrixEntry() | TableValue():
+            case Element() | LaneSum() | MatrixEntry() | TableValue():
                 return False
         return all(self._constant[a] for a in node.args)
 

@@ -7,7 +7,8 @@ from fractions import Fraction
 
 import sympy as sp
 
-from derive.ir.expressions import ArrayAccess, Expr, Leaf, MatrixEntry, Number, ScalarRef
+from derive.ir.expressions import Element, Expr, Leaf, MatrixEntry, Number, ScalarRef
+from derive.ir.indices import variable
 from derive.ir.statements import Let, Require, Statement, Store, StoreLocal, StoreStrided
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph
@@ -66,8 +67,8 @@ def free_symbols(exprs: Iterable[sp.Expr]) -> set[sp.Symbol]:
     return {s for e in exprs for s in sp.sympify(e).free_symbols}
 
 
-def _element(symbol: sp.Symbol) -> ArrayAccess:
-    return ArrayAccess(identity(symbol).array, "i")
+def _element(symbol: sp.Symbol) -> Element:
+    return Element(identity(symbol).array, variable("i"))
 
 
 def _pair_leaf(symbol: sp.Symbol) -> Leaf:

@@ -13,7 +13,8 @@ from fractions import Fraction
 import numpy as np
 import sympy as sp
 
-from derive.ir.expressions import ArrayAccess, Expr, Number, ScalarRef
+from derive.ir.expressions import Element, Expr, Number, ScalarRef
+from derive.ir.indices import padded, variable
 from derive.ir.model import Argument, Kernel, Model, Output, Section, Variable, View, Zero
 from derive.ir.statements import (
     Cholesky,
@@ -29,7 +30,6 @@ from derive.ir.statements import (
     Statement,
     Store,
     StoreStrided,
-    padded,
 )
 from derive.lowering.terms import model_terms
 from derive.mechanics.indexed_equations import IndexedEquations
@@ -158,7 +158,7 @@ def _offsets(eq: IndexedEquations, kept: list[CoefficientTable]) -> list[tuple[C
 
 def copied(output: str, offset: int, source: str, count: int) -> Section:
     """A section that copies an array to an output."""
-    loop = Map(count, (StoreStrided(output, offset, 1, ArrayAccess(source, "i")),))
+    loop = Map(count, (StoreStrided(output, offset, 1, Element(source, variable("i"))),))
     return Section("c8", Source.APPENDIX, "int rho Phi_i . Phi_j, which does not change", (loop,))
 
 
@@ -181,7 +181,7 @@ def setup(eq: IndexedEquations, layout: DataLayout) -> Kernel:
     body += [Pack(layout.packing, "k", ordered)] if ordered else []
     offsets = {view.name: view.offset for view in k.arrays}
     rows = [
-        StoreStrided("k", offsets[name], 1, ArrayAccess(f"p_{t.name}", "i", len(t.components), c))
+        StoreStrided("k", offsets[name], 1, Element(f"p_{t.name}", variable("i", len(t.components), c)))
         for t, _ in layout.sources
         if t.counted == 1 or t.kind is TableKind.DIAGONAL
         for c, name in enumerate(arrays(t))

@@ -1,0 +1,293 @@
+"""Plain statements as C: declarations, assignments, and loops, some of which run in vectors.
+
+A loop over lanes takes as many at a time as a register of the target has. gcc and clang get vectors explicitly, since
+they do not make any of such loops by themselves at all levels; for other compilers a vector is a number. Lanes do not
+mix, so that the bits are the same in every way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, field, replace
+from itertools import groupby
+from typing import assert_never
+
+from derive.backends.expression_text import C, Named, element, index_text, text
+from derive.backends.source_map import SourceLine, defining, plain, storing
+from derive.backends.wrapping import WIDTH, BreakableText, join, statement
+from derive.ir.batches import STATE
+from derive.ir.expressions import Element, Expr, Operator, ScalarRef, walk
+from derive.ir.indices import ElementIndex, IndexTerm
+from derive.ir.lanes import LANE
+from derive.ir.loop_nests import (
+    Accumulator,
+    Alias,
+    Assign,
+    BlockProduct,
+    For,
+    If,
+    Local,
+    LoopKind,
+    Node,
+    PartOf,
+    Sines,
+)
+from derive.ir.statements import Let, Require, Requirement
+
+Lines = list[SourceLine]
+
+SHORT = 16
+"""Iterations that gcc unrolls completely before it makes vectors."""
+OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "= -"}
+
+
+@dataclass
+class CNests:
+    """The plain statements of one function.
+
+    outputs: the arrays that the function writes; arrays: all arrays that are its parameters, in which a batch has rows
+    of all its states; helpers: the first part of the names of the functions that it calls.
+    """
+
+    outputs: Collection[str] = ()
+    arrays: Collection[str] = ()
+    helpers: str = ""
+    _known: set[str] = field(default_factory=set)
+    """The arrays that are declared."""
+    _lanes: set[str] = field(default_factory=set)
+    """The arrays of the lanes of sums."""
+    _totals: dict[str, str] = field(default_factory=dict)
+    """The arrays and sums that variables are, by the names of the variables."""
+    _checks: bool = False
+    """Whether a loop over states has given them codes."""
+    _vectors: set[str] | None = None
+    """The names that differ from lane to lane, in a loop over lanes."""
+
+    def lines(self, nodes: Iterable[Node]) -> Lines:
+        """The lines of plain statements, as they are written in a function."""
+        lines: Lines = []
+        for declare, group in groupby(nodes, lambda node: isinstance(node, Local)):
+            if declare:
+                lines += self._declared(node for node in group if isinstance(node, Local))
+            else:
+                lines += [line for node in group for line in self._lines(node)]
+        return lines
+
+    def _lines(self, node: Node) -> Lines:
+        match node:
+            case Let():
+                kind = "const tisserand_lanes" if self._is_vector(node.name, node.expr) else "const double"
+                return defining(statement("    ", f"{kind} {node.name} = ", self.text(node.expr), ";"), node.name)
+            case Assign():
+                return self._assign(node)
+            case Require():
+                return plain(*self._require(node))
+            case Local():
+                return self._declared([node])
+            case Alias():
+                kind = "double" if node.array in self.outputs else "const double"
+                return plain(f"    {kind} *{node.name} = {_address(node.array, node.index)};")
+            case Accumulator():
+                return self._variable(node)
+            case For():
+                return self._loop(node)
+            case If():
+                then, otherwise = (_indented(self.lines(body)) for body in (node.then, node.otherwise))
+                head = f"    if ({node.variable} < {node.bound}) {{"
+                return [*plain(head), *then, *plain("    } else {"), *otherwise, *plain("    }")]
+            case PartOf():
+                return [replace(line, statement=node.statement) for line in self.lines(node.body)]
+            case BlockProduct():
+                matrix = f"{_address(node.matrix, node.first)}, {node.stride}, {node.sign}.0"
+                vector, target = (_address(e.array, e.index) for e in (node.vector, node.target))
+                return plain(f"    {self.helpers}_rows(count, {matrix}, {vector}, {target});")
+            case Sines():
+                angle = self._row(node.angle)
+                return plain(f"    tisserand_sines(count, {angle}, {node.sine}, {node.cosine});")
+            case _:
+                assert_never(node)
+
+    def _row(self, element: Element) -> str:
+        """The values of all states of a batch, from the first one on."""
+        if element.array not in self.arrays:
+            return element.array
+        rows = _rows(element.index)
+        return f"{element.array} + {rows}" if rows else element.array
+
+    # ---- expressions ----
+
+    def text(self, expr: Expr) -> BreakableText:
+        """An expression; what differs from lane to lane is a vector."""
+        return text(expr, C, self._leaf)
+
+    def _leaf(self, leaf: Named) -> BreakableText:
+        if not isinstance(leaf, Element):
+            return element(leaf)
+        if leaf.state:
+            return BreakableText((self._of_state(leaf),))
+        if self._vectors is not None and leaf.index and leaf.index.stride(LANE):
+            return BreakableText((f"TISSERAND_LOAD({_address(leaf.array, leaf.index)})",))
+        return element(leaf)
+
+    def _of_state(self, leaf: Element) -> str:
+        if leaf.array in self.arrays:
+            rows = _rows(leaf.index)
+            return f"{leaf.array}[{rows} + {leaf.state}]" if rows else f"{leaf.array}[{leaf.state}]"
+        index = f"[{index_text(leaf.index)}]" if leaf.index else ""
+        return f"{leaf.array}{index}[{leaf.state}]"
+
+    def _differs(self, expr: Expr) -> bool:
+        """Whether the value of an expression differs from lane to lane."""
+        assert self._vectors is not None
+        return any(
+            (isinstance(part, ScalarRef) and part.name in self._vectors)
+            or (isinstance(part, Element) and part.index is not None and part.index.has(LANE))
+            for part in walk(expr)
+        )
+
+    def _is_vector(self, name: str, expr: Expr) -> bool:
+        """Whether a value is a vector; its name is known from then on."""
+        if self._vectors is None or not self._differs(expr):
+            return False
+        self._vectors.add(name)
+        return True
+
+    # ---- declarations and assignments ----
+
+    def _declared(self, nodes: Iterable[Local]) -> Lines:
+        """Local arrays, unless an earlier section has declared them; those of a batch are declared at its beginning."""
+        new = [node for node in nodes if not self.arrays and node.array not in self._known]
+        self._known |= {node.array for node in new}
+        self._lanes |= {node.array for node in new if node.totals}
+        return plain(*declarations(f"{n.array}[{n.size}]{' = {0.0}' if n.cleared else ''}" for n in new))
+
+    def _variable(self, node: Accumulator) -> Lines:
+        assert self._vectors is not None
+        self._vectors.add(node.name)
+        self._totals[node.name] = node.total
+        value = self.text(node.expr) if self._differs(node.expr) else "{0.0}"
+        return plain(f"    tisserand_lanes {node.name} = {value};")
+
+    def _assign(self, node: Assign) -> Lines:
+        target, value = node.target, self.text(node.expr)
+        if isinstance(target, ScalarRef):
+            code = statement("    ", f"{target.name} {OPERATORS[node.operator]} ", value, ";")
+            return defining(code, self._totals[target.name])
+        if self._vectors is None or not target.index or not target.index.has(LANE):
+            return self._stored(node, self._plain_assignment(node, value))
+        address, stride = _address(target.array, target.index), target.index.stride(LANE)
+        if not self._differs(node.expr):
+            index = index_text(ElementIndex(target.index.offset, (*target.index.terms, IndexTerm(stride, "m"))))
+            code = statement(
+                "    ", f"for (int m = 0; m < TISSERAND_WIDTH; m++) {target.array}[{index}] = ", value, ";"
+            )
+        elif stride == 1:
+            code = statement("    ", "", join(f"TISSERAND_STORE({address}, ", value, ")"), ";")
+        else:
+            code = statement("    ", "", join(f"TISSERAND_SCATTER({address}, {stride}, ", value, ")"), ";")
+        return self._stored(node, code)
+
+    def _plain_assignment(self, node: Assign, value: BreakableText) -> list[str]:
+        operator = OPERATORS[node.operator]
+        space = "" if node.operator is Operator.NEG else " "
+        return statement("    ", f"{self._leaf(node.target)} {operator}{space}", value, ";")
+
+    def _stored(self, node: Assign, code: list[str]) -> Lines:
+        """The lines of an assignment to an element, with what they store or define."""
+        assert isinstance(node.target, Element)
+        array, index = node.target.array, node.target.index
+        if array in self.outputs and index:
+            return plain(*code) if node.operator else storing(code, array, index.offset, bool(index.terms))
+        complete = isinstance(node.expr, ScalarRef) and node.expr.name in self._totals
+        if complete or array in self._lanes:
+            return plain(*code)
+        return defining(code, array)
+
+    def _require(self, node: Require) -> list[str]:
+        value = self.text(node.expr)
+        holds = join("!(", value, " > 0.0)") if node.kind is Requirement.POSITIVE else join("!isfinite(", value, ")")
+        return statement("    ", "if (", holds, f") return {int(node.code)}; /* {node.text} */")
+
+    def _states(self, node: For) -> Lines:
+        """The body of a loop over states. Both codes are computed before one is chosen, so that no branch is needed.
+
+        The first requirement that fails gives the code, so it comes last; and what failed before keeps its own.
+        """
+        checks = [item for item in node.body if isinstance(item, Require)]
+        lines = self.lines(item for item in node.body if not isinstance(item, Require))
+        if not checks:
+            return lines
+        lines += plain("    double code = 0.0;", *(text for check in reversed(checks) for text in self._checked(check)))
+        lines += plain(f"    codes[b] = {'codes[b] > 0.0 ? codes[b] : ' if self._checks else ''}code;")
+        self._checks = True
+        return lines
+
+    def _checked(self, node: Require) -> list[str]:
+        """The lines that keep the code of a state or choose that of a requirement."""
+        value, end = self.text(node.expr), f" ? code : {int(node.code)}.0; /* {node.text} */"
+        match node.kind:
+            case Requirement.POSITIVE:
+                return statement("    ", "code = ", join(value, " > 0.0"), end)
+            case Requirement.FINITE:  # a difference of what is not finite is a NaN
+                lines = statement("    ", "const double finite = ", value, ";")
+                return [*lines, f"    code = finite - finite == 0.0{end}"]
+            case _:
+                assert_never(node.kind)
+
+    # ---- loops ----
+
+    def _loop(self, node: For) -> Lines:
+        match node.kind:
+            case LoopKind.LANES:
+                self._vectors = set()
+                body = self.lines(node.body)
+                self._vectors = None
+                head = f"for (int l = 0; l < {node.stop.offset}; l += TISSERAND_WIDTH) {{"
+            case LoopKind.STATES:
+                body, head = self._states(node), "TISSERAND_STATES for (int b = 0; b < count; b++) {"
+            case LoopKind.ORDERED | LoopKind.INDEPENDENT:
+                if node.count == 0:
+                    return []
+                body, head = self.lines(node.body), _head(node, short=self._vectors is None)
+            case _:
+                assert_never(node.kind)
+        return [*plain(f"    {head}"), *_indented(body), *plain("    }")]
+
+
+def declarations(arrays: Iterable[str]) -> list[str]:
+    """Declarations of arrays, on as few lines as possible."""
+    lines: list[str] = []
+    for name in arrays:
+        if lines and len(lines[-1]) + len(name) + 3 <= WIDTH:
+            lines[-1] = f"{lines[-1][:-1]}, {name};"
+        else:
+            lines.append(f"    double {name};")
+    return lines
+
+
+def _head(node: For, short: bool) -> str:
+    """The head of a loop; see the macros for the pragma before a short loop."""
+    i, start, stop = node.variable, index_text(node.start, False), index_text(node.stop, False)
+    if node.step < 0:
+        return f"for (int {i} = {start}; {i} >= {index_text(node.stop.plus(1), False)}; {i}--) {{"
+    step = f"{i}++" if node.step == 1 else f"{i} += {node.step}"
+    vectors = any(isinstance(item, For) and item.variable in (LANE, STATE) for item in node.body)
+    pragma = short and not vectors and node.step == 1 and 1 < (node.count or 0) <= SHORT
+    return f"{'TISSERAND_SHORT ' if pragma else ''}for (int {i} = {start}; {i} < {stop}; {step}) {{"
+
+
+def _address(array: str, index: ElementIndex | None) -> str:
+    return f"{array} + {index_text(index)}" if index and (index.offset or index.terms) else array
+
+
+def _rows(index: ElementIndex | None) -> str:
+    """The distance of a row of states from the first one, as the first part of an index; "" if there is none."""
+    assert index is not None
+    if not index.terms and index.offset < 2:
+        return ("", "all")[index.offset]
+    count = index_text(index)
+    return f"({count}) * all" if len(index.terms) + bool(index.offset) > 1 else f"{count} * all"
+
+
+def _indented(lines: Iterable[SourceLine]) -> Lines:
+    return [line.indented() for line in lines]

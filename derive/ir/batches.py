@@ -1,0 +1,323 @@
+"""A kernel for many states at once: the loop over the states is the innermost one, inside each loop over the modes.
+
+Each state has the operations of the kernel in their order, so its bits are equal. Arrays and scalars get a value for
+each state; what all states share stays as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from itertools import groupby
+
+from derive.ir.analysis import names_read
+from derive.ir.expansion import START, ZERO, expand_in_tiles
+from derive.ir.expressions import Element, Expr, LaneSum, Leaf, Operation, Operator, ScalarRef, TableValue, mapped, walk
+from derive.ir.indices import constant, variable
+from derive.ir.loop_nests import (
+    Assign,
+    BlockProduct,
+    For,
+    Local,
+    LoopKind,
+    Node,
+    PartOf,
+    Sines,
+    every,
+    expressions_of,
+    rewritten,
+)
+from derive.ir.model import Argument, Kernel, View
+from derive.ir.statements import Let, Require
+
+SHARED = ("k", "u")
+"""Arguments that all states of a batch share."""
+STATE, COUNT = "b", "count"
+"""The variable of loops over states, and the number of states."""
+
+Line = Let | Assign | Require
+"""A plain statement in straight line."""
+
+
+@dataclass(frozen=True)
+class Batch:
+    """The plain statements of a kernel for many states; `scalars` are those with a value for each state."""
+
+    nodes: tuple[Node, ...]
+    scalars: frozenset[str]
+
+    @property
+    def arrays(self) -> dict[str, int]:
+        """The local arrays with their numbers of elements, each of which has a value for each state."""
+        return {node.array: node.size for node in every(self.nodes) if isinstance(node, Local)}
+
+
+def state_arguments(kernel: Kernel) -> list[Argument]:
+    """The arguments that have a value for each state."""
+    return [a for a in kernel.arguments if not a.scalar and a.name not in SHARED]
+
+
+def state_elements(kernel: Kernel) -> dict[str, Element]:
+    """The named elements of these arguments."""
+    elements = ((name, a.name, index) for a in state_arguments(kernel) for index, name in a.named_elements)
+    return {name: Element(argument, constant(index), STATE) for name, argument, index in elements}
+
+
+def state_views(kernel: Kernel) -> list[tuple[str, View]]:
+    """The parts of these arguments that the kernel reads, with the names of the arguments."""
+    return [(a.name, view) for a in state_arguments(kernel) for view in a.arrays if view.name in kernel.used]
+
+
+def batch(kernel: Kernel) -> Batch:
+    """A kernel for many states."""
+    nodes = [node for argument, view in state_views(kernel) for node in _gathered(argument, view)]
+    nodes += [node for statement in kernel.statements for node in expand_in_tiles(statement)]
+    nodes = _over_states(_initialised(nodes), frozenset(state_elements(kernel)))
+    scalars = _scalars(nodes) - state_elements(kernel).keys()
+    shared = {a.name for a in kernel.arguments if a.name in SHARED}
+    shared |= {view.name for a in kernel.arguments if a.name in SHARED for view in a.arrays}
+    naming = _Naming(state_elements(kernel), scalars, frozenset(shared))
+    return Batch(tuple(map(naming.node, nodes)), frozenset(scalars))
+
+
+def _gathered(argument: str, view: View) -> tuple[Node, ...]:
+    """A local copy of a part of an argument, whose elements are closer together."""
+    copied = Assign(Element(view.name, variable("i")), Element(argument, variable("i", 1, view.offset)))
+    return Local(view.name, view.size), For("i", START, constant(view.size), (copied,))
+
+
+def _initialised(nodes: Iterable[Node]) -> Iterator[Node]:
+    """Loops that clear local arrays where these are declared: the lanes of sums, and the padding of vectors."""
+    nodes = tuple(nodes)
+    vectors = {node.vector.array for node in every(nodes) if isinstance(node, BlockProduct)}
+    for declares, group in groupby(nodes, lambda node: isinstance(node, Local)):
+        if not declares:
+            yield from group
+            continue
+        parts: dict[tuple[int, int], list[str]] = {}
+        for local in group:
+            assert isinstance(local, Local)
+            yield replace(local, cleared=False)
+            if local.cleared or (local.array in vectors and local.count < local.size):
+                parts.setdefault((0 if local.cleared else local.count, local.size), []).append(local.array)
+        for (first, last), arrays in parts.items():
+            zeros = (Assign(Element(array, variable("i")), ZERO) for array in arrays)
+            yield For("i", constant(first), constant(last), tuple(zeros))
+
+
+# ---- loops over the states ----
+
+
+def _over_states(nodes: Iterable[Node], states: frozenset[str]) -> list[Node]:
+    """Plain statements with straight lines in loops over the states, and sines of all states between them."""
+    result: list[Node] = []
+    lines: list[Line] = []
+    runs = 0
+
+    def finish() -> None:
+        nonlocal runs
+        if lines:
+            runs += 1
+            result.extend(_straight_lines(tuple(lines), runs, states))
+            lines.clear()
+
+    for node in nodes:
+        if isinstance(node, Let | Assign | Require):
+            lines.append(node)
+        elif isinstance(node, Local):
+            result.append(node)
+        else:
+            finish()
+            result.append(_inside(node))
+    finish()
+    return result
+
+
+def _inside(node: Node) -> Node:
+    """A loop over the modes with the lines of its body in loops over the states."""
+    if not isinstance(node, For):
+        return node
+    body: list[Node] = []
+    for straight, group in groupby(node.body, lambda item: isinstance(item, Let | Assign | Require)):
+        items = tuple(group)
+        body += [_states(items)] if straight else map(_inside, items)
+    return replace(node, body=tuple(body), kind=LoopKind.ORDERED)
+
+
+def _states(lines: Iterable[Node]) -> For:
+    return For(STATE, START, variable(COUNT), tuple(lines), LoopKind.STATES)
+
+
+def _straight_lines(lines: tuple[Line, ...], number: int, states: frozenset[str]) -> list[Node]:
+    """Straight lines; before them the calls of functions such as sines, with what they need.
+
+    Compilers make no vectors of calls, and none of a loop that has one; sines and cosines have a function of their own
+    for all states of a batch.
+    """
+    named: dict[Expr, str] = {}
+    for line in lines:
+        if isinstance(line, Let) and _is_call(line.expr):
+            named.setdefault(line.expr, line.name)
+        for part in _calls(line):
+            what = part.kind.value if isinstance(part, Operation) else "table"
+            named.setdefault(part, f"{what}_{number}_{len(named)}")
+    if not named:
+        return [_states(lines)]
+    needed = {name for expr, name in named.items() for name in names_read([Let(name, expr)])}
+    before: set[str] = set()
+    for line in reversed(lines):
+        if isinstance(line, Let) and line.name in needed and not _is_call(line.expr):
+            before.add(line.name)
+            needed |= set(names_read([line]))
+    early: dict[str, Let] = {}  # in their order: an angle may itself be made of a sine
+    for line in lines:
+        for part in _calls(line):
+            early.setdefault(named[part], Let(named[part], _with_swapped_arguments(part, named)))
+        if isinstance(line, Let) and line.name in before:
+            early[line.name] = replace(line, expr=_swapped(line.expr, named))
+    rest = tuple(replace(line, expr=_swapped(line.expr, named)) for line in lines)
+    kept = tuple(line for line in rest if not (isinstance(line, Let) and line.expr == ScalarRef(line.name)))
+    return [*_stages(early.values(), number, states), _states(_read(kept, frozenset(before)))]
+
+
+@dataclass
+class _Stage:
+    """Lines before some sines, and the names of sine and cosine by the expression of their angle."""
+
+    lets: list[Let] = field(default_factory=list)
+    calls: dict[Expr, dict[Operator, str]] = field(default_factory=dict)
+
+
+def _stages(early: Iterable[Let], number: int, states: frozenset[str]) -> Iterator[Node]:
+    """The stages of the calls, as few as possible: sines of angles that need no sines come first, all together."""
+    stages = [_Stage()]
+    ready: dict[str, int] = {}
+    for let in early:
+        level = max((ready[name] for name in names_read([let]) if name in ready), default=0)
+        match let.expr:
+            case Operation(Operator.SIN | Operator.COS as kind, (angle,)):
+                stages += [_Stage()] if level + 1 == len(stages) else []
+                stages[level].calls.setdefault(angle, {})[kind] = let.name
+                ready[let.name] = level + 1
+            case _:
+                stages[level].lets.append(let)
+                ready[let.name] = level
+    arrays = states | {*ready}
+    for k, stage in enumerate(stages):
+        yield from _finished(stage, f"{number}_{k}", arrays)
+
+
+def _finished(stage: _Stage, suffix: str, arrays: frozenset[str]) -> Iterator[Node]:
+    """The lines of a stage, in which angles get a name unless they have an array with a value for each state."""
+    lets, sines = list(stage.lets), list[Sines]()
+    for k, (angle, names) in enumerate(stage.calls.items()):
+        if isinstance(angle, ScalarRef) and angle.name in arrays:
+            name = angle.name
+        else:
+            name = f"angle_{suffix}_{k}"
+            lets.append(Let(name, angle))
+        sine = names.get(Operator.SIN, f"sine_{suffix}_{k}")
+        cosine = names.get(Operator.COS, f"cosine_{suffix}_{k}")
+        sines.append(Sines(Element(name, None), sine, cosine))
+    if lets:
+        yield _states(lets)
+    yield from sines
+
+
+def _read(lines: tuple[Line, ...], early: frozenset[str]) -> tuple[Line, ...]:
+    """The lines without early values that only calls of functions needed."""
+    kept: list[Line] = []
+    used: set[str] = set()
+    for line in reversed(lines):
+        if isinstance(line, Let) and line.name in early and line.name not in used:
+            continue
+        used |= set(names_read([line]))
+        kept.insert(0, line)
+    return tuple(kept)
+
+
+def _calls(line: Line) -> Iterator[Operation | TableValue]:
+    parts = (part for expr in expressions_of(line) for part in walk(expr))
+    return (part for part in parts if isinstance(part, Operation | TableValue) and _is_call(part))
+
+
+def _is_call(expr: Expr) -> bool:
+    return isinstance(expr, TableValue) or (isinstance(expr, Operation) and not expr.kind.vectorises)
+
+
+def _swapped(expr: Expr, named: Mapping[Expr, str]) -> Expr:
+    return ScalarRef(named[expr]) if _is_call(expr) else _with_swapped_arguments(expr, named)
+
+
+def _with_swapped_arguments(expr: Expr, named: Mapping[Expr, str]) -> Expr:
+    match expr:
+        case Operation(kind, args):
+            return Operation(kind, tuple(_swapped(arg, named) for arg in args))
+        case TableValue():
+            return replace(expr, argument=_swapped(expr.argument, named))
+        case _:
+            return expr
+
+
+# ---- values for each state ----
+
+
+def _scalars(nodes: Iterable[Node]) -> set[str]:
+    """Scalars that have an array: those computed in one loop over the states and read in another, angles and sines."""
+    written: dict[str, int] = {}
+    scalars: set[str] = set()
+    for number, node in enumerate(every(nodes)):
+        if isinstance(node, Sines):
+            scalars |= {node.angle.array, node.sine, node.cosine}
+        if isinstance(node, For) and node.kind is LoopKind.STATES:
+            own = {line.name for line in node.body if isinstance(line, Let)}
+            for name in names_read(node.body):
+                if name in written and written[name] != number and name not in own:
+                    scalars.add(name)
+            written |= dict.fromkeys(own, number)
+    return scalars
+
+
+@dataclass(frozen=True)
+class _Naming:
+    """Gives what differs from state to state its state.
+
+    elements: the named elements of the states; scalars: those with an array; shared: the arrays that have no states.
+    """
+
+    elements: Mapping[str, Element]
+    scalars: set[str]
+    shared: frozenset[str]
+
+    def node(self, node: Node) -> Node:
+        """A plain statement outside of loops over the states."""
+        match node:
+            case For(kind=LoopKind.STATES):
+                return replace(node, body=(*self._loads(node.body), *map(self._line, node.body)))
+            case For() | PartOf():
+                return replace(node, body=tuple(map(self.node, node.body)))
+            case Sines():
+                return replace(node, angle=self.elements.get(node.angle.array, node.angle))
+            case _:
+                return node
+
+    def _loads(self, body: Iterable[Node]) -> list[Let]:
+        """The named elements that a loop reads."""
+        used = set(names_read(body))
+        return [Let(name, element) for name, element in self.elements.items() if name in used]
+
+    def _line(self, node: Node) -> Node:
+        if isinstance(node, Let) and node.name in self.scalars:
+            return self._line(Assign(Element(node.name, None), node.expr))
+        return rewritten(node, self._leaf)
+
+    def _leaf(self, leaf: Leaf) -> Expr:
+        match leaf:
+            case ScalarRef() if leaf.name in self.scalars:
+                return Element(leaf.name, None, STATE)
+            case Element() if leaf.array not in self.shared:
+                return replace(leaf, state=STATE)
+            case LaneSum():
+                return mapped(leaf.expr, self._leaf)
+            case _:
+                return leaf
