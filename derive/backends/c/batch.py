@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from derive.backends.c.batch_block import Lines, StateBlock
+from derive.backends.c.batch_block import StateBlock
 from derive.backends.c.nests import declarations
 from derive.backends.c.signatures import names, parameters, signature
 from derive.ir.batches import state_arguments
@@ -65,29 +65,35 @@ def stack(block: StateBlock) -> int:
 
 @dataclass(frozen=True)
 class BatchFunction:
-    """A function of a batch as text, with the static functions that it calls."""
+    """The signature of a function of a batch, and its text with that of the static functions that it calls."""
 
-    helpers: str
     signature: str
-    body: str
+    text: str
 
 
 def batch_function(block: StateBlock) -> BatchFunction:
-    """The function for the batches of a kernel, in blocks of states."""
-    model, kernel, name = block.model, block.kernel, _name(block.model, block.kernel)
-    arguments = ["int n", *parameters(kernel)]
-    lines = [*block.text(), ""]
-    counts = [*([_copies(kernel)] if _spacing(block) else []), *([] if _is_short(block) else [1])]
-    for count in counts:
-        lines += [*_copying(model, kernel, count), ""]
-    lines += [*signature(f"TISSERAND_APART int {name}_blocks", arguments), "{", *_blocks(block), "}"]
-    head, body = signature(f"int {name}_batch", arguments), _body(model, kernel, block.checked)
-    return BatchFunction("\n".join(lines), "\n".join(head), "\n".join(body))
-
-
-def _name(model: str, kernel: Kernel) -> str:
-    """The name of the function of single states, with which the names of the other functions begin."""
-    return f"{model}_{kernel.name}"
+    """The function for the batches of a kernel, in blocks of states, with the static functions that it calls."""
+    kernel, short = block.kernel, _is_short(block)
+    counts = [*([_copies(kernel)] if _spacing(block) else []), *([] if short else [1])]
+    values = {
+        "model": block.model,
+        "name": f"{block.model}_{kernel.name}",
+        "parameters": parameters(kernel),
+        "restricted": parameters(kernel, "double *TISSERAND_RESTRICT "),
+        "passed": ", ".join(names(kernel)),
+        "inputs": state_arguments(kernel),
+        "outputs": kernel.outputs,
+        "arrays": [*state_arguments(kernel), *kernel.outputs],
+        "declarations": "\n".join(block.declarations()),
+        "body": "\n".join(block.body()),
+        "checked": block.checked,
+        "copies": [_copying(kernel, count) for count in counts],
+        "spacing": _spacing(block),
+        "known": KNOWN if short else (),
+        "width": block.width,
+    }
+    head = signature(f"int {values['name']}_batch", ["int n", *parameters(kernel)])
+    return BatchFunction("\n".join(head), render("c/batch.c.jinja", values).rstrip())
 
 
 def _is_short(block: StateBlock) -> bool:
@@ -117,75 +123,20 @@ def _spacing(block: StateBlock) -> int:
     return min(fitting, default=0) if block.is_straight and _copies(block.kernel) > 1 else 0
 
 
-def _body(model: str, kernel: Kernel, checked: bool) -> Lines:
-    """The body of the function of a batch, which passes a single state on to the function of single states.
+@dataclass(frozen=True)
+class StateCopies:
+    """Some states in arrays of their own: the declarations of these, and the arguments of a function that uses them."""
 
-    Both have the same layout of arrays for one state.
-    """
-    name, passed = _name(model, kernel), ", ".join(names(kernel))
-    if not checked:
-        return [f"    return n == 1 ? {name}({passed}) : {name}_blocks(n, {passed});"]
-    fill = [f"for (int e = 0; code && e < {o.size}; e++) {o.name}[e] = (double) NAN;" for o in kernel.outputs]
-    single = [
-        "    if (n == 1) {",
-        f"        const int code = {name}({passed});",
-        *fill,
-        "        return code;",
-        "    }",
-    ]
-    return [*single, f"    return {name}_blocks(n, {passed});"]
+    count: int
+    declarations: str
+    passed: str
 
 
-def _blocks(block: StateBlock) -> Lines:
-    kernel = block.kernel
-    name, passed = _name(block.model, kernel), ", ".join(names(kernel))
-    checked, short = block.checked, _is_short(block)
-
-    def states(count: str, stride: str) -> str:
-        return f"{name}_states({count}, {stride}, {passed});"
-
-    def part(head: str, call: str, *then: str) -> Lines:
-        first = [f"const int failed = {call}", "if (code == 0) code = failed;"] if checked else [call]
-        return [f"    {head} {{", *(f"        {line}" for line in (*first, *then)), "    }"]
-
-    def moves(step: int) -> str:
-        return " ".join(f"{array} += {step};" for array in _copied(kernel))
-
-    lines = ["    const ptrdiff_t all = n;", f"    int left = n{', code = 0' if checked else ''};", ""]
-    if short:
-        result = "code" if checked else "0"
-        for count in KNOWN:
-            lines += part(f"if (n == {count})", states(str(count), str(count)), f"return {result};")
-    copies, spacing, width = _copies(kernel), _spacing(block), block.width
-    if spacing:
-        head = f"for (; n % {spacing} == 0 && left > 0; left -= {copies})"
-        lines += part(head, f"{name}_copied{copies}(all, {passed});", moves(copies))
-    lines += part(f"for (; left >= {width}; left -= {width})", states(str(width), "all"), moves(width))
-    if short:
-        lines += part("if (left > 0)", states("left", "all"))
-    else:
-        lines += part("for (; left > 0; left--)", f"{name}_copied1(all, {passed});", moves(1))
-    return [*lines, f"    return {'code' if checked else '0'};"]
-
-
-def _copying(model: str, kernel: Kernel, count: int) -> Lines:
-    """The function that computes `count` states in arrays of their own."""
-    name = _name(model, kernel)
-    head = signature(f"TISSERAND_APART int {name}_copied{count}", ["ptrdiff_t all", *parameters(kernel)])
-    copies = {array: f"{array}_b" for array in _copied(kernel)}
-    passed = ", ".join(copies.get(argument, argument) for argument in names(kernel))
-    over_states = f" for (int b = 0; b < {count}; b++)" if count > 1 else ""
-    own, among = (f"{count} * e + b", "e * all + b") if count > 1 else ("e", "e * all")
-    lines = declarations([f"{copies[array]}[{count * size}]" for array, size in _copied(kernel).items()])
-    lines += ["    int code;"]
-    for a in state_arguments(kernel):
-        loops = f"for (int e = 0; e < {a.size}; e++){over_states}"
-        lines.append(f"    {loops} {copies[a.name]}[{own}] = {a.name}[{among}];")
-    lines.append(f"    code = {name}_batch({count}, {passed});")
-    for o in kernel.outputs:
-        loops = f"for (int e = 0; e < {o.size}; e++){over_states}"
-        lines.append(f"    {loops} {o.name}[{among}] = {copies[o.name]}[{own}];")
-    return ["/* States in arrays of their own. */", *head, "{", *lines, "    return code;", "}"]
+def _copying(kernel: Kernel, count: int) -> StateCopies:
+    sizes = _copied(kernel)
+    lines = declarations(f"{array}_b[{count * size}]" for array, size in sizes.items())
+    passed = ", ".join(f"{name}_b" if name in sizes else name for name in names(kernel))
+    return StateCopies(count, "\n".join(lines), passed)
 
 
 def batch_helpers(model: Model, blocks: Mapping[str, StateBlock]) -> str:

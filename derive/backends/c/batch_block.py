@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from derive.backends.c.nests import CNests, declarations
-from derive.backends.c.signatures import parameters, signature
 from derive.ir.batches import SHARED, batch, state_arguments, state_elements, state_views
 from derive.ir.loop_nests import BlockProduct, For, LoopKind, every
 from derive.ir.model import Kernel
@@ -31,18 +30,15 @@ class StateBlock:
         """The number of values of one state that lie on the stack."""
         return sum(self.batch.arrays.values()) + len(self.batch.scalars) + self.checked
 
-    def text(self) -> Lines:
-        """All lines of the function."""
-        kernel = self.kernel
-        name = f"TISSERAND_INLINE {'int' if self.checked else 'void'} {self.model}_{kernel.name}_states"
-        states = ["int count", "ptrdiff_t all"]
-        head = signature(name, [*states, *parameters(kernel, "double *TISSERAND_RESTRICT ")])
-        outputs = {o.name for o in kernel.outputs}
-        nests = CNests(outputs, outputs | {a.name for a in state_arguments(kernel)}, f"{self.model}_block{self.width}")
-        body = [line.text for line in nests.lines(self.batch.nodes)]
-        return [*head, "{", *self._declarations(), "", *body, *self._failures(), "}"]
+    def body(self) -> Lines:
+        """The statements of the function."""
+        outputs = {o.name for o in self.kernel.outputs}
+        arrays = outputs | {a.name for a in state_arguments(self.kernel)}
+        nests = CNests(outputs, arrays, f"{self.model}_block{self.width}")
+        return [line.text for line in nests.lines(self.batch.nodes)]
 
-    def _declarations(self) -> Lines:
+    def declarations(self) -> Lines:
+        """The lines before the statements, which name what these read and declare their arrays."""
         kernel, used = self.kernel, self.kernel.used
         read = {a.name for a in state_arguments(kernel) if used & {*a.elements}}
         read |= {argument for argument, _ in state_views(kernel)}
@@ -68,20 +64,3 @@ class StateBlock:
         later = any(element.index and element.index.offset for name, element in elements if name in self.kernel.used)
         several = any(o.size > 1 for o in self.kernel.outputs)
         return later or several or self.checked or bool(state_views(self.kernel))
-
-    def _failures(self) -> Lines:
-        """The lines that set the outputs of failed states to NaN and return the code of the first of these states.
-
-        All codes are taken together in a loop of their own: gcc -O3 makes no vectors of a loop with that inside.
-        """
-        if not self.checked:
-            return []
-        nan = f"{self.model}_block_nan"
-        return [
-            "    TISSERAND_STATES for (int b = 0; b < count; b++) {",
-            f"        failures |= {self.model}_block_bits(codes[b]);",
-            "    }",
-            "    if (!failures) return 0;",
-            *(f"    {nan}(count, all, {o.size}, codes, {o.name});" for o in self.kernel.outputs),
-            f"    return {self.model}_block_code(codes);",
-        ]
