@@ -23,8 +23,20 @@ from derive.ir.expressions import (
     ScalarRef,
     mapped,
 )
+from derive.ir.factor_expansion import back_substitution, cholesky, forward_substitution
 from derive.ir.indices import LANES, ElementIndex, IndexTerm, Of, constant, triangle, variable
-from derive.ir.loop_nests import Accumulator, Alias, Assign, BlockProduct, For, Local, LoopKind, Node
+from derive.ir.loop_nests import (
+    START,
+    Accumulator,
+    Alias,
+    Assign,
+    BlockProduct,
+    For,
+    Local,
+    LoopKind,
+    Node,
+    ordered_loop,
+)
 from derive.ir.statements import (
     Accumulate,
     Cholesky,
@@ -48,9 +60,8 @@ from derive.ir.statements import (
     TriangularSolve,
 )
 
-ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
+ZERO = Number(Fraction(0))
 ROW, COLUMN, IN_BLOCK = map(variable, ("i", "j", "r"))
-START = constant(0)
 MAX_SUMS = 12
 """The largest number of sums in one loop: sixteen vector registers have room for these and for their operands."""
 
@@ -73,13 +84,13 @@ def expand(statement: Statement) -> tuple[Node, ...]:
         case Pack():
             return tuple(_packed(statement, parity) for parity in (1, -1) if _sources(statement, parity))
         case Clear():
-            return (_ordered("i", statement.count, [Assign(Element(statement.output, ROW), ZERO)]),)
+            return (ordered_loop("i", statement.count, [Assign(Element(statement.output, ROW), ZERO)]),)
         case RequireFinite(argument, count, code, text):
-            return (_ordered("i", count, [Require(Requirement.FINITE, Element(argument, ROW), code, text)]),)
+            return (ordered_loop("i", count, [Require(Requirement.FINITE, Element(argument, ROW), code, text)]),)
         case Cholesky():
-            return _cholesky(statement)
+            return cholesky(statement)
         case TriangularSolve():
-            return (_back(statement) if statement.transposed else _forward(statement),)
+            return (back_substitution(statement) if statement.transposed else forward_substitution(statement),)
         case _:
             assert_never(statement)
 
@@ -91,10 +102,6 @@ def expand_in_tiles(statement: Statement) -> tuple[Node, ...]:
 
 def _over(index: str, count: int, body: Iterable[Node], padded: bool = False) -> For:
     return For(index, START, constant(count), tuple(body), LoopKind.INDEPENDENT, padded=padded)
-
-
-def _ordered(index: str, stop: int | ElementIndex, body: Iterable[Node], start: ElementIndex = START) -> For:
-    return For(index, start, constant(stop) if isinstance(stop, int) else stop, tuple(body))
 
 
 def _arrays(loop: Map) -> Iterator[Local]:
@@ -186,7 +193,7 @@ def _products(loop: MatVec) -> tuple[Node, ...]:
             together = products[first : first + MAX_SUMS]
             rows = [Accumulator(name, _start(base, ROW)) for name, base, _ in together]
             columns = (_column(row, product, packing) for row, (*_, product) in zip(rows, together, strict=True))
-            body += [*rows, _ordered("j", packing.count, columns)]
+            body += [*rows, ordered_loop("j", packing.count, columns)]
             body += [Assign(Element(row.total, ROW), ScalarRef(row.name)) for row in rows]
     return (*(Local(term.name, packing.count) for term in loop.terms), _over("i", packing.count, body, padded=True))
 
@@ -203,7 +210,7 @@ def _tiles(loop: MatVec) -> tuple[Node, ...]:
     packing = loop.packing
     size = packing.padded
     starts = (Assign(Element(term.name, IN_BLOCK), _start(term.base, IN_BLOCK)) for term in loop.terms)
-    body: list[Node] = [_ordered("r", ROW.plus(LANES), starts, ROW)]
+    body: list[Node] = [ordered_loop("r", ROW.plus(LANES), starts, ROW)]
     for products in _rounds(loop):
         tiles = (_tile(packing, name, product) for name, _, product in products)
         body.append(For("j", START, constant(size), tuple(tiles), step=LANES))
@@ -233,7 +240,7 @@ def _matrix_store(loop: MatrixStore) -> tuple[Node, ...]:
     if loop.diagonal is None:
         return nodes
     diagonal = Element(loop.output, variable("i", loop.stride + 1, loop.offset))
-    return (*nodes, _ordered("i", packing.count, [Assign(diagonal, loop.diagonal, Operator.ADD)]))
+    return (*nodes, ordered_loop("i", packing.count, [Assign(diagonal, loop.diagonal, Operator.ADD)]))
 
 
 def _sources(loop: Pack, parity: int) -> list[PackSource]:
@@ -249,59 +256,4 @@ def _packed(loop: Pack, parity: int) -> For:
         value = Element(source.array, index)
         upper, lower = (Element(loop.output, packing.entry(source.table, *pair)) for pair in (("i", "j"), ("j", "i")))
         body += [Assign(upper, value), Assign(lower, value, None if parity > 0 else Operator.NEG)]
-    return _ordered("i", n, [_ordered("j", n, body, ROW if parity > 0 else ROW.plus(1))])
-
-
-def _square(n: int, row: str, column: str) -> ElementIndex:
-    """The index of an entry of a square matrix of n columns one after the other."""
-    return ElementIndex(0, (IndexTerm(n, column), IndexTerm(1, row)))
-
-
-def _cholesky(s: Cholesky) -> tuple[Node, ...]:
-    """The factorisation, column by column and in place."""
-    n = s.count
-
-    def low(index: ElementIndex) -> Element:
-        return Element("low", index)
-
-    copied = Assign(low(_square(n, "i", "j")), Element(s.source, triangle(n, 1, "j", "i")))
-    product = Operation(Operator.MUL, (low(_square(n, "i", "m")), ScalarRef("above")))
-    minus = Assign(low(_square(n, "i", "j")), product, Operator.SUB)
-    columns: list[Node] = [Let("above", low(_square(n, "j", "m"))), _ordered("i", n, [minus], COLUMN)]
-    pivot = low(variable("j", n + 1))
-    inverse = Operation(Operator.DIV, (ONE, Operation(Operator.SQRT, (pivot,))))
-    scaled = Assign(low(_square(n, "i", "j")), ScalarRef("inverse"), Operator.MUL)
-    body: list[Node] = [
-        _ordered("m", COLUMN, columns),
-        Require(Requirement.POSITIVE, pivot, s.code, s.text),
-        Let("inverse", inverse),
-        _ordered("i", n, [scaled], COLUMN.plus(1)),
-        Assign(pivot, ScalarRef("inverse")),
-    ]
-    source = _ordered("j", n, [_ordered("i", n, [copied], COLUMN)])
-    return (Alias("low", s.output, constant(s.offset)), source, _ordered("j", n, body))
-
-
-def _forward(s: TriangularSolve) -> For:
-    """All arrays in one pass, so that each entry of the factor is read once."""
-    n = s.count
-    pivot, below = Element(s.factor, variable("j", n + 1)), Element(s.factor, _square(n, "i", "j"))
-    fixed = {array: f"y{k}" for k, array in enumerate(s.arrays)}
-    products = {array: Operation(Operator.MUL, (below, ScalarRef(name))) for array, name in fixed.items()}
-    body: list[Node] = [
-        *(Assign(Element(array, COLUMN), pivot, Operator.MUL) for array in s.arrays),
-        *(Let(name, Element(array, COLUMN)) for array, name in fixed.items()),
-        _ordered("i", n, (Assign(Element(a, ROW), p, Operator.SUB) for a, p in products.items()), COLUMN.plus(1)),
-    ]
-    return _ordered("j", n, body)
-
-
-def _back(s: TriangularSolve) -> For:
-    n = s.count
-    pivot, below = Element(s.factor, variable("j", n + 1)), Element(s.factor, _square(n, "i", "j"))
-    products = {array: Operation(Operator.MUL, (below, Element(array, ROW))) for array in s.arrays}
-    body: list[Node] = [
-        _ordered("i", n, (Assign(Element(a, COLUMN), p, Operator.SUB) for a, p in products.items()), COLUMN.plus(1)),
-        *(Assign(Element(array, COLUMN), pivot, Operator.MUL) for array in s.arrays),
-    ]
-    return For("j", constant(n - 1), constant(-1), tuple(body), step=-1)
+    return ordered_loop("i", n, [ordered_loop("j", n, body, ROW if parity > 0 else ROW.plus(1))])

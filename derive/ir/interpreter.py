@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any, assert_never
 
 from derive.errors import TisserandError
-from derive.ir.batches import COUNT, STATE, batch
+from derive.ir.batches import batch
 from derive.ir.expansion import expand
 from derive.ir.expressions import (
     Element,
@@ -22,6 +22,7 @@ from derive.ir.expressions import (
     TableValue,
 )
 from derive.ir.indices import LANES
+from derive.ir.library_calls import COUNT, STATE
 from derive.ir.loop_nests import (
     Accumulator,
     Alias,

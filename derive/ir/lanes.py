@@ -11,10 +11,11 @@ from dataclasses import replace
 from itertools import pairwise
 
 from derive.ir.analysis import names_read
-from derive.ir.expansion import MAX_SUMS, START, ZERO, expand
+from derive.ir.expansion import MAX_SUMS, ZERO, expand
 from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef, TableValue, walk
 from derive.ir.indices import LANES, constant, padded
 from derive.ir.loop_nests import (
+    START,
     Accumulator,
     Alias,
     Assign,

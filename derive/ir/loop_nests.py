@@ -13,7 +13,7 @@ from enum import Enum
 from typing import assert_never
 
 from derive.ir.expressions import Element, Expr, Leaf, Operator, ScalarRef, mapped
-from derive.ir.indices import ElementIndex, padded
+from derive.ir.indices import ElementIndex, constant, padded
 from derive.ir.statements import Let, Require
 
 
@@ -104,6 +104,14 @@ class For:
         if self.start.terms or self.stop.terms:
             return None
         return len(range(self.start.offset, self.stop.offset, self.step))
+
+
+START = constant(0)
+
+
+def ordered_loop(index: str, stop: int | ElementIndex, body: Iterable[Node], start: ElementIndex = START) -> For:
+    """A loop over an index, in order."""
+    return For(index, start, constant(stop) if isinstance(stop, int) else stop, tuple(body))
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Statements of a Kernel: scalar statements in straight line, and statements that run over the modes of a body.
 
-A loop states what it computes; how a language writes it is up to its backend. The set of statements is closed:
-`Statement` is their union, and whatever distinguishes statements ends in `assert_never`.
+A loop states what it computes; `expansion.py` says with which operations in which order, in plain statements. The set
+of statements is closed: `Statement` is their union, and whatever distinguishes statements ends in `assert_never`.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class Require:
 
 
 ScalarStatement = Let | Store | Require
-"""A statement in straight line; also the part of a loop over the states of a batch."""
+"""A statement in straight line."""
 
 
 # Statements that run over the modes

@@ -15,10 +15,10 @@ from typing import assert_never
 from derive.backends.expression_text import C, Named, element, index_text, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.backends.wrapping import WIDTH, BreakableText, join, statement
-from derive.ir.batches import STATE
 from derive.ir.expressions import Element, Expr, Operator, ScalarRef, walk
 from derive.ir.indices import ElementIndex, IndexTerm
 from derive.ir.lanes import LANE
+from derive.ir.library_calls import STATE
 from derive.ir.loop_nests import (
     Accumulator,
     Alias,
