@@ -29,7 +29,7 @@ from derive.ir.loop_nests import (
     expressions_of,
     reindexed,
 )
-from derive.ir.statements import Let, MatrixStore, MatVec, Packing, Statement
+from derive.ir.statements import Let, Statement
 
 ARITHMETIC = frozenset({Operator.ADD, Operator.SUB, Operator.MUL, Operator.DIV, Operator.NEG})
 """The operators that vectors have."""
@@ -40,21 +40,25 @@ LANE = "l"
 def section_in_lanes(body: Sequence[Statement]) -> Iterator[tuple[int, tuple[Node, ...]]]:
     """The statements of a section as plain statements with loops in lanes, by the number of the statement.
 
-    Matrices that are stored directly behind products with the same packed matrices are stored within these, block by
-    block, since a block stays in the nearest memory.
+    Matrices that are stored directly behind products with matrices of the same array are stored within these, block by
+    block, since a block stays in the nearest memory. Of the products they read the same row only.
     """
-    nodes = [in_lanes(expand(statement)) for statement in body]
-    packing: Packing | None = None
-    products = 0
-    for n, statement in enumerate(body):
-        match statement:
-            case MatVec():
-                packing, products = statement.packing, n
-            case MatrixStore() if statement.packing == packing:
-                nodes[products], nodes[n] = _fused(nodes[products], n, nodes[n])
-            case _:
-                packing = None
+    plain = [expand(statement) for statement in body]
+    nodes = list(map(in_lanes, plain))
+    products: int | None = None
+    for n, loops in enumerate(plain):
+        if any(isinstance(node, For) and node.padded for node in loops):
+            products = n
+        elif products is not None and _matrices(loops) and _matrices(loops) == _matrices(plain[products]):
+            nodes[products], nodes[n] = _fused(nodes[products], n, nodes[n])
+        else:
+            products = None
     return enumerate(nodes)
+
+
+def _matrices(nodes: Iterable[Node]) -> set[str]:
+    """The arrays in which the matrices lie that plain statements read."""
+    return {node.array for node in every(nodes) if isinstance(node, Alias)}
 
 
 def in_lanes(nodes: Iterable[Node]) -> tuple[Node, ...]:
@@ -82,7 +86,7 @@ def _fits_vectors(loop: For) -> bool:
 
 def _has_views(loop: For) -> bool:
     """Whether a loop reads matrices, which lie in blocks of four rows also where there are fewer."""
-    return any(isinstance(node, Alias) for node in every(loop.body))
+    return bool(_matrices(loop.body))
 
 
 def _is_vector(part: Expr, index: str) -> bool:

@@ -15,7 +15,7 @@ from typing import assert_never
 from derive.backends.expression_text import C, Named, element, index_text, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.backends.wrapping import WIDTH, BreakableText, join, statement
-from derive.ir.expressions import Element, Expr, Operator, ScalarRef, walk
+from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef, walk
 from derive.ir.indices import ElementIndex, IndexTerm
 from derive.ir.lanes import LANE
 from derive.ir.library_calls import STATE
@@ -38,7 +38,7 @@ Lines = list[SourceLine]
 
 SHORT = 16
 """Iterations that gcc unrolls completely before it makes vectors."""
-OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "= -"}
+OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "="}
 
 
 @dataclass
@@ -57,7 +57,7 @@ class CNests:
     _lanes: set[str] = field(default_factory=set)
     """The arrays of the lanes of sums."""
     _totals: dict[str, str] = field(default_factory=dict)
-    """The arrays and sums that variables are, by the names of the variables."""
+    """The arrays and sums that accumulators add up, by the names of these."""
     _checks: bool = False
     """Whether a loop over states has given them codes."""
     _vectors: set[str] | None = None
@@ -88,7 +88,7 @@ class CNests:
                 kind = "double" if node.array in self.outputs else "const double"
                 return plain(f"    {kind} *{node.name} = {_address(node.array, node.index)};")
             case Accumulator():
-                return self._variable(node)
+                return self._accumulator(node)
             case For():
                 return self._loop(node)
             case If():
@@ -161,7 +161,7 @@ class CNests:
         self._lanes |= {node.array for node in new if node.totals}
         return plain(*declarations(f"{n.array}[{n.size}]{' = {0.0}' if n.cleared else ''}" for n in new))
 
-    def _variable(self, node: Accumulator) -> Lines:
+    def _accumulator(self, node: Accumulator) -> Lines:
         assert self._vectors is not None
         self._vectors.add(node.name)
         self._totals[node.name] = node.total
@@ -169,12 +169,15 @@ class CNests:
         return plain(f"    tisserand_lanes {node.name} = {value};")
 
     def _assign(self, node: Assign) -> Lines:
-        target, value = node.target, self.text(node.expr)
+        negative = node.operator is Operator.NEG
+        target, value = node.target, self.text(Operation(Operator.NEG, (node.expr,)) if negative else node.expr)
         if isinstance(target, ScalarRef):
             code = statement("    ", f"{target.name} {OPERATORS[node.operator]} ", value, ";")
             return defining(code, self._totals[target.name])
         if self._vectors is None or not target.index or not target.index.has(LANE):
-            return self._stored(node, self._plain_assignment(node, value))
+            return self._stored(
+                node, statement("    ", f"{self._leaf(target)} {OPERATORS[node.operator]} ", value, ";")
+            )
         address, stride = _address(target.array, target.index), target.index.stride(LANE)
         if not self._differs(node.expr):
             index = index_text(ElementIndex(target.index.offset, (*target.index.terms, IndexTerm(stride, "m"))))
@@ -186,11 +189,6 @@ class CNests:
         else:
             code = statement("    ", "", join(f"TISSERAND_SCATTER({address}, {stride}, ", value, ")"), ";")
         return self._stored(node, code)
-
-    def _plain_assignment(self, node: Assign, value: BreakableText) -> list[str]:
-        operator = OPERATORS[node.operator]
-        space = "" if node.operator is Operator.NEG else " "
-        return statement("    ", f"{self._leaf(node.target)} {operator}{space}", value, ";")
 
     def _stored(self, node: Assign, code: list[str]) -> Lines:
         """The lines of an assignment to an element, with what they store or define."""
