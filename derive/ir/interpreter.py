@@ -154,7 +154,7 @@ class _Run:
                 if self.check and not _meets(self.value(node.expr), node.kind):
                     self.fail(node)
             case Local():
-                self.arrays[node.array] = self.cleared(node.size), 0
+                self.arrays[node.array] = self.new_array(node.size, self.zero if node.cleared else None), 0
             case Alias():
                 array, first = self.arrays[node.array]
                 self.arrays[node.name] = array, first + node.index.at(self.variables)
@@ -179,9 +179,9 @@ class _Run:
         """End, since a requirement does not hold."""
         raise RequirementError(requirement.code, requirement.text)
 
-    def cleared(self, size: int) -> list[Any]:
-        """The elements of a new array."""
-        return [self.zero] * size
+    def new_array(self, size: int, value: Any) -> list[Any]:
+        """The elements of a new array; those that no statement has written yet are None, so that none can be read."""
+        return [value] * size
 
     def _block_product(self, node: BlockProduct) -> None:
         matrix, first = self.arrays[node.matrix]
@@ -221,9 +221,9 @@ class _BatchRun(_Run):
         state = self.variables[STATE]
         self.codes[state] = self.codes[state] or requirement.code
 
-    def cleared(self, size: int) -> list[Any]:
+    def new_array(self, size: int, value: Any) -> list[Any]:
         """The elements of a new array."""
-        return [[self.zero] * self.variables[COUNT] for _ in range(size)]
+        return [[value] * self.variables[COUNT] for _ in range(size)]
 
 
 def interpret_batch(
