@@ -29,6 +29,7 @@ TRUSTED = (
     "derive.artifacts",
     "derive.backends.source_map",
     "derive.ir.expressions",
+    "derive.ir.indices",
     "derive.ir.model",
     "derive.ir.patterns",
     "derive.ir.statements",

@@ -154,6 +154,7 @@ SAME = "import derive, hashlib, sys; from derive.export.registry import exported
 )
 
 
+@pytest.mark.long
 def test_the_same_bytes_under_any_hash_seed(pushed: Path) -> None:
     digests = set()
     for seed in ("1", "2"):

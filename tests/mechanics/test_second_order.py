@@ -164,7 +164,10 @@ def test_equations_energies_and_momenta_are_those_of_the_lagrangian_of_the_field
     compare(expanded(beam(frame, terms)), Field(frame, terms))
 
 
-@pytest.mark.parametrize(("frame", "terms"), [("tangent", "truncated"), ("chord", "truncated"), ("mean", "full")])
+@pytest.mark.parametrize(
+    ("frame", "terms"),
+    [("tangent", "truncated"), ("chord", "truncated"), pytest.param("mean", "full", marks=pytest.mark.long)],
+)
 def test_a_beam_that_stretches_has_the_strain_of_second_order(frame: str, terms: str) -> None:
     """The strain energy is that of u' + v'^2/2, with the axial force at rest; kinetic energy and momenta as before."""
     compare(expanded(beam(frame, terms, **STRETCHING)), Field(frame, terms, **STRETCHING))
@@ -185,9 +188,7 @@ def compare(equations: Equations, field: Field) -> None:
         assert close(at_state(equations, momentum), field.at_state(expected))
 
 
-@pytest.mark.parametrize(
-    "frame", [pytest.param(f, marks=() if f in ("mean", "tangent") else pytest.mark.long) for f in FRAMES]
-)
+@pytest.mark.parametrize("frame", [pytest.param(f, marks=() if f == "mean" else pytest.mark.long) for f in FRAMES])
 def test_truncated_and_full_differ_from_second_order_on(frame: str) -> None:
     """In the rows of the shapes; the others keep terms of second order, and differ from third order on."""
     truncated, full = (expanded(beam(frame, terms)) for terms in ("truncated", "full"))

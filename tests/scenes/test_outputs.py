@@ -140,7 +140,10 @@ RUNS = {
 }
 
 
-@pytest.fixture(scope="module", params=RUNS.values(), ids=RUNS)
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(run, id=name, marks=pytest.mark.long if "full" in name else ()) for name, run in RUNS.items()],
+)
 def run(request):
     return derive.simulate(scene(**request.param))
 

@@ -137,6 +137,7 @@ def test_an_attached_mass_moves_like_a_welded_one(frame: str, pieces: int) -> No
     close(*momentum, 1e-13)
 
 
+@pytest.mark.long
 def test_an_attached_mass_moves_like_a_welded_one_at_second_order() -> None:
     """Exactly if nothing is truncated."""
     accelerations, energies, momentum = both(FRAMES[2], 1, 0.05, "full")

@@ -37,6 +37,7 @@ def cluster(killed: Path) -> Iterator[LocalCluster]:
             yield cluster
 
 
+@pytest.mark.long
 def test_killed_workers_lose_nothing(cluster: LocalCluster, killed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     expected = sweep(slider(), GRID, OUTPUTS, workers=1)
     monkeypatch.setattr(executors, "run_chunk", kill_each_third_once)
