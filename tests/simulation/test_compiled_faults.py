@@ -17,6 +17,7 @@ from derive.simulation.errors import (
     RedundantConstraints,
     SingularConfiguration,
 )
+from derive.simulation.integration import scikit_sundae
 from derive.simulation.integration.adaptive import adaptive
 from derive.simulation.integration.integrator import Settings
 from derive.simulation.integration.scikit_sundae import integrate_ida
@@ -29,12 +30,14 @@ def in_c(native: NativeScene, k: Vector, q: Vector, v: Vector, times: Vector) ->
 
 
 NEEDS_IDA = pytest.mark.skipif(not find_spec("sksundae"), reason="no IDA")
-METHODS = [in_c, integrate, pytest.param(integrate_ida, marks=(NEEDS_IDA, pytest.mark.long))]
-"""IDA takes thousands of steps to a dead centre, in Python."""
+METHODS = [in_c, integrate, pytest.param(integrate_ida, marks=NEEDS_IDA)]
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_slider_that_is_pushed_to_a_dead_centre_stops_there(method: Callable[..., object]) -> None:
+def test_a_slider_that_is_pushed_to_a_dead_centre_stops_there(
+    method: Callable[..., object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(scikit_sundae, "STALL_STEPS", 200)  # a step takes milliseconds there, and 2000 add nothing
     made = pushed()
     start = made.start()  # shaken out of the line of the guess
     with pytest.raises(DriveCannotBeFollowed, match="dead centre") as error:
