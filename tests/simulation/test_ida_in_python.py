@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from compiled import crank_slider
 from double_dae import DoubleDae
 from mechanisms import pendulum
 
-from derive.simulation.errors import DriftTooLarge
+from derive.simulation.errors import DriftTooLarge, IntegrationStopped
+from derive.simulation.integration import scikit_sundae
 from derive.simulation.integration.scikit_sundae import IdaMissing, integrate_ida
 from derive.simulation.integration.scipy_methods import integrate
 
@@ -44,6 +46,21 @@ def test_the_crank_slider_with_its_compiled_jacobian() -> None:
     assert np.abs(found.q - exact.q).max() < 1e-6
     assert np.abs(found.lam - exact.lam).max() < 0.05
     assert found.cost.evaluations < 3 * found.cost.steps
+
+
+def test_a_step_that_fails_ends_the_run_with_what_ida_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = crank_slider(1)
+    start, step = made.start(), scikit_sundae._Part.step
+
+    def failing(part: scikit_sundae._Part, towards: float) -> tuple[float, np.ndarray]:
+        t, y = step(part, towards)
+        part.result = SimpleNamespace(success=t < 0.005, message="the error test failed", nfev=0, njev=0)
+        return t, y
+
+    monkeypatch.setattr(scikit_sundae._Part, "step", failing)
+    with pytest.raises(IntegrationStopped, match="IDA: the error test failed") as error:
+        integrate_ida(made.native, made.k, start.q, start.v, np.linspace(0, 0.02, 41))
+    assert 0.004 < error.value.t < 0.006
 
 
 def test_the_stabilised_form_stays_on_the_constraints_by_itself() -> None:
