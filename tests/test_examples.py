@@ -130,7 +130,9 @@ def test_index_of_the_examples(compare_or_update: Callable[[Path, str], None]) -
     compare_or_update(EXAMPLES / "README.md", INDEX + "".join(rows))
 
 
-@pytest.mark.parametrize("name", sorted(CHECKS))
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.hosts if name in PACKAGES else ()) for name in sorted(CHECKS)]
+)
 def test_example(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
