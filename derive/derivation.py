@@ -17,6 +17,7 @@ from derive.garbage_collection import paused
 from derive.ir.model import Model
 from derive.lowering import cost_model
 from derive.lowering.flat.lower import lower as lower_flat
+from derive.lowering.instances.lower import instances_reason, lower_instances
 from derive.lowering.loops.body_functions import lower_tables
 from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
@@ -89,6 +90,10 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
     """
     if not isinstance(derived, (Equations, Mechanism)):
         raise TypeError(f"the equations that derive.derive(spec) returns are needed, not {type(derived).__name__}")
+    if isinstance(derived, Mechanism) and not sensitivities:
+        reason = instances_reason(derived)
+        if reason:
+            return lower_instances(derived, reason, explicit)
     if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
         return lower_flat(derived.expanded(), sensitivities=sensitivities, explicit=explicit)
     estimate = cost_model.estimate_costs(derived.body)

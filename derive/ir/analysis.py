@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Expr, LaneSum, Operation, ScalarRef, TableValue, walk
-from derive.ir.loop_nests import CHANGES, Alias, Assign, BlockProduct, For, Node, every, expressions_of, inner
+from derive.ir.loop_nests import CHANGES, Alias, Assign, BlockProduct, For, Integer, Node, every, expressions_of, inner
 from derive.ir.statements import Statement
 
 
@@ -23,7 +23,7 @@ def reads(statement: Statement) -> Iterator[str]:
 def names_read(nodes: Iterable[Node]) -> Iterator[str]:
     """The names that plain statements read: scalars and arrays."""
     for node in every(nodes):
-        if isinstance(node, Alias):
+        if isinstance(node, Alias | Integer):
             yield node.array
         elif isinstance(node, BlockProduct):
             yield node.matrix
@@ -34,30 +34,41 @@ def names_read(nodes: Iterable[Node]) -> Iterator[str]:
                 yield part.array
 
 
-def operations(statement: Statement) -> int:
-    """Arithmetic operations of a statement; a sine or a look-up counts as one, padding does not count."""
-    return _operations(expand(statement), {})
+def operations(statement: Statement, constants: Mapping[str, Sequence[int]] | None = None) -> int:
+    """Arithmetic operations of a statement; a sine or a look-up counts as one, padding does not count.
+
+    constants: the constant arrays of integers, on which the bounds of loops over instances may depend.
+    """
+    return _operations(expand(statement), {}, constants or {})
 
 
-def _operations(nodes: Iterable[Node], values: Mapping[str, int]) -> int:
+def _operations(nodes: Iterable[Node], values: Mapping[str, int], constants: Mapping[str, Sequence[int]]) -> int:
     """Operations where the variables of the loops around have these values."""
-    return sum(_operations_of(node, values) for node in nodes)
+    known, total = dict(values), 0
+    for node in nodes:
+        if isinstance(node, Integer):
+            known[node.name] = constants[node.array][node.index.at(known)]
+        total += _operations_of(node, known, constants)
+    return total
 
 
-def _operations_of(node: Node, values: Mapping[str, int]) -> int:
+def _operations_of(node: Node, values: Mapping[str, int], constants: Mapping[str, Sequence[int]]) -> int:
     match node:
         case For():
             steps = range(node.start.at(values), node.stop.at(values), node.step)
-            if any(isinstance(part, For) and _bounds_depend(part, node.variable) for part in every(node.body)):
-                return sum(_operations(node.body, {**values, node.variable: step}) for step in steps)
-            return len(steps) * _operations(node.body, {**values, node.variable: 0})
+            if steps and not _varies(node):
+                return len(steps) * _operations(node.body, {**values, node.variable: steps[0]}, constants)
+            return sum(_operations(node.body, {**values, node.variable: step}, constants) for step in steps)
         case Assign():
             target = 1 if node.operator in CHANGES else 0
             return target + sum(isinstance(part, Operation | TableValue) for part in walk(node.expr))
         case _:
             own = sum(isinstance(p, Operation | TableValue) for e in expressions_of(node) for p in walk(e))
-            return own + _operations(inner(node), values)
+            return own + _operations(inner(node), values, constants)
 
 
-def _bounds_depend(loop: For, variable: str) -> bool:
-    return loop.start.has(variable) or loop.stop.has(variable)
+def _varies(loop: For) -> bool:
+    """Whether the number of iterations of a loop inside depends on the iteration of this one."""
+    parts = tuple(every(loop.body))
+    names = (loop.variable, *(part.name for part in parts if isinstance(part, Integer)))
+    return any(isinstance(part, For) and (part.start.has(*names) or part.stop.has(*names)) for part in parts)

@@ -61,7 +61,7 @@ def state_elements(kernel: Kernel) -> dict[str, Element]:
 
 def state_views(kernel: Kernel) -> list[tuple[str, View]]:
     """The parts of these arguments that the kernel reads, with the names of the arguments."""
-    return [(a.name, view) for a in state_arguments(kernel) for view in a.arrays if view.name in kernel.used]
+    return [(a.name, view) for a in state_arguments(kernel) for view in a.parts if view.name in kernel.used]
 
 
 def batch(kernel: Kernel) -> Batch:
@@ -72,6 +72,7 @@ def batch(kernel: Kernel) -> Batch:
     scalars = _scalars(nodes) - state_elements(kernel).keys()
     shared = {a.name for a in kernel.arguments if a.name in SHARED}
     shared |= {view.name for a in kernel.arguments if a.name in SHARED for view in a.arrays}
+    shared |= {array.name for array in kernel.constants}
     naming = _Naming(state_elements(kernel), scalars, frozenset(shared))
     return Batch(tuple(map(naming.node, nodes)), frozenset(scalars))
 

@@ -32,6 +32,7 @@ from derive.ir.loop_nests import (
     Assign,
     BlockProduct,
     For,
+    Integer,
     Local,
     LoopKind,
     Node,
@@ -41,6 +42,9 @@ from derive.ir.statements import (
     Accumulate,
     Cholesky,
     Clear,
+    Entry,
+    ForEach,
+    InstanceItem,
     Let,
     Map,
     MapItem,
@@ -55,9 +59,11 @@ from derive.ir.statements import (
     Requirement,
     Statement,
     Store,
+    StoreElement,
     StoreLocal,
     StoreStrided,
     TriangularSolve,
+    Work,
 )
 
 ZERO = Number(Fraction(0))
@@ -87,12 +93,34 @@ def expand(statement: Statement) -> tuple[Node, ...]:
             return (ordered_loop("i", statement.count, [Assign(Element(statement.output, ROW), ZERO)]),)
         case RequireFinite(argument, count, code, text):
             return (ordered_loop("i", count, [Require(Requirement.FINITE, Element(argument, ROW), code, text)]),)
+        case Work():
+            return (Local(statement.array, statement.count, cleared=statement.cleared),)
+        case Entry() | StoreElement() | ForEach():
+            return (_instance_item(statement),)
         case Cholesky():
             return cholesky(statement)
         case TriangularSolve():
             return (back_substitution(statement) if statement.transposed else forward_substitution(statement),)
         case _:
             assert_never(statement)
+
+
+def _instance_item(item: InstanceItem) -> Node:
+    """A statement over instances; its loops stay in their order, since instances may add to the same element."""
+    match item:
+        case Let() | Require():
+            return item
+        case Entry():
+            return Integer(item.name, item.array, item.index)
+        case StoreElement():
+            return Assign(item.target, item.expr, item.operator)
+        case ForEach():
+            body = tuple(map(_instance_item, item.body))
+            if item.backward:
+                return For(item.variable, item.stop.plus(-1), item.start.plus(-1), body, step=-1)
+            return For(item.variable, item.start, item.stop, body)
+        case _:
+            assert_never(item)
 
 
 def expand_in_tiles(statement: Statement) -> tuple[Node, ...]:

@@ -30,6 +30,7 @@ from derive.ir.loop_nests import (
     BlockProduct,
     For,
     If,
+    Integer,
     Local,
     Node,
     PartOf,
@@ -101,6 +102,7 @@ class _Run:
             self.arrays[a.name] = array, 0
             self.values |= {name: values[index] for index, name in a.named_elements}
             self.arrays |= {v.name: (array, v.offset) for v in a.arrays}
+        self.arrays |= {a.name: (a.interpreted(number), 0) for a in kernel.constants}
         self.outputs: dict[str, list[Any]] = {o.name: [None] * o.size for o in kernel.outputs}
         self.arrays |= {name: (values, 0) for name, values in self.outputs.items()}
 
@@ -158,6 +160,9 @@ class _Run:
             case Alias():
                 array, first = self.arrays[node.array]
                 self.arrays[node.name] = array, first + node.index.at(self.variables)
+            case Integer():
+                array, first = self.arrays[node.array]
+                self.variables[node.name] = array[first + node.index.at(self.variables)]
             case For():
                 for step in range(node.start.at(self.variables), node.stop.at(self.variables), node.step):
                     self.variables[node.variable] = step

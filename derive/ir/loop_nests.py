@@ -46,6 +46,15 @@ class Alias:
 
 
 @dataclass(frozen=True)
+class Integer:
+    """Name an element of a constant array of integers, which indices and bounds of loops count from."""
+
+    name: str
+    array: str
+    index: ElementIndex
+
+
+@dataclass(frozen=True)
 class Accumulator:
     """Name a number that additions change: the element of an array, or the sum, `total` while it is computed."""
 
@@ -156,7 +165,7 @@ class Sines:
     cosine: str
 
 
-Node = Let | Require | Local | Alias | Accumulator | Assign | For | If | PartOf | BlockProduct | Sines
+Node = Let | Require | Local | Alias | Integer | Accumulator | Assign | For | If | PartOf | BlockProduct | Sines
 """A plain statement."""
 
 
@@ -167,7 +176,7 @@ def inner(node: Node) -> tuple[Node, ...]:
             return node.body
         case If():
             return (*node.then, *node.otherwise)
-        case Let() | Require() | Local() | Alias() | Accumulator() | Assign() | BlockProduct() | Sines():
+        case Let() | Require() | Local() | Alias() | Integer() | Accumulator() | Assign() | BlockProduct() | Sines():
             return ()
         case _:
             assert_never(node)
@@ -210,7 +219,7 @@ def rewritten(node: Node, leaf: Callable[[Leaf], Expr], change: IndexChange = la
         case Assign():
             target = element(node.target) if isinstance(node.target, Element) else node.target
             return replace(node, target=target, expr=mapped(node.expr, leaf))
-        case Alias():
+        case Alias() | Integer():
             return replace(node, index=change(node.index))
         case For() | PartOf():
             return replace(node, body=body(node.body))
@@ -237,7 +246,7 @@ def expressions_of(node: Node) -> tuple[Expr, ...]:
             return (node.vector, node.target)
         case Sines():
             return (node.angle,)
-        case Local() | Alias() | For() | If() | PartOf():
+        case Local() | Alias() | Integer() | For() | If() | PartOf():
             return ()
         case _:
             assert_never(node)

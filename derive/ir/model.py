@@ -6,15 +6,17 @@ sections that follow the physics; it knows numbers, names and operations, no mec
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from fractions import Fraction
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 from derive import display
 from derive.ir.analysis import operations, reads
 from derive.ir.patterns import Pattern
-from derive.ir.statements import Statement
+from derive.ir.statements import ForEach, Require, Statement, inside
 from derive.registry import UnknownNameError
 from derive.roles import Role
 from derive.spec.model.time_function import Spline
@@ -52,8 +54,8 @@ class View:
 class Argument:
     """An input: a scalar (no elements) or an array whose elements have names.
 
-    `arrays` are parts of it with one name; `positions` are the indices of the named elements, if those do not follow
-    each other from 0.
+    `arrays` are parts of it with one name, or the whole under its own name; `positions` are the indices of the named
+    elements, if those do not follow each other from 0.
     """
 
     name: str
@@ -67,6 +69,11 @@ class Argument:
     def named_elements(self) -> tuple[tuple[int, str], ...]:
         """The index and the name of each named element."""
         return tuple(zip(self.positions or range(len(self.elements)), self.elements, strict=True))
+
+    @property
+    def parts(self) -> tuple[View, ...]:
+        """The arrays that are less than the whole argument."""
+        return tuple(view for view in self.arrays if view.name != self.name)
 
     @property
     def names(self) -> frozenset[str]:
@@ -117,14 +124,28 @@ class Output:
 
 
 @dataclass(frozen=True)
+class ConstantArray:
+    """A constant array of the generated code: exact numbers, or integers from which indices count."""
+
+    name: str
+    values: tuple[int, ...] | tuple[Fraction, ...]
+    integers: bool
+
+    def interpreted(self, number: Callable[[Fraction], Any]) -> list[Any]:
+        """The values in Python; numbers in the type that `number` returns."""
+        return list(self.values) if self.integers else [number(Fraction(value)) for value in self.values]
+
+
+@dataclass(frozen=True)
 class Kernel:
-    """One function of the generated code."""
+    """One function of the generated code; `constants` are the constant arrays that it reads."""
 
     name: str
     doc: str
     arguments: tuple[Argument, ...]
     outputs: tuple[Output, ...]
     sections: tuple[Section, ...]
+    constants: tuple[ConstantArray, ...] = ()
 
     @cached_property
     def statements(self) -> tuple[Statement, ...]:
@@ -134,7 +155,14 @@ class Kernel:
     @property
     def operations(self) -> int:
         """Arithmetic operations of one evaluation; a sine or a cosine counts as one, padding does not count."""
-        return sum(operations(s) for s in self.statements)
+        integers: dict[str, Sequence[int]] = {a.name: list(map(int, a.values)) for a in self.constants if a.integers}
+        return sum(operations(s, integers) for s in self.statements)
+
+    @property
+    def checked(self) -> bool:
+        """Whether a requirement may end the kernel, besides those that only setup has."""
+        items = (item for s in self.statements for item in (s, *(inside(s) if isinstance(s, ForEach) else ())))
+        return any(isinstance(item, Require) for item in items)
 
     @cached_property
     def used(self) -> frozenset[str]:
@@ -220,7 +248,8 @@ class Model:
     terms: the terms of the equations of motion with the values they are part of. splines: the tables that kernels look
     up.
 
-    lowering: "flat" (straight-line code) or "table" (loops over the modes); choice: the reason for it. data: the
+    lowering: "flat" (straight-line code), "table" (loops over the modes) or "instances" (loops over the bodies and
+    joints); choice: the reason for it. data: the
     defaults of parameters that are arrays, as pairs (index, value); all other values are zero.
 
     A scene also has multipliers (the constraint reactions on body 2 of each joint), the names of its bodies, the
@@ -240,7 +269,7 @@ class Model:
     markers: tuple[Variable, ...]
     zeros: tuple[Zero, ...]
     vanished: tuple[Zero, ...]
-    lowering: Literal["flat", "table"] = "flat"
+    lowering: Literal["flat", "table", "instances"] = "flat"
     choice: str = ""
     data: tuple[tuple[int, float], ...] = ()
     multipliers: tuple[Variable, ...] = ()
@@ -256,7 +285,7 @@ class Model:
     @property
     def defaults(self) -> tuple[float, ...]:
         """The defaults of all parameters."""
-        if self.lowering == "flat":
+        if self.lowering != "table":
             return tuple(p.default for p in self.parameters)
         values = [0.0] * sum(p.size for p in self.parameters)
         for index, value in self.data:
@@ -272,6 +301,11 @@ class Model:
     def sensitivities(self) -> bool:
         """Whether the model has the kernels of sensitivities, `parameter_jacobian` among them."""
         return any(kernel.name == PARAMETER_JACOBIAN for kernel in self.kernels)
+
+    @property
+    def constant_arrays(self) -> tuple[ConstantArray, ...]:
+        """The constant arrays that the kernels read, each once."""
+        return tuple({array.name: array for kernel in self.kernels for array in kernel.constants}.values())
 
     def kernel(self, name: str) -> Kernel:
         """The kernel of that name. Raises UnknownNameError if there is none."""

@@ -1,4 +1,4 @@
-"""Statements of a Kernel: scalar statements in straight line, and statements that run over the modes of a body.
+"""Statements of a Kernel: in straight line, over the modes of a body, and over the instances of a mechanism.
 
 A loop states what it computes; `expansion.py` says with which operations in which order, in plain statements. The set
 of statements is closed: `Statement` is their union, and whatever distinguishes statements ends in `assert_never`.
@@ -6,11 +6,12 @@ of statements is closed: `Statement` is their union, and whatever distinguishes 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 from typing import assert_never
 
-from derive.ir.expressions import Expr
+from derive.ir.expressions import Element, Expr, Operator
 from derive.ir.indices import LANES, ElementIndex, IndexTerm, Of, padded
 
 
@@ -293,4 +294,60 @@ class TriangularSolve:
 
 
 Loop = Map | Accumulate | MatVec | MatrixStore | Pack | Clear | RequireFinite | Cholesky | TriangularSolve
-Statement = ScalarStatement | Loop
+
+
+# Statements that run over the instances of a mechanism
+
+
+@dataclass(frozen=True)
+class Work:
+    """Declare a local array of `count` elements; `cleared`: they begin as zeros."""
+
+    array: str
+    count: int
+    cleared: bool = False
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Name an integer, an element of a constant array of integers; other indices count from it."""
+
+    name: str
+    array: str
+    index: ElementIndex
+
+
+@dataclass(frozen=True)
+class StoreElement:
+    """Write an element of an output or of a local array; with an operator, the result of its old value and `expr`."""
+
+    target: Element
+    expr: Expr
+    operator: Operator | None = None
+
+
+@dataclass(frozen=True)
+class ForEach:
+    """The body for a variable from `start` to `stop`, which is left out, in order, or from the end if `backward`."""
+
+    variable: str
+    start: ElementIndex
+    stop: ElementIndex
+    body: tuple[InstanceItem, ...]
+    backward: bool = False
+
+
+InstanceItem = Let | Require | Entry | StoreElement | ForEach
+"""A statement in the body of a `ForEach`."""
+
+
+def inside(loop: ForEach) -> Iterator[InstanceItem]:
+    """All statements in the body of a loop, also those in loops inside."""
+    for item in loop.body:
+        yield item
+        if isinstance(item, ForEach):
+            yield from inside(item)
+
+
+InstanceStatement = Work | StoreElement | Entry | ForEach
+Statement = ScalarStatement | Loop | InstanceStatement

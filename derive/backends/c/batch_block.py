@@ -6,7 +6,7 @@ from derive.backends.c.nests import CNests, declarations
 from derive.ir.batches import SHARED, batch, state_arguments, state_elements, state_views
 from derive.ir.loop_nests import BlockProduct, For, LoopKind, every
 from derive.ir.model import Kernel
-from derive.ir.statements import Require
+from derive.ir.statements import ForEach
 
 Lines = list[str]
 
@@ -17,7 +17,8 @@ class StateBlock:
     def __init__(self, kernel: Kernel, model: str, width: int) -> None:
         self.kernel, self.model, self.width = kernel, model, width
         self.batch = batch(kernel)
-        self.checked = any(isinstance(s, Require) for s in kernel.statements)
+        self.checked = kernel.checked
+        self.repeats = any(isinstance(s, ForEach) for s in kernel.statements)
         self.multiplies = any(isinstance(node, BlockProduct) for node in every(self.batch.nodes))
 
     @property
@@ -34,7 +35,7 @@ class StateBlock:
         """The statements of the function."""
         outputs = {o.name for o in self.kernel.outputs}
         arrays = outputs | {a.name for a in state_arguments(self.kernel)}
-        nests = CNests(outputs, arrays, f"{self.model}_block{self.width}")
+        nests = CNests(outputs, arrays, f"{self.model}_block{self.width}", has_codes=self.repeats)
         return [line.text for line in nests.lines(self.batch.nodes)]
 
     def declarations(self) -> Lines:
@@ -48,14 +49,17 @@ class StateBlock:
         shared = [a for name in SHARED for a in kernel.arguments if a.name == name]
         for a in shared:
             elements = ((index, name) for index, name in a.named_elements if name in used)
-            views = (view for view in a.arrays if view.name in used)
+            views = (view for view in a.parts if view.name in used)
             lines += [f"    const double {name} = {a.name}[{index}];" for index, name in elements]
             lines += [f"    const double *{v.name} = {a.name}{f' + {v.offset}' if v.offset else ''};" for v in views]
         lines += [f"    (void) {a.name};" for a in reversed(shared) if used.isdisjoint(a.names)]
         scalars = sorted(self.batch.scalars, key=lambda name: (len(name), name))
         lines += declarations([f"{name}[{self.width}]" for name in scalars])
         lines += declarations([f"{name}[{n}][{self.width}]" for name, n in self.batch.arrays.items()])
-        codes = [f"    double codes[{self.width}];", "    unsigned long long failures = 0;"]
+        codes = [
+            f"    double codes[{self.width}]{' = {0.0}' if self.repeats else ''};",
+            "    unsigned long long failures = 0;",
+        ]
         return [*lines, *(codes if self.checked else [])]
 
     def _has_rows(self) -> bool:

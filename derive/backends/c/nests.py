@@ -26,6 +26,7 @@ from derive.ir.loop_nests import (
     BlockProduct,
     For,
     If,
+    Integer,
     Local,
     LoopKind,
     Node,
@@ -46,20 +47,20 @@ class CNests:
     """The plain statements of one function.
 
     outputs: the arrays that the function writes; arrays: all arrays that are its parameters, in which a batch has rows
-    of all its states; helpers: the first part of the names of the functions that it calls.
+    of all its states; helpers: the first part of the names of the functions that it calls; has_codes: whether the
+    states of a batch have codes, which the first loop over states with requirements gives them otherwise.
     """
 
     outputs: Collection[str] = ()
     arrays: Collection[str] = ()
     helpers: str = ""
+    has_codes: bool = False
     _known: set[str] = field(default_factory=set)
     """The arrays that are declared."""
     _lanes: set[str] = field(default_factory=set)
     """The arrays of the lanes of sums."""
     _totals: dict[str, str] = field(default_factory=dict)
     """The arrays and sums that accumulators add up, by the names of these."""
-    _checks: bool = False
-    """Whether a loop over states has given them codes."""
     _vectors: set[str] | None = None
     """The names that differ from lane to lane, in a loop over lanes."""
 
@@ -87,6 +88,8 @@ class CNests:
             case Alias():
                 kind = "double" if node.array in self.outputs else "const double"
                 return plain(f"    {kind} *{node.name} = {_address(node.array, node.index)};")
+            case Integer():
+                return plain(f"    const int {node.name} = {node.array}[{index_text(node.index)}];")
             case Accumulator():
                 return self._accumulator(node)
             case For():
@@ -216,8 +219,8 @@ class CNests:
         if not checks:
             return lines
         lines += plain("    double code = 0.0;", *(text for check in reversed(checks) for text in self._checked(check)))
-        lines += plain(f"    codes[b] = {'codes[b] > 0.0 ? codes[b] : ' if self._checks else ''}code;")
-        self._checks = True
+        lines += plain(f"    codes[b] = {'codes[b] > 0.0 ? codes[b] : ' if self.has_codes else ''}code;")
+        self.has_codes = True
         return lines
 
     def _checked(self, node: Require) -> list[str]:

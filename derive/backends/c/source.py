@@ -28,8 +28,8 @@ from derive.backends.wrapping import comment, prefixed
 from derive.ir.analysis import expressions, names_read
 from derive.ir.expressions import Operation, Operator, walk
 from derive.ir.lanes import section_in_lanes
-from derive.ir.model import Kernel, Model, Section, Variable
-from derive.ir.statements import Require, Statement
+from derive.ir.model import ConstantArray, Kernel, Model, Section, Variable
+from derive.ir.statements import Statement
 from derive.rendering import render
 from derive.roles import Role
 
@@ -72,11 +72,6 @@ class Declaration:
     signature: str
 
 
-def _is_checked(kernel: Kernel) -> bool:
-    """Whether a kernel may return another code than 0."""
-    return any(isinstance(s, Require) for s in kernel.statements)
-
-
 def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
     text_of_model = model_text(model)
     tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.velocities)]
@@ -85,7 +80,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
     blocks = batch_blocks(model)
-    checked = [f"{name}_batch" for name in blocks if _is_checked(model.kernel(name))]
+    checked = [f"{name}_batch" for name in blocks if model.kernel(name).checked]
     return {
         "model": model,
         "name": model.name,
@@ -113,7 +108,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "forms": FORMS if model.bodies and not model.explicit else {},
         "reduced_forms": REDUCED_FORMS,
         "without": {part.name.lower(): part.value for part in OptionalPart},
-        "checked_forces": bool(model.bodies) and _is_checked(model.kernel("force")),
+        "checked_forces": bool(model.bodies) and model.kernel("force").checked,
         "attitude": any(q.role is Role.QUATERNION for q in model.coordinates),
         "several_checked": len(checked) > 1,
         "checked_batches": f"{enumerated(checked)} give{'s' if len(checked) == 1 else ''}" if checked else "",
@@ -138,9 +133,17 @@ def enumerated(names: Sequence[str]) -> str:
 def _helpers(model: Model) -> str:
     """The macros and static functions that the functions of a model call."""
     every = [s for kernel in model.kernels for s in kernel.statements]
-    parts = ["lanes"] if model.lowering == "table" else []
+    parts = ["lanes"] if model.lowering != "flat" else []
     parts += ["states", *(["sine"] if any(map(_has_sine, every)) else [])]
-    return "\n".join([*(render(f"c/{part}.c.jinja", {}) for part in parts), *spline_lines(model)])
+    arrays = (line for array in model.constant_arrays for line in _constant_array(array))
+    return "\n".join([*(render(f"c/{part}.c.jinja", {}) for part in parts), *spline_lines(model), *arrays])
+
+
+def _constant_array(array: ConstantArray) -> list[str]:
+    """The definition of a constant array."""
+    kind = "int" if array.integers else "double"
+    values = (str(value) if array.integers else repr(float(value)) for value in array.values)
+    return [f"static const {kind} {array.name}[] = {{", *prefixed([", ".join(values)], "    "), "};", ""]
 
 
 def _function(model: Model, kernel: Kernel) -> list[SourceLine]:
@@ -195,7 +198,7 @@ def _arguments(kernel: Kernel) -> list[str]:
     used = kernel.used
     for argument in kernel.arguments:
         read = any(name in used for name in argument.elements)
-        arrays = [view for view in argument.arrays if view.name in used]
+        arrays = [view for view in argument.parts if view.name in used]
         lines += [
             f"    const double *{v.name} = {argument.name}{f' + {v.offset}' if v.offset else ''};" for v in arrays
         ]

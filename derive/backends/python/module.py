@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
+from fractions import Fraction
 from typing import assert_never
 
 from derive.artifacts import MARK, File
@@ -18,13 +19,25 @@ from derive.backends.description import (
     section_text,
 )
 from derive.backends.expression_text import PYTHON, text
+from derive.backends.python.instances import instance_lines
 from derive.backends.python.loops import HELPERS, PythonLoops, assignment
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
 from derive.backends.wrapping import WIDTH, broken, join, prefixed
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Number, Operation, Operator, ScalarRef, walk
-from derive.ir.model import Argument, Kernel, Model, Output, Variable
-from derive.ir.statements import Let, Require, Requirement, Statement, Store
+from derive.ir.model import Argument, ConstantArray, Kernel, Model, Output, Variable
+from derive.ir.statements import (
+    Clear,
+    Entry,
+    ForEach,
+    Let,
+    Require,
+    Requirement,
+    Statement,
+    Store,
+    StoreElement,
+    Work,
+)
 from derive.rendering import render
 
 UNDEFINED = frozenset({Operator.SIN, Operator.COS, Operator.SQRT, Operator.EXP, Operator.LOG})
@@ -58,15 +71,16 @@ class PythonBackend:
             "patterns": pattern_texts(model, "        "),
             "tables": _tables(model),
             "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "table" else _splines(model),
+            "constant_arrays": [(a.name, _lines([_constant(a, x) for x in a.values])) for a in model.constant_arrays],
             "defaults": _defaults(model),
-            "elements": model.lowering == "flat",
+            "elements": model.lowering != "table",
         }
         builder = SourceBuilder(model)
         builder.text(render("python/prologue.py.jinja", values))
         for kernel in model.kernels:
-            numbers = model.lowering == "flat" and kernel.name != "setup"
+            numbers = model.lowering != "table" and kernel.name != "setup"
             builder.text("\n@_in_numbers\n" if numbers and _may_raise(kernel) else "\n")
-            builder.function(kernel, python_function(kernel, model.lowering == "flat", numbers))
+            builder.function(kernel, python_function(kernel, model.lowering != "table", numbers))
             builder.text("\n")
         builder.text(render("python/epilogue.py.jinja", values))
         (path,) = self.file_names(model.name)
@@ -100,16 +114,26 @@ def python_function(
         lines += [f"    {name} = {argument.name}[{index}{k}]" for k, name in argument.named_elements if name in used]
         lines += [
             f"    {v.name} = {argument.name}[..., {v.offset}:{v.offset + v.size}]"
-            for v in argument.arrays
+            for v in argument.parts
             if v.name in used
         ]
-    lines += [f"    {o.name} = _empty(xp, batch, {o.size})" for o in kernel.outputs if o.count is not None]
+    listed = _is_listed(kernel)
+    if listed:
+        lines += [f"    {o.name} = [0.0] * {o.size}" for o in kernel.outputs]
+    else:
+        lines += [f"    {o.name} = _empty(xp, batch, {o.size})" for o in kernel.outputs if o.count is not None]
     printer = _Statements(kernel, failure)
     body: list[SourceLine] = []
     for k, section in enumerate(kernel.sections):
         printed = [line.of(k, n) for n, item in enumerate(section.body) for line in printer.lines(item)]
         body += [*plain("", *prefixed([section_text(section)], "    # ")), *printed] if printed else []
-    return [*plain(*lines), *body, *plain("", *_results(kernel.outputs, printer.required))]
+    lines += [f"    {name} = True" for name in printer.initial]
+    return [*plain(*lines), *body, *plain("", *_results(kernel.outputs, printer.required, listed))]
+
+
+def _is_listed(kernel: Kernel) -> bool:
+    """Whether the elements of outputs are written by loops over instances, to lists."""
+    return any(isinstance(s, ForEach) for s in kernel.statements)
 
 
 def _single_state(arguments: tuple[Argument, ...]) -> list[str]:
@@ -145,13 +169,19 @@ class _Statements:
         self.single = kernel.name == "setup"
         self.loops = PythonLoops(kernel.arguments)
         self.whole = {o.name for o in kernel.outputs if o.count is not None}
+        self.listed = _is_listed(kernel)
         self.required: list[str] = []
+        self.initial: list[str] = []
 
     def lines(self, item: Statement) -> list[SourceLine]:
         """The lines of a statement."""
         match item:
             case Let():
                 return defining(assignment(item.name, text(item.expr, PYTHON)), item.name)
+            case Clear() if self.listed:
+                return []  # lists begin with zeros
+            case Work() | Entry() | StoreElement() | ForEach():
+                return instance_lines(item, self._require)
             case Store():
                 whole = item.output in self.whole
                 target = f"{item.output}[..., {item.index}]" if whole else f"{item.output}_{item.index}"
@@ -177,16 +207,19 @@ class _Statements:
             return [f'    _require(xp.all({holds}), {item.code}, "{item.text}")']
         self.required.append(f"valid_{len(self.required) + 1}")
         name = self.required[-1]
+        if self.listed:
+            self.initial.append(name)
+            holds = join(f"{name} & (", holds, ")")
         error = f'    _require(batch[0] or {name}, {item.code}, "{item.text}")'
         return [*assignment(name, holds), *([error] if self.failure is Failure.ERROR else [])]
 
 
-def _results(outputs: tuple[Output, ...], required: list[str]) -> list[str]:
+def _results(outputs: tuple[Output, ...], required: list[str], listed: bool) -> list[str]:
     lines = []
     for output in outputs:
-        if output.count is not None:
+        if output.count is not None and not listed:
             continue
-        elements = _tuple([f"{output.name}_{k}" for k in range(len(output.elements))])
+        elements = output.name if listed else _tuple([f"{output.name}_{k}" for k in range(len(output.elements))])
         lines += prefixed([f"{output.name} = _stack(xp, batch, {elements})"], "    ")
     if required:
         valid = " & ".join(required)
@@ -223,6 +256,10 @@ class TupleConstant:
 
     name: str
     items: str
+
+
+def _constant(array: ConstantArray, value: int | Fraction) -> str:
+    return repr(int(value) if array.integers else float(value))
 
 
 def _tables(model: Model) -> list[TupleConstant]:

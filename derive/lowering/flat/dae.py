@@ -20,7 +20,7 @@ from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.symbols import local, state_rate
 
 
-def _states(context: Context, form: str) -> tuple[Input, Input]:
+def states(context: Context, form: str) -> tuple[Input, Input]:
     """The arguments y and ydot."""
     extra = context.forces + (_stabilising(context) if form == "ggl" else ())
     blocks = "[q; v; lambda; mu]" if form == "ggl" else "[q; v; lambda]"
@@ -33,7 +33,7 @@ def _stabilising(context: Context) -> tuple[sp.Symbol, ...]:
     return tuple(local(f"mu_{name}") for name in context.multipliers)
 
 
-def _rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
+def residual_rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
     """The rows of F."""
     eq = context.equations
     entries = jacobian_entries(context, symbols)
@@ -61,9 +61,9 @@ def _rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
 def residual(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of F(t, y, ydot)."""
     form = function.variant
-    y, ydot = _states(context, form)
+    y, ydot = states(context, form)
     symbols = context.symbols(context.t, y, ydot)
-    rows = _rows(context, form, symbols)
+    rows = residual_rows(context, form, symbols)
     return context.kernel(
         function,
         {"F": OutputElements(y.elements)},
@@ -76,9 +76,9 @@ def residual(context: Context, function: ModelFunction) -> Kernel:
 def jacobian(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of the iteration matrix dF/dy + cj dF/dydot."""
     form = function.variant
-    y, ydot = _states(context, form)
+    y, ydot = states(context, form)
     symbols = context.symbols(context.t, y, ydot, context.cj)
-    rows = ca.vertcat(*_rows(context, form, symbols))
+    rows = ca.vertcat(*residual_rows(context, form, symbols))
     by_y, by_ydot = (ca.jacobian(rows, ca.vertcat(*symbols.values_of(argument.symbols))) for argument in (y, ydot))
     (cj,) = symbols.values_of(context.cj.symbols)
     matrix = by_y + cj * by_ydot

@@ -1,0 +1,255 @@
+"""Accelerations, multipliers and projections: bodies first, then the joints, then the bodies again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+import sympy as sp
+
+from derive.ir.expressions import Element, Operator, ScalarRef
+from derive.ir.indices import ElementIndex, IndexTerm, constant
+from derive.ir.model import Argument, Kernel
+from derive.ir.statements import Entry, ForEach, Statement, StoreElement, Work
+from derive.lowering.flat.context import array_input, stores
+from derive.lowering.flat.schedule import Step, StepItem
+from derive.lowering.instances.block_elimination import (
+    COUPLING,
+    DIAGONAL,
+    FORCE,
+    RIGHT,
+    Blocks,
+    declared,
+    eliminated,
+    packed,
+)
+from derive.lowering.instances.class_code import INSTANCE, ClassCode, LoopTarget, kept_values
+from derive.lowering.instances.context import InstanceContext, Part, Result, exact, kernel, state, whole
+from derive.lowering.instances.local_system import LocalSystem, Right, local_system
+from derive.lowering.instances.places import Place
+from derive.lowering.model_functions import ModelFunction
+from derive.mechanics.symbols import local
+from derive.roles import Source
+
+
+@dataclass(frozen=True)
+class _Solution:
+    """The two loops over the bodies of a class, before and after the elimination of the joints."""
+
+    before: ForEach
+    work: Work | None
+    after: ForEach
+
+
+def _system(
+    context: InstanceContext, of: ClassCode, right: Callable[[ClassCode], Right], names: tuple[str, ...], output: str
+) -> _Solution:
+    """The loops of a class: the compliance of its markers, and its unknowns from the reactions."""
+    ctx = of.context
+    given = (*(ctx.q if name == "q" else ctx.v for name in names), ctx.lam)
+    symbols = ctx.symbols(*given)
+    system = local_system(of, symbols, right(of))
+    unknowns, kept, values = kept_values(symbols, system.unknowns, symbols.values_of(ctx.forces), system.inverses)
+    items: list[StepItem] = [*system.checks]
+    targets: dict[str, LoopTarget] = {}
+    if context.blocks and of.rows:
+        more, targets = _block_items(context, of, system)
+        items += more
+    work = Work(f"kept_{of.name}", len(kept) * of.count) if kept else None
+    place = of.place("kept", [len(kept) * n for n in range(of.count)])
+    if work:
+        items += stores("kept", values)
+        targets["kept"] = of.target(work.array, place)
+    before = of.loop(symbols, [Step(of.name, "", "", tuple(items))], state(of, *names), targets)
+    later = symbols.copy()
+    inputs = state(of, *names)
+    if work:
+        labels = [local(f"kept_{k + 1}") for k in range(len(kept))]
+        for symbol in labels:
+            later.input(symbol, ScalarRef(symbol.name))
+        inputs.append((work.array, place, array_input(work.array, labels, "")))
+        unknowns = ca.vertsplit(ca.substitute([ca.vertcat(*unknowns)], kept, later.values_of(labels))[0])
+    if context.blocks:
+        for h, rows in enumerate(of.rows):
+            firsts = [context.blocks.size * context.blocks.position[m.handles[h].joint] for m in of.of.members]
+            inputs.append(
+                (FORCE, of.place(f"joint_{h}", firsts), array_input(FORCE, [ctx.forces[r] for r in rows], ""))
+            )
+    after = of.loop(
+        later, [Step(of.name, "", "", stores(output, unknowns))], inputs, {output: of.target(output, of.coordinate)}
+    )
+    return _Solution(before, work, after)
+
+
+def _block_items(
+    context: InstanceContext, of: ClassCode, local_of: LocalSystem
+) -> tuple[list[StepItem], dict[str, LoopTarget]]:
+    """The items that add G M^-1 G^T and the right-hand side of a body to the system of the joints."""
+    system = context.blocks
+    assert system is not None
+    size, members = system.size, of.of.members
+    items: list[StepItem] = []
+    targets: dict[str, LoopTarget] = {}
+    for h, rows in enumerate(of.rows):
+        at = [system.position[m.handles[h].joint] for m in members]
+        pairs = [(i, j) for i in range(len(rows)) for j in range(i, len(rows))]
+        name, place = f"diagonal_{h}", of.place(f"diagonal_{h}", [system.packed * p for p in at])
+        index = [packed(size, i, j) for i, j in pairs]
+        targets[name] = LoopTarget(DIAGONAL, _moved(place, index), Operator.ADD, _entry(place))
+        items += stores(name, [local_of.compliance(rows[i], rows[j]) for i, j in pairs])
+        name, place = f"right_{h}", of.place(f"right_{h}", [size * p for p in at])
+        targets[name] = of.target(RIGHT, place, Operator.ADD)
+        items += stores(name, [local_of.right[r] for r in rows])
+    for a, first in enumerate(of.rows):
+        for b in range(a + 1, len(of.rows)):
+            items_of, targets_of = _coupling(system, of, (a, b), first, of.rows[b], local_of)
+            items += items_of
+            targets |= targets_of
+    return items, targets
+
+
+def _coupling(
+    system: Blocks,
+    of: ClassCode,
+    handles: tuple[int, int],
+    first: tuple[int, ...],
+    second: tuple[int, ...],
+    local_of: LocalSystem,
+) -> tuple[list[StepItem], dict[str, LoopTarget]]:
+    """The items that add a block beside the diagonal: two joints of one body."""
+    a, b = handles
+    size = system.size
+    at = [(system.position[m.handles[a].joint], system.position[m.handles[b].joint]) for m in of.of.members]
+    turned = [x > y for x, y in at]
+    numbers = [size**2 * system.block(min(x, y), max(x, y)) for x, y in at]
+    name = f"coupling_{a}_{b}"
+    place = of.place(name, numbers)
+    values = [local_of.compliance(i, j) for i in first for j in second]
+    cells = [(i, j) for i in range(len(first)) for j in range(len(second))]
+    if len(set(turned)) == 1:
+        index = [size * j + i if turned[0] else size * i + j for i, j in cells]
+        target = LoopTarget(COUPLING, _moved(place, index), Operator.ADD, _entry(place))
+    else:
+        row, column = f"{name}_row_{of.name}", f"{name}_column_{of.name}"
+        rows = of.places.integers(f"{row}s", [1 if t else size for t in turned])
+        columns = of.places.integers(f"{column}s", [size if t else 1 for t in turned])
+        here = ElementIndex(0, (IndexTerm(1, INSTANCE),))
+        entries = (*_entry(place), Entry(row, rows, here), Entry(column, columns, here))
+
+        def at_cell(k: int) -> ElementIndex:
+            i, j = cells[k]
+            terms = [IndexTerm(n, variable) for n, variable in ((i, row), (j, column)) if n]
+            return ElementIndex(place.first.offset, (*place.first.terms, *terms))
+
+        target = LoopTarget(COUPLING, at_cell, Operator.ADD, entries)
+    return [*stores(name, values)], {name: target}
+
+
+def _moved(place: Place, offsets: list[int]) -> Callable[[int], ElementIndex]:
+    return lambda k: place.at(offsets[k])
+
+
+def _entry(place: Place) -> tuple[Entry, ...]:
+    return (place.entry,) if place.entry else ()
+
+
+def _solved(
+    context: InstanceContext,
+    function: ModelFunction,
+    results: Mapping[str, Result],
+    right: Callable[[ClassCode], Right],
+    names: tuple[str, ...],
+    unknown: str,
+    given: Iterable[Statement] = (),
+    inputs: Mapping[str, Argument] | None = None,
+) -> Kernel:
+    """A kernel that solves the system of bodies and joints."""
+    systems = [_system(context, of, right, names, unknown) for of in context.classes]
+    works = [s.work for s in systems if s.work]
+    steps: list[Part] = [
+        (
+            "bodies",
+            "(15)",
+            "the compliance of the markers of each body, and its motion without reactions",
+            [*works, *(s.before for s in systems)],
+        )
+    ]
+    if context.blocks:
+        steps.insert(0, ("system", Source.FACTORISATION, "the blocks of the joints", declared(context.blocks)))
+        steps.insert(1, ("known", "(5)", "what is known of the right-hand sides", list(given)))
+        steps.append(
+            (
+                "joints",
+                Source.FACTORISATION,
+                "elimination of the joints, and back substitution",
+                eliminated(context.blocks, context.places),
+            )
+        )
+    steps.append(
+        ("unknowns", Source.FACTORISATION, "the unknowns of each body from the reactions", [s.after for s in systems])
+    )
+    if "lam" in results and context.blocks:
+        steps.append(("lambda", "", "the reactions", list(_reactions(context, context.blocks))))
+    return kernel(context, function, results, *steps, inputs=inputs)
+
+
+def _reactions(context: InstanceContext, system: Blocks) -> Iterator[Statement]:
+    """The reactions in the order of the constraints."""
+    for rows in sorted(set(system.rows)):
+        joints = [j for j, own in enumerate(system.rows) if own == rows]
+        to = context.places.place(f"multiplier_{rows}", INSTANCE, [context.first_rows[j] for j in joints])
+        of = context.places.place(f"reaction_{rows}", INSTANCE, [system.size * system.position[j] for j in joints])
+        body = [StoreElement(Element("lam", to.at(k)), Element(FORCE, of.at(k))) for k in range(rows)]
+        yield ForEach(INSTANCE, constant(0), constant(len(joints)), (*_entry(to), *_entry(of), *body))
+
+
+def _known_bias(context: InstanceContext) -> list[Statement]:
+    """What is known of gamma, besides zeros."""
+    system = context.blocks
+    result: list[Statement] = []
+    if system is None:
+        return result
+    for joint, of in enumerate(context.known):
+        for k, c in enumerate(of):
+            if c.bias != 0:
+                index = system.size * system.position[joint] + k
+                result.append(StoreElement(Element(RIGHT, constant(index)), exact(-c.bias)))
+    return result
+
+
+def _forces(of: ClassCode) -> Right:
+    eq = of.context.equations
+    return Right([-h for h in eq.force], [-c.bias for c in eq.constraints])
+
+
+def accel(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of vdot alone, for integrators of first-order equations."""
+    results = {"vdot": Result(tuple(str(row.a) for row in context.mechanism.rows))}
+    return _solved(context, function, results, _forces, ("q", "v"), "vdot", _known_bias(context))
+
+
+def solve(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of vdot and lambda."""
+    results = {"vdot": Result(tuple(str(row.a) for row in context.mechanism.rows)), "lam": Result(context.multipliers)}
+    return _solved(context, function, results, _forces, ("q", "v"), "vdot", _known_bias(context))
+
+
+def project_velocity(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the smallest dv, in the metric of M, with G dv = r."""
+
+    def nothing(of: ClassCode) -> Right:
+        return Right([sp.S.Zero for _ in of.context.rows], [sp.S.Zero for _ in of.context.multipliers])
+
+    given: list[Statement] = []
+    if context.blocks:
+        system = context.blocks
+        for rows in sorted(set(system.rows)):
+            joints = [j for j, own in enumerate(system.rows) if own == rows]
+            to = context.places.place(f"multiplier_{rows}", INSTANCE, [context.first_rows[j] for j in joints])
+            of = context.places.place(f"reaction_{rows}", INSTANCE, [system.size * system.position[j] for j in joints])
+            body = [StoreElement(Element(RIGHT, of.at(k)), Element("r", to.at(k))) for k in range(rows)]
+            given.append(ForEach(INSTANCE, constant(0), constant(len(joints)), (*_entry(to), *_entry(of), *body)))
+    argument = whole("r", len(context.multipliers), "prescribed change of gdot")
+    results = {"dv": Result(tuple(str(row.v) for row in context.mechanism.rows))}
+    return _solved(context, function, results, nothing, ("q",), "dv", given, {"r": argument})

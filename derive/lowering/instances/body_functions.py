@@ -1,0 +1,167 @@
+"""Mass matrix, forces, energies, momentum, rates and poses: each a loop over the bodies of every class."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from derive.ir.expressions import Element, Operator
+from derive.ir.indices import constant
+from derive.ir.model import Kernel
+from derive.ir.patterns import Pattern, pattern
+from derive.ir.statements import Statement, StoreElement
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.context import stores
+from derive.lowering.flat.schedule import StepItem
+from derive.lowering.instances.class_code import ClassCode, LoopTarget
+from derive.lowering.instances.context import ZERO, InstanceContext, Result, kernel, loops_of
+from derive.lowering.model_functions import ModelFunction
+
+
+def mass(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the mass matrix M(q)."""
+    shape = mass_pattern(context)
+    loops = loops_of(context, lambda of, symbols: _mass_items(of, symbols, shape), "q")
+    return kernel(context, function, {"M": Result(pattern=shape)}, ("M", "(15)", "factors of the accelerations", loops))
+
+
+def _mass_items(of: ClassCode, symbols: Symbols, shape: Pattern) -> tuple[list[StepItem], dict[str, LoopTarget]]:
+    entries = of.context.mass_pattern().entries
+    items = [*stores("M", [symbols(of.context.equations.mass[entry]) for entry in entries])]
+    place = of.place("mass", [shape.colptr[m.coordinate] for m in of.of.members])
+    return items, {"M": of.target("M", place)}
+
+
+def mass_pattern(context: InstanceContext) -> Pattern:
+    """The pattern of M, which is block-diagonal."""
+    n = len(context.rows)
+    entries = {
+        (m.coordinate + i, m.coordinate + j)
+        for of in context.classes
+        for i, j in of.context.mass_pattern().entries
+        for m in of.of.members
+    }
+    return pattern(n, n, entries, symmetric=True)
+
+
+def _force_items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
+    items = [*stores("h", [symbols(h) for h in of.context.equations.force])]
+    return items, {"h": of.target("h", of.coordinate)}
+
+
+def _force_result(context: InstanceContext) -> Result:
+    return Result(tuple(f"h[{name}]" for name in context.rows))
+
+
+def force(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the forces h(t, q, v)."""
+    loops = loops_of(context, _force_items, "q", "v")
+    return kernel(
+        context,
+        function,
+        {"h": _force_result(context)},
+        ("h", "(15)", "centrifugal, Coriolis and elastic terms", loops),
+    )
+
+
+def mass_force(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of M and h together."""
+    shape = mass_pattern(context)
+
+    def both(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
+        (mass, to_mass), (force, to_force) = _mass_items(of, symbols, shape), _force_items(of, symbols)
+        return [*mass, *force], {**to_mass, **to_force}
+
+    results = {"M": Result(pattern=shape), "h": _force_result(context)}
+    return kernel(
+        context,
+        function,
+        results,
+        ("M and h", "(15)", "factors of the accelerations, and all other terms", loops_of(context, both, "q", "v")),
+    )
+
+
+def _sums(name: str, count: int) -> list[Statement]:
+    return [StoreElement(Element(name, constant(k)), ZERO) for k in range(count)]
+
+
+def energy(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the kinetic and strain energies, and of the potential of gravity if there is gravity."""
+    labels = ("kinetic", "strain", *(("gravity",) if context.mechanism.scene.gravity else ()))
+
+    def items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
+        eq = of.context.equations
+        every = (eq.kinetic_energy, eq.strain_energy, eq.weight_energy)
+        values = [(k, symbols(e)) for k, e in enumerate(every) if e is not None and e != 0]
+        return _added("energy", values)
+
+    return kernel(
+        context,
+        function,
+        {"energy": Result(labels)},
+        (
+            "energy",
+            "(22)",
+            "1/2 int rho xdot . xdot and the strain energy",
+            [*_sums("energy", len(labels)), *loops_of(context, items, "q", "v")],
+        ),
+    )
+
+
+def _added(output: str, values: list[tuple[int, ca.SX]]) -> tuple[list[StepItem], dict[str, LoopTarget]]:
+    """The items that add values to elements of an output."""
+    numbers = [k for k, _ in values]
+    target = LoopTarget(output, lambda k: constant(numbers[k]), Operator.ADD)
+    return [*stores(output, [value for _, value in values])], {output: target}
+
+
+def momentum(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the linear momentum, and of the angular momentum about the inertial origin."""
+    labels = ("linear_1", "linear_2", "angular")
+
+    def items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
+        eq = of.context.equations
+        every = enumerate((*eq.linear_momentum, *eq.angular_momentum))
+        return _added("momentum", [(k, symbols(e)) for k, e in every if e != 0])
+
+    return kernel(
+        context,
+        function,
+        {"momentum": Result(labels)},
+        (
+            "momentum",
+            "(1)",
+            "int rho xdot and int rho x x xdot",
+            [*_sums("momentum", len(labels)), *loops_of(context, items, "q", "v")],
+        ),
+    )
+
+
+def rates(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of qdot."""
+
+    def items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
+        values = [symbols(rate) for rate in of.context.equations.rates]
+        return [*stores("qdot", values)], {"qdot": of.target("qdot", of.coordinate)}
+
+    result = Result(tuple(f"{name}_t" for name in context.names))
+    return kernel(
+        context, function, {"qdot": result}, ("rates", "(1)", "in the plane qdot = v", loops_of(context, items, "v"))
+    )
+
+
+def poses(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the positions and rotation angles of all body frames."""
+
+    def items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
+        (pose,) = of.context.equations.poses
+        values = [symbols(e) for e in (*pose.position, pose.rotation_angle)]
+        place = of.place("pose", [3 * m.number for m in of.of.members])
+        return [*stores("pose", values)], {"pose": of.target("pose", place)}
+
+    labels = tuple(f"{i.name}.{what}" for i in context.mechanism.instances for what in ("c1", "c2", "phi"))
+    return kernel(
+        context,
+        function,
+        {"pose": Result(labels)},
+        ("poses", "(1)", "bodies in the order of the specification", loops_of(context, items, "q")),
+    )

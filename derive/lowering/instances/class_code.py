@@ -1,0 +1,197 @@
+"""The loop over the bodies of a class: statements of straight-line code, whose names are elements of arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import casadi as ca
+import sympy as sp
+
+from derive.ir.analysis import expressions
+from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef, walk
+from derive.ir.indices import ElementIndex, IndexTerm
+from derive.ir.model import ConstantArray
+from derive.ir.operator_functions import ARITHMETIC, LIBRARY
+from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Store, StoreElement
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.context import Context, Input
+from derive.lowering.flat.schedule import Step
+from derive.lowering.instances.class_equations import ClassEquations
+from derive.lowering.instances.classes import BodyClass, Member
+from derive.lowering.instances.places import Place, Places
+from derive.mechanics.equations import Equations
+
+INSTANCE = "instance"
+"""The variable of loops over instances."""
+
+
+@dataclass(frozen=True)
+class LoopTarget:
+    """The place of the elements of an output of a loop, and the operator with which values are added to it."""
+
+    array: str
+    index: Callable[[int], ElementIndex]
+    operator: Operator | None = None
+    entries: tuple[Entry, ...] = ()
+
+
+Loaded = tuple[str, Place, Input]
+"""An array, the place of the elements of an instance in it, and their names."""
+
+
+class ClassCode:
+    """The code of a class of bodies: its context of straight-line code, and the places of its instances."""
+
+    def __init__(self, of: BodyClass, equations: ClassEquations, places: Places) -> None:
+        self.of, self.rows, self.places = of, equations.rows, places
+        self.own = equations.own
+        self.context = Context(_with_differences(of, equations))
+        self.count = len(of.members)
+        self._values = [
+            {str(c.symbol): value for c, value in zip(equations.equations.coefficients, _values(m), strict=True)}
+            for m in of.members
+        ]
+        self._columns: dict[str, int] = {}
+        self.coordinate = self.place("coordinate", [m.coordinate for m in of.members])
+
+    @property
+    def name(self) -> str:
+        """The name of the class."""
+        return self.of.name
+
+    def place(self, what: str, firsts: Sequence[int]) -> Place:
+        """The place of the first of some elements of each instance."""
+        return self.places.place(f"{what}_{self.name}", INSTANCE, firsts)
+
+    def target(self, array: str, place: Place, operator: Operator | None = None) -> LoopTarget:
+        """The target of outputs whose elements follow each other from a place."""
+        return LoopTarget(array, place.at, operator, _entries(place))
+
+    def loop(
+        self,
+        symbols: Symbols,
+        steps: Iterable[Step],
+        inputs: Iterable[Loaded],
+        targets: Mapping[str, LoopTarget],
+    ) -> ForEach:
+        """The loop over the instances of the class.
+
+        targets: those of the outputs of the steps, by name.
+        """
+        sections = self.context.sections(symbols, *steps)
+        statements = [statement for section in sections for statement in section.body]
+        used = {
+            part.name for s in statements for e in expressions(s) for part in walk(e) if isinstance(part, ScalarRef)
+        }
+        loads: list[InstanceItem] = []
+        entries: list[Entry] = []
+        for array, place, given in inputs:
+            names = [(k, name) for k, name in enumerate(given.elements) if name in used]
+            loads += [Let(name, Element(array, place.at(k))) for k, name in names]
+            entries += _entries(place) if names else ()
+        loads += [Let(name, self._constant(name)) for name in sorted(used & self._constants())]
+        body: list[InstanceItem] = []
+        for statement in statements:
+            if isinstance(statement, Store):
+                target = targets[statement.output]
+                element = Element(target.array, target.index(statement.index))
+                body.append(StoreElement(element, statement.expr, target.operator))
+                entries += target.entries
+            else:
+                assert isinstance(statement, Let | Require)
+                body.append(statement)
+        start, stop = ElementIndex(0), ElementIndex(self.count)
+        return ForEach(INSTANCE, start, stop, (*dict.fromkeys(entries), *loads, *body))
+
+    # ---- numbers that differ from instance to instance ----
+
+    def _constants(self) -> set[str]:
+        return {*self.context.constants.coefficients, *self.context.constants.hoisted.values()}
+
+    def _constant(self, name: str) -> Element:
+        """The element of the constant array of the class that holds a constant."""
+        column = self._columns.setdefault(name, len(self._columns))
+        return Element(self._array, ElementIndex(column * self.count, (IndexTerm(1, INSTANCE),)))
+
+    @property
+    def _array(self) -> str:
+        return f"numbers_{self.name}"
+
+    def add_numbers(self) -> None:
+        """Add the constant array of the numbers that the loops of the class have used."""
+        if not self._columns:
+            return
+        hoisted = {name: expr for expr, name in self.context.constants.hoisted.items()}
+        columns: list[Fraction] = []
+        for name in self._columns:
+            columns += [_evaluated(name, values, hoisted) for values in self._values]
+        self.places.numbers(ConstantArray(self._array, tuple(columns), False))
+
+
+def _entries(place: Place) -> tuple[Entry, ...]:
+    return () if place.entry is None else (place.entry,)
+
+
+def _values(member: Member) -> list[Fraction]:
+    return [Fraction(int(c.value.p), int(c.value.q)) for c in member.constants]
+
+
+def _with_differences(of: BodyClass, equations: ClassEquations) -> Equations:
+    """The equations with symbols as the values of the constants in which the members differ."""
+    every = [_values(member) for member in of.members]
+    same = [all(values[k] == every[0][k] for values in every) for k in range(len(every[0]))]
+    coefficients = tuple(
+        c if equal else replace(c, value=sp.Symbol(str(c.symbol)))
+        for c, equal in zip(equations.equations.coefficients, same, strict=True)
+    )
+    return replace(equations.equations, coefficients=coefficients)
+
+
+def _evaluated(name: str, values: Mapping[str, Fraction], hoisted: Mapping[str, Expr]) -> Fraction:
+    """A constant of one instance, exactly where its expression is rational."""
+
+    def of(expr: Expr) -> Fraction:
+        match expr:
+            case Number():
+                return expr.value
+            case ScalarRef():
+                return values[expr.name] if expr.name in values else of(hoisted[expr.name])
+            case Operation():
+                call = {**ARITHMETIC, **LIBRARY}[expr.kind]
+                return Fraction(call(*map(of, expr.args)))
+        raise AssertionError("constants have no arrays")
+
+    return of(ScalarRef(name))
+
+
+def kept_values(
+    symbols: Symbols, values: list[ca.SX], later: Sequence[ca.SX], inverses: Sequence[tuple[ca.SX, ca.SX]]
+) -> tuple[list[ca.SX], list[ca.SX], list[ca.SX]]:
+    """Expressions in which all that does not depend on the symbols `later` is a symbol of its own.
+
+    inverses: symbols in the expressions that stand for values. Returns the expressions, their new symbols, and the
+    values that these stand for, which do not depend on numbers alone.
+    """
+    given = [s for s in symbols.inputs if not any(ca.is_equal(s, other) for other in later)]
+    vector, new, stand_for = ca.extract_parametric(ca.vertcat(*values), ca.vertcat(*given))
+    constants = {str(s) for s, leaf in zip(symbols.inputs, symbols.leaves, strict=True) if isinstance(leaf, Number)}
+    varying: list[tuple[ca.SX, ca.SX]] = []
+    fixed: list[tuple[ca.SX, ca.SX]] = []
+    for symbol, value in zip(new, stand_for, strict=True):
+        (fixed if {str(s) for s in ca.symvar(value)} <= constants else varying).append((symbol, value))
+    vector = _substituted(vector, fixed)
+    plain = {str(s) for s in ca.symvar(vector)}
+    kept = [*varying, *((symbol, symbol) for symbol, _ in inverses if str(symbol) in plain)]
+    values_of = [_substituted(value, inverses) for _, value in kept]
+    return ca.vertsplit(vector), [symbol for symbol, _ in kept], values_of
+
+
+def _substituted(expr: ca.SX, pairs: Sequence[tuple[ca.SX, ca.SX]]) -> ca.SX:
+    """An expression with values in place of symbols."""
+    if not pairs:
+        return expr
+    symbols, values = (ca.vertcat(*column) for column in zip(*pairs, strict=True))
+    result: ca.SX = ca.substitute(expr, symbols, values)
+    return result

@@ -1,0 +1,114 @@
+"""Constraints, their time derivatives, Jacobian and bias: sums over the bodies that a joint connects."""
+
+from __future__ import annotations
+
+from derive.ir.expressions import Element, Operator
+from derive.ir.indices import ElementIndex, IndexTerm, constant
+from derive.ir.model import Kernel
+from derive.ir.patterns import Pattern, pattern
+from derive.ir.statements import ForEach, Statement, StoreElement
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.constraints import jacobian_entries, jacobian_pattern
+from derive.lowering.flat.context import stores
+from derive.lowering.flat.schedule import StepItem
+from derive.lowering.instances.class_code import ClassCode, LoopTarget
+from derive.lowering.instances.context import ZERO, InstanceContext, Result, exact, kernel, loops_of, merged, scatter
+from derive.lowering.model_functions import ModelFunction
+
+
+def _constraint_sums(
+    context: InstanceContext, output: str, part: str, *names: str, bias_sign: int = 1
+) -> list[Statement]:
+    """An output with an element for each constraint: what is known, then what each body adds."""
+    known = [getattr(c, part) for of in context.known for c in of]
+    given: list[Statement] = [
+        StoreElement(Element(output, constant(k)), exact(bias_sign * value)) for k, value in enumerate(known)
+    ]
+    if all(value == 0 for value in known):
+        given = [
+            ForEach(
+                "row",
+                constant(0),
+                constant(len(known)),
+                (StoreElement(Element(output, ElementIndex(0, (IndexTerm(1, "row"),))), ZERO),),
+            )
+        ]
+
+    def items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
+        values = [bias_sign * symbols(getattr(c, part)) for c in of.context.equations.constraints]
+        return [*stores(output, values)], {output: merged(of, output, context.rows_of(of), Operator.ADD)}
+
+    return [*given, *loops_of(context, items, *names)] if known else []
+
+
+def constraints(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the constraints g(t, q)."""
+    body = _constraint_sums(context, "g", "position", "q")
+    return kernel(
+        context,
+        function,
+        {"g": Result(context.multipliers)},
+        ("g", "(1)", "points of body 2 minus points of body 1", body),
+    )
+
+
+def constraint_rates(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the time derivatives gdot = G v + dg/dt of the constraints."""
+    body = _constraint_sums(context, "gdot", "rate", "q", "v")
+    return kernel(
+        context,
+        function,
+        {"gdot": Result(context.multipliers)},
+        ("gdot", "(1)", "velocities of body 2 minus those of body 1", body),
+    )
+
+
+def constraint_bias(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the right-hand side gamma of the constraints on accelerations, G vdot = gamma."""
+    body = _constraint_sums(context, "gamma", "bias", "q", "v", bias_sign=-1)
+    return kernel(
+        context,
+        function,
+        {"gamma": Result(context.multipliers)},
+        ("gamma", "(5)", "centrifugal and Coriolis parts", body),
+    )
+
+
+def constraint_pattern(context: InstanceContext) -> Pattern:
+    """The pattern of G."""
+    entries = {entry for of in context.classes for own in _jacobian_positions(context, of) for entry in own}
+    return pattern(len(context.multipliers), len(context.rows), entries)
+
+
+def _jacobian_positions(context: InstanceContext, of: ClassCode) -> list[list[tuple[int, int]]]:
+    """The rows and columns in G of the entries of each member of a class."""
+    local_rows = [(h, k) for h, rows in enumerate(of.rows) for k in range(len(rows))]
+    result = []
+    for m in of.of.members:
+        firsts = [context.first_rows[handle.joint] for handle in m.handles]
+        result.append(
+            [
+                (firsts[local_rows[i][0]] + local_rows[i][1], m.coordinate + j)
+                for i, j in jacobian_pattern(of.context).entries
+            ]
+        )
+    return result
+
+
+def constraint_jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the constraint Jacobian G(t, q) = d gdot / dv."""
+    shape = constraint_pattern(context)
+    number = {entry: k for k, entry in enumerate(shape.entries)}
+
+    def items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
+        values = jacobian_entries(of.context, symbols)
+        positions = [[number[entry] for entry in own] for own in _jacobian_positions(context, of)]
+        target = scatter(of, "jacobian", "G", positions, None)
+        return [*stores("G", [values[entry] for entry in jacobian_pattern(of.context).entries])], {"G": target}
+
+    return kernel(
+        context,
+        function,
+        {"G": Result(pattern=shape)},
+        ("G", "(6)", "factors of the generalised velocities", loops_of(context, items, "q")),
+    )

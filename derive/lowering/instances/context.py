@@ -1,0 +1,158 @@
+"""What the functions of a mechanism share: classes of bodies, joints, names, and how a kernel is put together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import accumulate
+
+import sympy as sp
+
+from derive.ir.expressions import Number, Operator
+from derive.ir.model import Argument, Kernel, Output, Section, View
+from derive.ir.patterns import Pattern
+from derive.ir.statements import ForEach, Statement
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.schedule import Step, StepItem
+from derive.lowering.instances.block_elimination import (
+    Blocks,
+    blocks,
+)
+from derive.lowering.instances.class_code import ClassCode, Loaded, LoopTarget
+from derive.lowering.instances.class_equations import STILL, class_equations, known_constraints
+from derive.lowering.instances.classes import body_classes
+from derive.lowering.instances.places import Place, Places
+from derive.lowering.model_functions import ModelFunction
+from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.point_motion import PointMotion
+from derive.spec.model.markers import GROUND, MarkerRef
+
+ZERO = Number(Fraction(0))
+
+
+class InstanceContext:
+    """What all functions share: the classes of bodies, the joints, the names of all elements, and constant arrays."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self.places = Places()
+        self.classes = [ClassCode(c, class_equations(mechanism, c), self.places) for c in body_classes(mechanism)]
+        rows = [joint.multipliers for joint in mechanism.joints]
+        self.first_rows = [0, *accumulate(rows)]
+        cliques = [[h.joint for h in m.handles] for c in self.classes for m in c.of.members]
+        self.blocks: Blocks | None = blocks(rows, cliques) if rows else None
+        self.names = tuple(str(c.q) for c in mechanism.coordinates)
+        self.rows = tuple(row.name for row in mechanism.rows)
+        self.known = [
+            known_constraints(j, self._known(j.joint.first), self._known(j.joint.second)) for j in mechanism.joints
+        ]
+        self.multipliers = tuple(c.name for of in self.known for c in of)
+
+    def _known(self, marker: MarkerRef) -> PointMotion:
+        return self.mechanism.ground[marker.marker] if marker.body == GROUND else STILL
+
+    def rows_of(self, of: ClassCode) -> list[Place]:
+        """For each handle of a class the place of the first constraint of its joint."""
+        return [
+            of.place(f"row_{h}", [self.first_rows[m.handles[h].joint] for m in of.of.members])
+            for h in range(len(of.rows))
+        ]
+
+
+def merged(of: ClassCode, array: str, rows: Iterable[Place], operator: Operator | None) -> LoopTarget:
+    """The target of the constraints of a body: those of its joints, each from a place."""
+    places = list(rows)
+    index = [place.at(k) for place, own in zip(places, of.rows, strict=True) for k in range(len(own))]
+    entries = tuple(place.entry for place in places if place.entry)
+    return LoopTarget(array, index.__getitem__, operator, entries)
+
+
+# ---- kernels ----
+
+
+@dataclass(frozen=True)
+class Result:
+    """The names of the elements of an output; of a matrix its pattern instead, since it has too many."""
+
+    elements: tuple[str, ...] = ()
+    pattern: Pattern | None = None
+
+    def output(self, name: str, doc: str) -> Output:
+        """The output with this name and documentation."""
+        count = None if self.pattern is None else len(self.pattern.rowidx)
+        return Output(name, self.elements, doc, self.pattern, count)
+
+
+Part = tuple[str, str, str, Iterable[Statement]]
+"""A section: name, equation, text and statements."""
+
+
+def whole(name: str, size: int, doc: str) -> Argument:
+    """An argument whose elements have no names of their own."""
+    return Argument(name, (), doc, arrays=(View(name, 0, size),))
+
+
+def kernel(
+    context: InstanceContext,
+    function: ModelFunction,
+    results: Mapping[str, Result],
+    *sections: Part,
+    inputs: Mapping[str, Argument] | None = None,
+) -> Kernel:
+    """The kernel of a function from its sections."""
+    n = len(context.rows)
+    arguments = {
+        "t": Argument("t", (), "time", scalar=True),
+        "q": whole("q", n, "generalised coordinates"),
+        "v": whole("v", n, "generalised velocities"),
+        "k": Argument("k", (), "constants from setup"),
+        **(inputs or {}),
+    }
+    outputs = tuple(results[name].output(name, doc) for name, doc in function.outputs.items())
+    made = tuple(Section(name, equation, text, tuple(body)) for name, equation, text, body in sections)
+    return Kernel(
+        function.name,
+        function.doc,
+        tuple(arguments[name] for name in function.arguments),
+        outputs,
+        tuple(section for section in made if section.body),
+    )
+
+
+def scatter(of: ClassCode, what: str, array: str, positions: list[list[int]], operator: Operator | None) -> LoopTarget:
+    """The target of outputs at given positions for each member, from one first position if all are spaced alike."""
+    spaced = [[p - own[0] for p in own] for own in positions if own]
+    if all(own == spaced[0] for own in spaced):
+        place = of.place(what, [own[0] for own in positions if own] or [0])
+        offsets = spaced[0] if spaced else []
+        entries = (place.entry,) if place.entry else ()
+        return LoopTarget(array, lambda k: place.at(offsets[k]), operator, entries)
+    columns = [of.place(f"{what}_{e}", [own[e] for own in positions]) for e in range(len(positions[0]))]
+    return LoopTarget(array, lambda k: columns[k].at(0), operator, tuple(c.entry for c in columns if c.entry))
+
+
+def state(of: ClassCode, *names: str) -> list[Loaded]:
+    """Where the coordinates and velocities of a body of a class are."""
+    return [(name, of.coordinate, of.context.q if name == "q" else of.context.v) for name in names]
+
+
+def loops_of(
+    context: InstanceContext,
+    of_class: Callable[[ClassCode, Symbols], tuple[list[StepItem], dict[str, LoopTarget]]],
+    *names: str,
+) -> list[ForEach]:
+    """A loop over each class with the items that it computes from the state."""
+    loops = []
+    for of in context.classes:
+        symbols = of.context.symbols(*(of.context.q if name == "q" else of.context.v for name in names))
+        items, targets = of_class(of, symbols)
+        if items:
+            loops.append(of.loop(symbols, [Step(of.name, "", "", tuple(items))], state(of, *names), targets))
+    return loops
+
+
+def exact(value: sp.Expr) -> Number:
+    """An exact number."""
+    number = sp.Rational(value)
+    return Number(Fraction(int(number.p), int(number.q)))

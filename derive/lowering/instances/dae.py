@@ -1,0 +1,124 @@
+"""The equations F(t, y, ydot) = 0 for implicit integrators, and their iteration matrices, body by body."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+
+import casadi as ca
+
+from derive.ir.expressions import Element, Operator
+from derive.ir.indices import constant
+from derive.ir.model import Argument, Kernel
+from derive.ir.patterns import pattern
+from derive.ir.statements import Clear, Statement, StoreElement
+from derive.lowering.flat.context import Input, array_input, stores
+from derive.lowering.flat.dae import residual_rows, states
+from derive.lowering.flat.schedule import Step
+from derive.lowering.instances.class_code import ClassCode, Loaded
+from derive.lowering.instances.context import InstanceContext, Result, exact, kernel, scatter, whole
+from derive.lowering.model_functions import ModelFunction
+
+PARTS = {"": ("position",), "ggl": ("rate", "position"), "index1": ("bias",)}
+"""For each form the parts of the constraints that the blocks of F after the equations of motion contain."""
+
+
+class _Form:
+    """The layout of y and F in one form: q, v and lambda, and in the stabilised form mu."""
+
+    def __init__(self, context: InstanceContext, form: str) -> None:
+        self.context, self.form = context, form
+        self.coordinates, self.constraints = len(context.rows), len(context.multipliers)
+        self.blocks = len(PARTS[form])
+        self.size = 2 * self.coordinates + self.blocks * self.constraints
+
+    def positions(self, of: ClassCode) -> list[list[int]]:
+        """For each member of a class the indices in y, and in F, of its own elements in the order of its context."""
+        n = len(of.context.rows)
+        result = []
+        for m in of.of.members:
+            own = [m.coordinate + k for k in range(n)]
+            rows = [
+                self.context.first_rows[handle.joint] + k
+                for handle, numbers in zip(m.handles, of.rows, strict=True)
+                for k in range(len(numbers))
+            ]
+            result.append(
+                [*own, *(self.coordinates + i for i in own)]
+                + [2 * self.coordinates + b * self.constraints + r for b in range(self.blocks) for r in rows]
+            )
+        return result
+
+    def loads(self, of: ClassCode, array: str, given: Input, what: str) -> Iterator[Loaded]:
+        """The elements of an array of the size of y that one body has."""
+        positions = self.positions(of)
+        for k, symbol in enumerate(given.symbols):
+            yield array, of.place(f"{what}_{k}", [own[k] for own in positions]), array_input(array, (symbol,), "")
+
+    @cached_property
+    def labels(self) -> tuple[str, ...]:
+        """The names of the elements of y."""
+        context = self.context
+        velocities = (str(row.v) for row in context.mechanism.rows)
+        letters = ("lambda", "mu")[: self.blocks]
+        return (*context.names, *velocities, *(f"{c}_{name}" for c in letters for name in context.multipliers))
+
+    @property
+    def arguments(self) -> dict[str, Argument]:
+        """y and ydot."""
+        blocks = "[q; v; lambda; mu]" if self.form == "ggl" else "[q; v; lambda]"
+        return {
+            "y": whole("y", self.size, f"state {blocks}"),
+            "ydot": whole("ydot", self.size, "time derivative of y"),
+            "cj": Argument("cj", (), "factor of dF/dydot", scalar=True),
+        }
+
+
+def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of F(t, y, ydot)."""
+    form = _Form(context, function.variant)
+    body: list[Statement] = [Clear("F", form.size)]
+    for b, part in enumerate(PARTS[form.form]):
+        first = 2 * form.coordinates + b * form.constraints
+        known = (getattr(c, part) for of in context.known for c in of)
+        body += [
+            StoreElement(Element("F", constant(first + k)), exact(value)) for k, value in enumerate(known) if value != 0
+        ]
+    for of in context.classes:
+        y, ydot = states(of.context, form.form)
+        symbols = of.context.symbols(of.context.t, y, ydot)
+        rows = residual_rows(of.context, form.form, symbols)
+        target = scatter(of, f"state_{form.form}", "F", form.positions(of), Operator.ADD)
+        loads = (*form.loads(of, "y", y, f"state_{form.form}"), *form.loads(of, "ydot", ydot, f"state_{form.form}"))
+        body.append(of.loop(symbols, [Step(of.name, "", "", stores("F", rows))], loads, {"F": target}))
+    text = "kinematics, equations of motion, constraints"
+    results = {"F": Result(form.labels)}
+    return kernel(context, function, results, ("residual", "(15)", text, body), inputs=form.arguments)
+
+
+def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the iteration matrix dF/dy + cj dF/dydot."""
+    form = _Form(context, function.variant)
+    entries = {(i, i) for i in range(form.size)}
+    local = []
+    for of in context.classes:
+        y, ydot = states(of.context, form.form)
+        symbols = of.context.symbols(of.context.t, y, ydot, of.context.cj)
+        rows = ca.vertcat(*residual_rows(of.context, form.form, symbols))
+        by_y, by_ydot = (ca.jacobian(rows, ca.vertcat(*symbols.values_of(a.symbols))) for a in (y, ydot))
+        (cj,) = symbols.values_of(of.context.cj.symbols)
+        matrix = by_y + cj * by_ydot
+        own = sorted(zip(*matrix.sparsity().get_triplet(), strict=True), key=lambda entry: (entry[1], entry[0]))
+        positions = [[(at[i], at[j]) for i, j in own] for at in form.positions(of)]
+        entries |= {entry for member in positions for entry in member}
+        local.append((of, symbols, (y, ydot), [matrix[i, j] for i, j in own], positions))
+    shape = pattern(form.size, form.size, entries)
+    number = {entry: k for k, entry in enumerate(shape.entries)}
+    body: list[Statement] = [Clear("jac", len(number))]
+    for of, symbols, (y, ydot), values, positions in local:
+        target = scatter(of, f"iteration_{form.form}", "jac", [[number[e] for e in m] for m in positions], None)
+        loads = (*form.loads(of, "y", y, f"state_{form.form}"), *form.loads(of, "ydot", ydot, f"state_{form.form}"))
+        body.append(of.loop(symbols, [Step(of.name, "", "", stores("jac", values))], loads, {"jac": target}))
+    results = {"jac": Result(pattern=shape)}
+    text = "derivatives of the residual"
+    return kernel(context, function, results, ("jacobian", "(15)", text, body), inputs=form.arguments)

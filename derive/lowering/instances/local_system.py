@@ -1,0 +1,149 @@
+"""One body between its joints: the compliance of its markers, its motion without reactions, and that due to them.
+
+M x = f + G^T lambda with G x = gamma, of one body of a class. Where M is diagonal, as in the mean frame, products are
+written out with exact numbers, so that c8 and the shapes at the markers combine to the constant compliance of the
+amplitudes, Phi c8^-1 Phi^T; else M is factorised.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+import sympy as sp
+
+from derive.ir.expressions import ScalarRef
+from derive.lowering.flat.body_functions import pivot_checks
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.constraints import jacobian_entries
+from derive.lowering.flat.schedule import NamedValue, StepItem
+from derive.lowering.instances.class_code import ClassCode
+from derive.lowering.ldlt import Factorisation, factorise, solve
+from derive.mechanics.symbols import local
+
+
+@dataclass(frozen=True)
+class Right:
+    """The right-hand side of a body: f for each coordinate, and gamma for each of its constraints."""
+
+    forces: list[sp.Expr]
+    bias: list[sp.Expr]
+
+
+@dataclass(frozen=True)
+class LocalSystem:
+    """A body between its joints.
+
+    compliance: the entry of G M^-1 G^T of two constraints; right: gamma - G M^-1 f; unknowns: x in terms of lambda;
+    checks: what is named or required before; inverses: what stands for the inverses of divisors in `unknowns`, with
+    their values, so that each is computed once.
+    """
+
+    compliance: Callable[[int, int], ca.SX]
+    right: list[ca.SX]
+    unknowns: list[ca.SX]
+    checks: tuple[StepItem, ...]
+    inverses: tuple[tuple[ca.SX, ca.SX], ...] = ()
+
+
+def local_system(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
+    """The system of a class; `symbols` get the names of what it computes first."""
+    mass = of.context.equations.mass
+    if all(mass[i, j] == 0 for i in range(mass.rows) for j in range(i)):
+        return _diagonal(of, symbols, right)
+    return _factorised(of, symbols, right)
+
+
+def _diagonal(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
+    """The system of a body whose coordinates are independent of each other."""
+    context = of.context
+    eq, rows = context.equations, context.rows
+    numbers = {c.symbol: c.value for c in eq.coefficients}
+    state = {*(c.q for c in eq.coordinates), *(d.symbol for d in eq.definitions)}
+    shape = context.mass_pattern()
+    factors = factorise(shape, {entry: symbols(eq.mass[entry]) for entry in shape.entries})
+    checks: list[StepItem] = [*pivot_checks(symbols, factors, rows)]
+    inverse: list[sp.Expr] = []
+    inverses: dict[sp.Symbol, ca.SX] = {}
+    for k, row in enumerate(rows):
+        entry = eq.mass[k, k]
+        if entry.free_symbols & state:
+            symbol = local(f"inverse_{row}")
+            inverses[symbol] = symbols.define(symbol, 1 / entry)
+            inverse.append(symbol)
+        else:
+            inverse.append(1 / sp.expand(entry.xreplace(numbers)))
+    free: list[sp.Expr] = []
+    for k, row in enumerate(rows):
+        value = sp.expand(inverse[k] * right.forces[k].xreplace(numbers))
+        if value.is_number or value.is_Symbol:
+            free.append(value)
+            continue
+        symbol = local(f"free_{row}")
+        checks.append(NamedValue(symbol.name, symbols.define(symbol, value)))
+        free.append(symbol)
+    number = {name: k for k, name in enumerate(rows)}
+    G = [{number[row]: sp.expand(f.xreplace(numbers)) for row, f in c.jacobian} for c in eq.constraints]
+
+    def compliance(a: int, b: int) -> ca.SX:
+        return symbols(sp.expand(sp.Add(*(G[a][k] * G[b][k] * inverse[k] for k in G[a] if k in G[b]))))
+
+    lam = context.forces
+    reactions = (sp.Add(*(row[k] * lam[r] for r, row in enumerate(G) if k in row)) for k in range(len(rows)))
+    later = {symbol: local(f"kept_{symbol}") for symbol in inverses}
+    for symbol in later.values():
+        symbols.input(symbol, ScalarRef(symbol.name))
+    factors_of = [later.get(value, value) for value in inverse]
+    unknowns = [symbols(_with_reactions(free[k], factors_of[k], total)) for k, total in enumerate(reactions)]
+    rest = (
+        sp.expand(gamma.xreplace(numbers) - sp.Add(*(f * free[k] for k, f in row.items())))
+        for gamma, row in zip(right.bias, G, strict=True)
+    )
+    opaque = tuple((symbols.values[later[symbol]], value) for symbol, value in inverses.items())
+    return LocalSystem(compliance, [symbols(e) for e in rest], unknowns, tuple(checks), opaque)
+
+
+def _with_reactions(free: sp.Expr, inverse: sp.Expr, reactions: sp.Expr) -> sp.Expr:
+    """The motion without reactions and that due to them; an inverse that varies multiplies their sum once."""
+    total = sp.expand(reactions if inverse.is_Symbol else inverse * reactions)
+    return free + (inverse * total if inverse.is_Symbol else total)
+
+
+def _factorised(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
+    """The system of a body whose mass matrix is factorised."""
+    context = of.context
+    eq = context.equations
+    shape = context.mass_pattern()
+    factors = factorise(shape, {entry: symbols(eq.mass[entry]) for entry in shape.entries})
+    forces = [symbols(f) for f in right.forces]
+    entries = jacobian_entries(context, symbols)
+    G = [{j: value for (i, j), value in entries.items() if i == r} for r in range(len(context.multipliers))]
+    inverse = dict(zip(factors.order, factors.inverses, strict=True))
+    halves = [_forward(factors, row) for row in G]
+    half_force = _forward(factors, dict(enumerate(forces)))
+
+    def product(a: Mapping[int, ca.SX], b: Mapping[int, ca.SX]) -> ca.SX:
+        total = ca.SX(0)
+        for j in a:
+            if j in b:
+                total = total + a[j] * (inverse[j] * b[j])
+        return total
+
+    total = list(forces)
+    for row, force in zip(G, symbols.values_of(context.forces), strict=True):
+        for j, value in row.items():
+            total[j] = total[j] + value * force
+    rest = [symbols(gamma) - product(half, half_force) for gamma, half in zip(right.bias, halves, strict=True)]
+    checks = pivot_checks(symbols, factors, context.rows)
+    return LocalSystem(lambda a, b: product(halves[a], halves[b]), rest, solve(factors, total), checks)
+
+
+def _forward(factors: Factorisation, right: Mapping[int, ca.SX]) -> dict[int, ca.SX]:
+    """L^-1 times a sparse right-hand side."""
+    x = dict(right)
+    for j in factors.order:
+        if j in x:
+            for i, entry in factors.lower[j]:
+                x[i] = x[i] - entry * x[j] if i in x else -entry * x[j]
+    return x

@@ -1,0 +1,55 @@
+"""Where the numbers of an instance are: indices that count from a loop variable, or from a constant array."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+from derive.ir.indices import ElementIndex, IndexTerm, constant
+from derive.ir.model import ConstantArray
+from derive.ir.statements import Entry
+
+
+@dataclass(frozen=True)
+class Place:
+    """The index of a first element for each instance of a loop, and the statement that names it, if it needs one."""
+
+    first: ElementIndex
+    entry: Entry | None = None
+
+    def at(self, offset: int) -> ElementIndex:
+        """The index of an element, counted from the first one."""
+        return self.first.plus(offset)
+
+
+@dataclass
+class Places:
+    """The constant arrays of a model, by their names, as loops come to need them."""
+
+    arrays: dict[str, ConstantArray] = field(default_factory=dict)
+
+    def place(self, name: str, variable: str, firsts: Sequence[int]) -> Place:
+        """The place of the first elements `firsts` of the instances that a variable counts.
+
+        name: that of the constant array and of the integer, if the elements are not equally spaced.
+        """
+        stride = firsts[1] - firsts[0] if len(firsts) > 1 else 0
+        if all(first == firsts[0] + stride * n for n, first in enumerate(firsts)):
+            return Place(ElementIndex(firsts[0], (IndexTerm(stride, variable),)) if stride else constant(firsts[0]))
+        array = self.integers(f"{name}_of", firsts)
+        return Place(
+            ElementIndex(0, (IndexTerm(1, name),)), Entry(name, array, ElementIndex(0, (IndexTerm(1, variable),)))
+        )
+
+    def integers(self, name: str, values: Iterable[int]) -> str:
+        """The name of a constant array of integers, which is added; equal arrays of one name are one."""
+        return self._add(ConstantArray(name, tuple(values), True))
+
+    def numbers(self, array: ConstantArray) -> str:
+        """The name of a constant array of numbers, which is added."""
+        return self._add(array)
+
+    def _add(self, array: ConstantArray) -> str:
+        known = self.arrays.setdefault(array.name, array)
+        assert known == array, f"two constant arrays are called {array.name}"
+        return array.name
