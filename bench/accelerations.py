@@ -45,7 +45,7 @@ def openblas() -> Path | None:
 
 def accelerations(size: int, flags: str, repeats: int, folder: Path) -> dict[str, float]:
     """Times (ns) of M and h, of generated accelerations, of the LAPACK solution, and of the latter with M and h."""
-    spec = derive.symbolic_body("body", size, frame="mean", lowering="table")
+    spec = derive.symbolic_body("body", size, frame="mean", lowering="loops")
     model = derive.lower(derive.derive(spec))
     derive.write(CBackend().files(model, "a benchmark"), folder)
     source = folder / "body" / "body.c"

@@ -58,7 +58,7 @@ MODELS: dict[str, Callable[[], tuple[Model, np.ndarray]]] = {
     **{f"beam {f} {n}": lambda f=f, n=n: planar(f, n) for f in ("mean", "point") for n in (2, 8)},
     **{f"body {f} {n} flat": lambda f=f, n=n: spatial(n, f, "flat") for f, n in FLAT},
     **{
-        f"body {f} {n} table": lambda f=f, n=n: spatial(n, f, "table")
+        f"body {f} {n} loops": lambda f=f, n=n: spatial(n, f, "loops")
         for f in ("mean", "given")
         for n in (8, 32, 100, 300)
     },

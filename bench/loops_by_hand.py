@@ -66,7 +66,7 @@ def hand_call(item: str, size: int, count: int) -> TimedCall:
 def functions(data: str, size: int, flags: str, repeats: int, with_peers: bool, folder: Path) -> list[Row]:
     """The rows of M, h and the iteration matrix of a body: dense, or with the sparse tables of a beam."""
     few = data == "beam" or size <= max(MAX_PEER_MODES.values())
-    lowerings = ("flat", "table") if few and with_peers else ("table",)
+    lowerings = ("flat", "loops") if few and with_peers else ("loops",)
     own, sizes = ours(data, size, LIMIT, folder, lowerings)
     hand = by_hand(size, flags, folder) if data == "dense" else None
     selected = estimate_costs(modal_body(BODIES[data](size), None)).lowering
@@ -79,7 +79,7 @@ def functions(data: str, size: int, flags: str, repeats: int, with_peers: bool, 
         sources = [s for s in sources if compiled(s.path, options[s], LIMIT).seconds is not None]
         times = nanoseconds(data, size, item, sources, sizes, repeats, folder, hand)
         name, goal = f"{label}, {data} body, {size} modes", GOALS[item] if hand else SPARSE_GOAL
-        form = {"flat": "unrolled", "table": "looped"}
+        form = {"flat": "unrolled", "loops": "looped"}
         note = ", ".join([f"{form[selected]} as selected", *(f"{form[k]} {times[k]:.0f}" for k in form if k in times)])
         others = {"CasADi": times["casadi"]} if "casadi" in times else {}
         result.append(row(name, times[selected], peers=others, hand=times.get("hand"), goal=goal, note=note))
@@ -113,12 +113,12 @@ def nanoseconds(
     if any(s.maker == "casadi" for s in sources):
         arrays["parameters"] = np.append(np.fromfile(folder / "parameters.bin"), 0.0)
     declare.append("static const double cj = 10.0;")
-    table = next((k for k, s in enumerate(sources) if s.maker == "table"), None)
-    if hand and table is not None:
+    loops = next((k for k, s in enumerate(sources) if s.maker == "loops"), None)
+    if hand and loops is not None:
         declare.append(DECLARATIONS)
-        once.append("hand_setup(p_table);")
+        once.append("hand_setup(p_loops);")
         objects.append(hand)
-        calls.append(hand_call(item, size, sources[table].size))
+        calls.append(hand_call(item, size, sources[loops].size))
     times, values = interleaved(
         calls,
         declare="\n".join(declare),
@@ -132,8 +132,8 @@ def nanoseconds(
         statistic=np.min,
     )
     check_agreement([by_position(s, item, v, folder) for s, v in zip(sources, values, strict=False)], sources)
-    if hand and table is not None:
-        check(f"{item} by hand", values[-1], values[table])
+    if hand and loops is not None:
+        check(f"{item} by hand", values[-1], values[loops])
     return {call.name: t for call, t in zip(calls, times, strict=True)}
 
 
@@ -146,7 +146,7 @@ def check(name: str, values: np.ndarray, others: np.ndarray) -> None:
 
 def accelerations(size: int, flags: str, repeats: int, folder: Path) -> Row:
     """The row of the accelerations in the mean frame, where c8 is the unit matrix."""
-    model = derive.lower(derive.derive(derive.symbolic_body("body", size, frame="mean", lowering="table")))
+    model = derive.lower(derive.derive(derive.symbolic_body("body", size, frame="mean", lowering="loops")))
     derive.write(CBackend().files(model, "a benchmark"), folder)
     source = folder / "body" / "body.c"
     target = source.with_suffix(".o")

@@ -43,7 +43,7 @@ FULL_TABLES = 10
 class CSource:
     """A generated C file.
 
-    maker: "flat", "table" or "casadi". seconds: the time of generation. operations: those of an evaluation. size: the
+    maker: "flat", "loops" or "casadi". seconds: the time of generation. operations: those of an evaluation. size: the
     number of output values. written: the bytes of the function.
     """
 
@@ -81,7 +81,7 @@ def derived(script: str, data: str, size: int, what: str, folder: Path, limit: f
 
 
 def ours(
-    data: str, size: int, limit: float, folder: Path, lowerings: Sequence[str] = ("flat", "table")
+    data: str, size: int, limit: float, folder: Path, lowerings: Sequence[str] = ("flat", "loops")
 ) -> tuple[dict[tuple[str, str], CSource], dict[str, int]]:
     """The generated C by item and lowering, with the seconds of all functions together, and the sizes of k."""
     sources, sizes = {}, {}
@@ -236,7 +236,7 @@ def constants(measured: Measured, flags: str) -> list[str]:
         if maker == "flat":
             lines.append(f"straight line, {data} {size}: {cost.nanoseconds / source.operations:.3f} ns per operation")
     loops = [
-        (size, c.nanoseconds) for (data, _, size, maker, _), _, c in results if (data, maker) == ("dense", "table")
+        (size, c.nanoseconds) for (data, _, size, maker, _), _, c in results if (data, maker) == ("dense", "loops")
     ]
     fitted = [pair for pair in loops if pair[0] <= MAX_FLAT_MODES]  # larger tables are in slower memory
     if len(fitted) > 2:
@@ -263,7 +263,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     options.flags = options.flags or list(FLAGS)
     print("\n".join(described("casadi", "sympy", "scipy")))
     print(
-        "columns   seconds to derive and write (flat, table: all functions together), operations, kB of C; for each of"
+        "columns   seconds to derive and write (flat, loops: all functions together), operations, kB of C; for each of"
     )
     print(f"          {', '.join(options.flags)}: seconds and MB of the compiler, ns per evaluation\n")
     measured: Measured = {}

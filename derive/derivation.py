@@ -18,7 +18,7 @@ from derive.ir.model import Model
 from derive.lowering import cost_model
 from derive.lowering.flat.lower import lower as lower_flat
 from derive.lowering.instances.lower import instances_reason, lower_instances
-from derive.lowering.loops.body_functions import lower_tables
+from derive.lowering.loops.body_functions import lower_loops
 from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
 from derive.mechanics.bodies.modal_body import ModalBody
@@ -64,7 +64,7 @@ def modal(spec: NodalBody) -> ModalBody:
 
 @paused()
 def derive_modal(body: ModalBody, gravity: Gravity | None = None, lowering: Lowering = "auto") -> IndexedEquations:
-    """The equations of motion of a body given by its shape integrals; `lowering` is auto, flat or table."""
+    """The equations of motion of a body given by its shape integrals; `lowering` is auto, flat or loops."""
     return indexed_equations.derive_body(modal_body(body, gravity), lowering)
 
 
@@ -106,13 +106,11 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
         raise SpecError(
             (Problem("body.lowering", f'{reason}; loops have no derivatives by parameters: lowering = "flat"'),)
         )
-    return (
-        lower_flat(derived.expanded(), reason, sensitivities=sensitivities) if flat else lower_tables(derived, reason)
-    )
+    return lower_flat(derived.expanded(), reason, sensitivities=sensitivities) if flat else lower_loops(derived, reason)
 
 
 def lowered_form(derived: Equations | Mechanism, model: Model) -> Equations:
     """The form of the equations from which `model` was lowered: with sums over the modes, or expanded."""
-    if isinstance(derived, Equations) and model.lowering == "table":
+    if isinstance(derived, Equations) and model.lowering == "loops":
         return derived
     return derived.expanded()

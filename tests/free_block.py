@@ -56,7 +56,7 @@ def _rubber() -> tuple[Native, ModalBody]:
     """The block in loops, whose stiffness and damping are numbers that can still be set."""
     damped = replace(body(), damping=np.diag(np.diag(body().stiffness)))
     return derive.load(
-        CBackend().files(derive.lower(derive.derive_modal(damped, None, "table")), "test"), QUICK
+        CBackend().files(derive.lower(derive.derive_modal(damped, None, "loops")), "test"), QUICK
     ), damped
 
 

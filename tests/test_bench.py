@@ -30,7 +30,7 @@ def printed(script: str, *options: str) -> list[str]:
 def test_scale() -> None:
     lines = printed("scale.py", "--sizes", "2", "--data", "dense", "--limit", "60", "--accelerations", "2")
     rows = [line.split() for line in lines if line.startswith("dense")]
-    makers = ("casadi", "flat", "table")
+    makers = ("casadi", "flat", "loops")
     assert [tuple(row[2:4]) for row in rows] == [(i, m) for i in ("mass", "force", "jacobian") for m in makers]
     assert all(float(row[-1]) > 0 for row in rows)
     assert any(line.startswith("straight line, dense 2") for line in lines)

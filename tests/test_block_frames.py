@@ -32,8 +32,8 @@ AMPLITUDES = (4e-3, 2e-3, 1e-3)
     [
         ("mean", "flat", 60, 187, 531, 555),
         ("point", "flat", 96, 256, 614, 668),
-        ("mean", "table", 68, 1302, 1679, 2063),
-        ("point", "table", 134, 1532, 1909, 2440),
+        ("mean", "loops", 68, 1302, 1679, 2063),
+        ("point", "loops", 134, 1532, 1909, 2440),
     ],
 )
 def test_the_mean_frame_is_sparser(frame: str, lowering: str, nonzeros: int, mass: int, force: int, both: int) -> None:

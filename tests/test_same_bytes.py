@@ -22,7 +22,7 @@ BUILD = """
 import hashlib, sys
 sys.path.insert(0, "tests")
 import beams, derive
-specs = [beams.beam("mean", 4), derive.symbolic_body("loops", 5, frame="given", lowering="table")]
+specs = [beams.beam("mean", 4), derive.symbolic_body("loops", 5, frame="given", lowering="loops")]
 specs += [derive.symbolic_body("lines", 2, frame="given", gravity=[0, 0, 1], lowering="flat")]
 specs += [derive.read("scenes/block.toml")]
 specs += [derive.read("scenes/four_bar.toml")]

@@ -38,7 +38,7 @@ from test_cloud import gravity, times, turned
 
 N, POINTS = 3, 8
 GRAVITY = (0.7, -0.3, -9.81)
-KINDS = ("given flat", "given table", "mean flat", "mean table")
+KINDS = ("given flat", "given loops", "mean flat", "mean loops")
 Vector = list[Any]
 
 
@@ -207,8 +207,8 @@ def test_generated_code_is_the_truncated_lagrangian(kind: str) -> None:
 
 @pytest.mark.parametrize("frame", ["given", "mean"])
 def test_both_lowerings_give_the_same(frame: str) -> None:
-    flat, table = compiled(f"{frame} flat"), compiled(f"{frame} table")
-    kf, kt = flat.setup(), table.setup()
+    flat, loops = compiled(f"{frame} flat"), compiled(f"{frame} loops")
+    kf, kt = flat.setup(), loops.setup()
     q, v, a = state(4)
     y, ydot = np.concatenate([q, v]), np.concatenate([flat.rates(q, v, kf), a])
     for call in (
@@ -220,7 +220,7 @@ def test_both_lowerings_give_the_same(frame: str) -> None:
         lambda native, k: native.load("at0", q, np.array([3.0, -2.0, 0.7]), k),
         lambda native, k: np.concatenate(native.marker(f"at{POINTS - 1}", q, v, k)[:2]),
     ):
-        one, other = call(flat, kf), call(table, kt)
+        one, other = call(flat, kf), call(loops, kt)
         assert np.max(np.abs(one - other)) < 1e-11 * np.max(np.abs(one))
 
 

@@ -85,7 +85,7 @@ def python_module(equations: Any) -> dict[str, Any]:
 @cache
 def solid_module(kind: str, order: int) -> dict[str, Any]:
     body = {"free": free_body, "clamped": clamped_body}[kind](order)
-    return python_module(derive.derive_modal(body, None, "table"))
+    return python_module(derive.derive_modal(body, None, "loops"))
 
 
 def modal_forces(kind: str, order: int, alpha: np.ndarray, omega: np.ndarray) -> np.ndarray:
@@ -165,7 +165,7 @@ def test_a_clamped_beam_is_the_rotating_cantilever(bending: int, spin: int) -> N
 def test_a_column_buckles_under_its_weight_and_under_a_force() -> None:
     """K0t and K0F have the sign of a stiffness. One mode is .5 and 7.8 % off, five are 9e-4 and 1.1e-3."""
     body, size = clamped_body(2), unit(THICKNESS) ** 2
-    names = python_module(derive.derive_modal(body, None, "table"))
+    names = python_module(derive.derive_modal(body, None, "loops"))
     k = names["setup"](np.array(names["DEFAULTS"]))
     tip = body.points[0]
     modes = np.flatnonzero(np.abs(tip.shapes).argmax(axis=1) == 2)

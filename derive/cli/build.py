@@ -53,7 +53,7 @@ def _row(stage: dict[str, object]) -> list[str]:
 def _stages(built: Built) -> Iterator[dict[str, object]]:
     """Yield the name, the wall-clock time (s) and the sizes of each stage."""
     equations, model = built.equations, built.model
-    nonzeros = None if model.lowering == "table" else sum(entry != 0 for entry in equations.mass)
+    nonzeros = None if model.lowering == "loops" else sum(entry != 0 for entry in equations.mass)
     sizes: dict[str, tuple[int | None, ...]] = {
         "derive": (len(equations.terms), None, nonzeros),
         "lower": (None, model.kernel("mass_force").operations, model.pattern("mass", "M").full_nnz),

@@ -248,7 +248,7 @@ class Model:
     terms: the terms of the equations of motion with the values they are part of. splines: the tables that kernels look
     up.
 
-    lowering: "flat" (straight-line code), "table" (loops over the modes) or "instances" (loops over the bodies and
+    lowering: "flat" (straight-line code), "loops" (loops over the modes) or "instances" (loops over the bodies and
     joints); choice: the reason for it. data: the
     defaults of parameters that are arrays, as pairs (index, value); all other values are zero.
 
@@ -269,7 +269,7 @@ class Model:
     markers: tuple[Variable, ...]
     zeros: tuple[Zero, ...]
     vanished: tuple[Zero, ...]
-    lowering: Literal["flat", "table", "instances"] = "flat"
+    lowering: Literal["flat", "loops", "instances"] = "flat"
     choice: str = ""
     data: tuple[tuple[int, float], ...] = ()
     multipliers: tuple[Variable, ...] = ()
@@ -285,7 +285,7 @@ class Model:
     @property
     def defaults(self) -> tuple[float, ...]:
         """The defaults of all parameters."""
-        if self.lowering != "table":
+        if self.lowering != "loops":
             return tuple(p.default for p in self.parameters)
         values = [0.0] * sum(p.size for p in self.parameters)
         for index, value in self.data:

@@ -33,28 +33,28 @@ class CodeTooLong(TisserandError):
 class CostEstimate:
     """The predicted evaluation times (ns) of h in both lowerings.
 
-    lowering: "flat" (straight-line code) or "table" (loops), whichever is faster. operations: those of h if "flat".
+    lowering: "flat" (straight-line code) or "loops" (loops), whichever is faster. operations: those of h if "flat".
     """
 
     lowering: str
     flat: float
-    table: float
+    loops: float
     operations: int
 
     def selected(self, requested: str) -> str:
-        """The lowering to use; `requested` is "auto", "flat" or "table". Raises CodeTooLong."""
+        """The lowering to use; `requested` is "auto", "flat" or "loops". Raises CodeTooLong."""
         if requested == "flat" and self.operations > MAX_FLAT_OPERATIONS:
             raise CodeTooLong(
                 f"unrolled, the forces alone would take some {self.operations} operations, "
-                f'and the limit is {MAX_FLAT_OPERATIONS}; use lowering = "table" or "auto", or fewer modes'
+                f'and the limit is {MAX_FLAT_OPERATIONS}; use lowering = "loops" or "auto", or fewer modes'
             )
         return self.lowering if requested == "auto" else requested
 
     def reason(self, requested: str) -> str:
         """The selected lowering, the reason for it, and the predicted times as a line of text. Raises CodeTooLong."""
-        form = {"flat": "unrolled", "table": "looped"}[self.selected(requested)]
+        form = {"flat": "unrolled", "loops": "looped"}[self.selected(requested)]
         why = "as the specification asks" if requested != "auto" else "the faster form"
-        return f"{form}, {why}; predicted evaluation time of h: {self.flat:.0f} ns unrolled, {self.table:.0f} ns looped"
+        return f"{form}, {why}; predicted evaluation time of h: {self.flat:.0f} ns unrolled, {self.loops:.0f} ns looped"
 
 
 def estimate_costs(body: Body) -> CostEstimate:
@@ -64,9 +64,9 @@ def estimate_costs(body: Body) -> CostEstimate:
     full = sum(
         len(t.components) for t in tables if t.kind is TableKind.FULL and t.counted == 2 and t.family is not Family.C8
     )
-    flat, table = 0.092 * operations, 22 + modes + 0.0235 * 2 * full * modes**2
+    flat, loops = 0.092 * operations, 22 + modes + 0.0235 * 2 * full * modes**2
     return CostEstimate(
-        "table" if table < flat or operations > MAX_FLAT_OPERATIONS else "flat", flat, table, operations
+        "loops" if loops < flat or operations > MAX_FLAT_OPERATIONS else "flat", flat, loops, operations
     )
 
 

@@ -69,7 +69,7 @@ class IndexedEquations(Equations):
 def derive_body(body: Body, lowering: Lowering = "auto") -> IndexedEquations:
     """The equations of motion of a body in the indexed form: the rigid rows, and a row for a generic mode.
 
-    `lowering` is the choice of the specification: auto, flat or table.
+    `lowering` is the choice of the specification: auto, flat or loops.
     """
     work = body.virtual_work
     motion, forces = work.motion, generic_forces({table.family for table in body.tables})

@@ -37,7 +37,7 @@ VECTORS = ("-std=c99", "-O1", "-ftree-vectorize", "-ffp-contract=off")
 """Compiles in half the time of -O2."""
 
 BEAMS = [("mean", 2), ("point", 2), ("point", 8)]
-BODIES = [*((n, "given", "table") for n in (0, 1, 5)), (5, "mean", "table"), (2, "mean", "flat")]
+BODIES = [*((n, "given", "loops") for n in (0, 1, 5)), (5, "mean", "loops"), (2, "mean", "flat")]
 MODELS: dict[str, Callable[[], tuple[derive.File, ...]]] = {
     **{f"{frame}_{n}": lambda frame=frame, n=n: beams.made(frame, n).files for frame, n in BEAMS},
     **{f"{frame}_{n}_{way}": lambda n=n, frame=frame, way=way: body(n, frame, way) for n, frame, way in BODIES},
@@ -170,7 +170,7 @@ def test_bits_of_a_state_whose_angle_is_left_to_the_c_library(angle: float, name
 def test_narrow_blocks_have_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
     """Models with many shapes have them, for the sake of the stack."""
     monkeypatch.setattr(c_batch, "WIDTHS", {4: None})
-    compiled = derive.load(body(1, "given", "table"), VECTORS)
+    compiled = derive.load(body(1, "given", "loops"), VECTORS)
     k, (q, v) = constants(compiled), states(compiled, 37)
     for name in KERNELS:
         same(together(compiled, name, q, v, k), one_by_one(compiled, name, q, v, k))
@@ -190,7 +190,7 @@ def test_kernels_of_many_lines_are_compiled_once(monkeypatch: pytest.MonkeyPatch
 
 def test_blocks_are_narrower_where_there_are_many_shapes() -> None:
     """The arrays grow with the number of shapes: with 100, sixteen states take what fits into 256 kB."""
-    few, many = (derive.lower(derive.derive(derive.symbolic_body("b", n, lowering="table"))) for n in (8, 100))
+    few, many = (derive.lower(derive.derive(derive.symbolic_body("b", n, lowering="loops"))) for n in (8, 100))
     assert {block.width for block in c_batch.batch_blocks(few).values()} == {32}
     blocks = c_batch.batch_blocks(many)
     widths = {name: blocks[name].width for name in ("mass", "accel", "rates")}
@@ -206,7 +206,7 @@ def test_blocks_are_narrower_where_there_are_many_shapes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("model", "of_nan"), [("mean_2", 2), ("given_5_table", 2), ("mean_5_table", 1), ("mean_2_flat", 1)]
+    ("model", "of_nan"), [("mean_2", 2), ("given_5_loops", 2), ("mean_5_loops", 1), ("mean_2_flat", 1)]
 )
 @pytest.mark.parametrize("bad", [0, 5, 31, 32, 39])
 def test_a_state_that_fails_does_not_touch_the_others(model: str, of_nan: int, bad: int) -> None:
@@ -276,7 +276,7 @@ def test_wrong_shapes_are_refused() -> None:
 BOUNDS = """
 #include <stdlib.h>
 #include "beam_point_2.h"
-#include "table_given_1.h"
+#include "loops_given_1.h"
 
 static double *filled(size_t count, double value)
 {
@@ -287,7 +287,7 @@ static double *filled(size_t count, double value)
 
 int main(void)
 {
-    const tisserand_model *models[] = {beam_point_2_model(), table_given_1_model()};
+    const tisserand_model *models[] = {beam_point_2_model(), loops_given_1_model()};
     for (int m = 0; m < 2; m++)
         for (int n = 0; n < 70; n += n < 9 ? 1 : 29) {
             const tisserand_model *a = models[m];
@@ -314,7 +314,7 @@ int main(void)
 
 def test_batches_keep_within_their_arrays(tmp_path: Path) -> None:
     """Valgrind sees what is read or written outside, and what is not written."""
-    sources = [*written(beams.made("point", 2).files, tmp_path), *written(body(1, "given", "table"), tmp_path)]
+    sources = [*written(beams.made("point", 2).files, tmp_path), *written(body(1, "given", "loops"), tmp_path)]
     (tmp_path / "main.c").write_text(BOUNDS)
     include = [f"-I{source.parent}" for source in sources]
     program = tmp_path / "bounds"

@@ -78,7 +78,7 @@ def test_indices_of_coordinates_and_velocities() -> None:
     for index, body in enumerate(("upper", "lower")):
         assert f"    DOUBLE_PENDULUM_Q_{body}_phi = {5 * index + 2},\n" in header
         assert f"    DOUBLE_PENDULUM_V_{body}_alpha2dot = {5 * index + 4},\n" in header
-    loops = beams.build(derive.symbolic_body("looped", 9, frame="given", lowering="table"))
+    loops = beams.build(derive.symbolic_body("looped", 9, frame="given", lowering="loops"))
     assert "    LOOPED_Q_alpha = 7,\n" in text_of(loops, ".h") and "    LOOPED_V_alphadot = 6,\n" in text_of(
         loops, ".h"
     )

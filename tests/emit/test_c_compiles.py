@@ -26,7 +26,7 @@ class Compiled:
     objects: tuple[Path, ...]
 
 
-IN_ALL_WAYS = ("mean_2", "mean_3_table", "crank_slider_3")
+IN_ALL_WAYS = ("mean_2", "mean_3_loops", "crank_slider_3")
 """The models that are compiled with all optimisations, and to objects as C++: a body, loops and a mechanism."""
 
 
@@ -68,7 +68,7 @@ def test_global_symbols_are_those_that_the_header_declares(compiled: Compiled) -
 NEEDED = {
     # Sines of angles beyond 1e5, and compilers make calls of the last three out of loops by themselves.
     "flat": {"sin", "cos", "sincos", "sqrt", "memset", "memcpy", "memmove"},
-    "table": {"sqrt", "memset", "memcpy", "memmove"},  # the square roots of a Cholesky factor
+    "loops": {"sqrt", "memset", "memcpy", "memmove"},  # the square roots of a Cholesky factor
 }
 
 

@@ -79,8 +79,8 @@ def test_python_describes_each_function(model: str) -> None:
 def test_the_operations_that_are_counted_are_those_of_the_text(model: str) -> None:
     """Counted in the generated Python by its own parser: arithmetic on anything but two literals, and functions."""
     made = MODELS[model]()
-    if made.model.lowering == "table":
-        return  # an operation on a whole axis is one in the text; tests/kernel/test_table.py counts those of the loops
+    if made.model.lowering == "loops":
+        return  # an operation on a whole axis is one in the text; tests/kernel/test_loops.py counts those of the loops
     for name, function in functions_of_python(made).items():
         if name in ("setup", "accel", "solve", "project_velocity", "dense"):
             continue  # these check, and Python checks in another way than C

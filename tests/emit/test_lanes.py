@@ -22,7 +22,7 @@ from derive.ir.lanes import in_lanes
 from derive.ir.statements import Accumulate, Let, MatrixStore, MatVec, Sum
 from derive.runtime.compiler import FLAGS, WITHOUT_BATCHES, vector_flags
 
-MODELS = ("given_3_table", "given_13_table")
+MODELS = ("given_3_loops", "given_13_loops")
 PLAIN = (*FLAGS, WITHOUT_BATCHES)
 WAYS = {
     "numbers": (*PLAIN, "-O1", "-DTISSERAND_NO_VECTORS"),
@@ -56,7 +56,7 @@ def test_bits_do_not_depend_on_the_width_or_the_compiler(model: str, compiler: s
 
 def products(compiler: str, folder: Path, *flags: str) -> dict[str, int]:
     """The multiplications in the machine code of a looped model without batches, by the width of their registers."""
-    (source,) = written(body("given_13_table").files, folder)
+    (source,) = written(body("given_13_loops").files, folder)
     out = folder / "code.s"
     command = (tool(compiler), "-std=c99", "-O1", WITHOUT_BATCHES, *flags, "-S", source, "-o", out)
     run(*command)
@@ -69,7 +69,7 @@ def test_both_compilers_get_vectors_without_looking_for_them(compiler: str, tmp_
     """Each product of a table with a vector is one instruction with AVX and with SSE2."""
     if platform.machine() != "x86_64":
         pytest.skip("the instructions of x86 are counted")
-    model = body("given_13_table").model
+    model = body("given_13_loops").model
     tables = sum(
         len(term.sums) for name in FUNCTIONS for s in model.kernel(name).statements for term in getattr(s, "terms", ())
     )
@@ -79,7 +79,7 @@ def test_both_compilers_get_vectors_without_looking_for_them(compiler: str, tmp_
     assert products(compiler, tmp_path, "-mavx", "-DTISSERAND_NO_VECTORS")["y"] < tables
 
 
-@pytest.mark.parametrize("name", ["given_3_table", "given_13_table", "mean_20_table"])
+@pytest.mark.parametrize("name", ["given_3_loops", "given_13_loops", "mean_20_loops"])
 def test_the_jacobian_goes_through_the_blocks_of_its_tables_once(name: str) -> None:
     """In a block come the products, then what is stored of it; each line knows the statement that it is a part of."""
     made = body(name)

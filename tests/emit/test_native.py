@@ -128,7 +128,7 @@ def test_roles_of_the_coordinates() -> None:
     assert beams.native("point", 2).roles == (*[Role.TRANSLATION] * 2, Role.ROTATION, *[Role.AMPLITUDE] * 2)
 
 
-@pytest.mark.parametrize("lowering", ["flat", "table"])
+@pytest.mark.parametrize("lowering", ["flat", "loops"])
 def test_roles_of_a_spatial_body_in_both_lowerings(lowering: str) -> None:
     expected = (*[Role.TRANSLATION] * 3, *[Role.QUATERNION] * 4, *[Role.AMPLITUDE] * 2)
     assert free_block.native("mean", lowering, 2).roles == expected

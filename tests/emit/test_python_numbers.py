@@ -52,7 +52,7 @@ def test_a_single_state_is_computed_with_numbers(model: str, monkeypatch: pytest
         names["mass"](*as_lists(cases[0][1]))
 
 
-@pytest.mark.parametrize("model", ["mean_2", "given_2_flat", "given_3_table"])
+@pytest.mark.parametrize("model", ["mean_2", "given_2_flat", "given_3_loops"])
 @pytest.mark.parametrize("shape", [(7,), (1,), (2, 3)])
 def test_many_states_are_not_converted(model: str, shape: tuple[int, ...], monkeypatch: pytest.MonkeyPatch) -> None:
     """Arrays of doubles are used as they are, also beside vectors and numbers, which broadcast."""

@@ -38,8 +38,8 @@ MODELS: dict[str, Callable[[], Model]] = {
     "beam, mean frame": lambda: beams.made("mean", 3).model,
     "beam, point frame": lambda: beams.made("point", 2).model,
     "block, flat": lambda: free_block.model("point", "flat", 2),
-    "block, loops": lambda: free_block.model("mean", "table", 5),
-    "block, loops, point frame": lambda: free_block.model("point", "table", 3),
+    "block, loops": lambda: free_block.model("mean", "loops", 5),
+    "block, loops, point frame": lambda: free_block.model("point", "loops", 3),
     "symbolic body, loops": lambda: lowered("body_symbolic"),
     "scene": lambda: lowered("double_pendulum"),
 }

@@ -94,7 +94,7 @@ def depends(function: Callable[[np.ndarray], np.ndarray], states: np.ndarray) ->
     return not np.allclose(function(states[0]), function(states[1]), rtol=1e-9, atol=0)
 
 
-@pytest.mark.parametrize("lowering", ["flat", "table"])
+@pytest.mark.parametrize("lowering", ["flat", "loops"])
 @pytest.mark.parametrize(("frame", "heavy"), CASES)
 def test_every_function_of_the_attitude_refuses_a_quaternion_that_is_zero(
     lowering: str, frame: str, heavy: bool
@@ -125,7 +125,7 @@ def test_every_function_of_the_attitude_refuses_a_quaternion_that_is_zero(
     assert {*refusing} == always | (of_given_frame if frame == "given" else set())
 
 
-@pytest.mark.parametrize("lowering", ["flat", "table"])
+@pytest.mark.parametrize("lowering", ["flat", "loops"])
 def test_batches_of_c_have_nan_for_that_state_alone(lowering: str) -> None:
     native, _ = body(lowering, "given", False)
     k, q = native.setup(), attitudes(native)[[0, 2, 1]]

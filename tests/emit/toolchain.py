@@ -94,17 +94,17 @@ SPECIAL: Mapping[str, dict[str, object]] = {
 SHAPES = {"mean": (1, 2, 5, 8), "point": (1, 2, 8), "point_off_centre": (2, 5), "chord": (2,), "tangent": (2, 5)}
 
 BODIES: Mapping[str, dict[str, object]] = {
-    "rigid_table": {"modes": 0, "frame": "given", "lowering": "table"},
-    "given_1_table": {"modes": 1, "frame": "given", "damping": True, "lowering": "table"},
-    "given_3_table": {"modes": 3, "frame": "given", "damping": True, "lowering": "table", "gravity": [0, 1, "1/3"]},
-    "given_13_table": {"modes": 13, "frame": "given", "lowering": "table"},
-    "mean_3_table": {
+    "rigid_loops": {"modes": 0, "frame": "given", "lowering": "loops"},
+    "given_1_loops": {"modes": 1, "frame": "given", "damping": True, "lowering": "loops"},
+    "given_3_loops": {"modes": 3, "frame": "given", "damping": True, "lowering": "loops", "gravity": [0, 1, "1/3"]},
+    "given_13_loops": {"modes": 13, "frame": "given", "lowering": "loops"},
+    "mean_3_loops": {
         "modes": 3,
         "damping": True,
-        "lowering": "table",
+        "lowering": "loops",
         "gravity": [0, 0, {"symbol": "g3", "default": -9.81}],
     },
-    "mean_20_table": {"modes": 20, "lowering": "table"},
+    "mean_20_loops": {"modes": 20, "lowering": "loops"},
     "given_2_flat": {"modes": 2, "frame": "given", "damping": True, "lowering": "flat", "gravity": [0, 1, "1/3"]},
     "mean_2_flat": {"modes": 2, "lowering": "flat"},
 }
@@ -129,6 +129,6 @@ MODELS: dict[str, Callable[[], beams.Made]] = {
     **{name: lambda name=name: special(name) for name in SPECIAL},
     **{name: lambda name=name: body(name) for name in BODIES},
     "crank_slider_3": lambda: scene("crank_slider_3"),
-    **{f"block_{lowering}": lambda lowering=lowering: block(lowering) for lowering in ("flat", "table")},
+    **{f"block_{lowering}": lambda lowering=lowering: block(lowering) for lowering in ("flat", "loops")},
 }
 """The models that the tests of this folder go through: every frame with few and many shapes, and special ones."""

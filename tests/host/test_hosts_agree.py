@@ -78,7 +78,7 @@ def test_rigid_crank_turns_by_half() -> None:
 
 def test_a_body_without_joints() -> None:
     """The block of the scenes with loops, in space: q has a quaternion, patterns are not stored."""
-    made = block("table")
+    made = block("loops")
     free, implicit = FixedStep(made.files, FAST), needed(lambda _: Ida(made.files, FAST))
     q0, v0 = [0, 0, 0, 1, 0, 0, 0, 0, 0, 0], [0, 0, 0, 30, 20, 10, 0, 0, 0]
     one = free.run(q0, v0, step=1e-7, steps=2000, every=200)

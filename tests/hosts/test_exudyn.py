@@ -202,7 +202,7 @@ def test_what_is_refused(exu: ModuleType, folder: Path) -> None:
     ):
         with pytest.raises(ValueError, match=message):
             added(exu, "pushed", folder, **given)
-    spec = replace(derive.read(ROOT / "scenes/block.toml"), lowering="table")
+    spec = replace(derive.read(ROOT / "scenes/block.toml"), lowering="loops")
     with pytest.raises(SpecError, match="straight-line code"):
         derive.exported(spec, "exudyn")
 

@@ -42,7 +42,7 @@ def test_names_are_those_of_the_descriptor_in_its_order(text: str) -> None:
 
 
 def test_a_table_of_the_descriptor_counts_elements_of_arrays() -> None:
-    model = host_model(replace(scene("block").spec, lowering="table"))
+    model = host_model(replace(scene("block").spec, lowering="loops"))
     assert len(model.coordinates) == 15 and model.coordinates[-1].name == "alpha8"
     native = derive.load(model.files)
     assert tuple(x.name for x in model.parameters) == native.parameters and len(model.parameters) > 1

@@ -124,7 +124,7 @@ def test_wrong_sizes_and_loops_are_refused() -> None:
     *_, module = made("pushed")
     with pytest.raises(ValueError, match="p needs 1 elements along its last axis"):
         module.setup(np.ones(2))
-    spec = replace(derive.read(ROOT / "scenes/block.toml"), lowering="table")
+    spec = replace(derive.read(ROOT / "scenes/block.toml"), lowering="loops")
     with pytest.raises(SpecError, match="straight-line code"):
         derive.exported(spec, "jax")
 

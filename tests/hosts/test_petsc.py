@@ -48,7 +48,7 @@ def built(model: HostModel, folder: Path) -> Path:
 def looped_block() -> HostModel:
     """The block of the scenes with loops over its modes, whose patterns are functions."""
     model = thrown_block()
-    return host_model(replace(model.spec, lowering="table"))
+    return host_model(replace(model.spec, lowering="loops"))
 
 
 MODELS = {name: lambda make=make: host_model(make()) for name, make in SPECS.items()} | {

@@ -38,7 +38,7 @@ def test_numbers_out_of_the_range_of_doubles_are_refused(sign: int) -> None:
 def looped() -> Native:
     return derive.load(
         derive.model_files(
-            derive.lower(derive.derive(spec := derive.symbolic_body("looped", 1, frame="given", lowering="table"))),
+            derive.lower(derive.derive(spec := derive.symbolic_body("looped", 1, frame="given", lowering="loops"))),
             spec,
         ),
         QUICK,
@@ -97,9 +97,9 @@ def test_every_result_of_a_scene_is_checked() -> None:
 def test_the_predicted_time_of_loops_follows_their_operations() -> None:
     """0.022 ns for each operation, 1 ns for each mode, and 27 ns; the model counts those that grow with n^2."""
     for n in (30, 60):
-        spec = derive.symbolic_body("b", n, frame="given", lowering="table")
+        spec = derive.symbolic_body("b", n, frame="given", lowering="loops")
         counted = derive.lower(derive.derive(spec)).kernel("force").operations
-        predicted = estimate_costs(parametric_body(spec)).table
+        predicted = estimate_costs(parametric_body(spec)).loops
         assert predicted == pytest.approx(27 + n + 0.022 * counted, rel=0.12)
 
 

@@ -32,12 +32,12 @@ def test_zeros_make_straight_lines_and_many_shapes_make_loops() -> None:
     spec = derive.read(ROOT / "scenes/block.toml")
     block = derive.modal(spec)
     assert estimate_costs(modal_body(block)).lowering == "flat"
-    for n, lowering in ((1, "flat"), (2, "table"), (8, "table"), (100, "table")):
+    for n, lowering in ((1, "flat"), (2, "loops"), (8, "loops"), (100, "loops")):
         given = derive.symbolic_body("b", n, frame="given")
         assert estimate_costs(parametric_body(given)).lowering == lowering
 
 
-@pytest.mark.parametrize("lowering", ["flat", "table"])
+@pytest.mark.parametrize("lowering", ["flat", "loops"])
 def test_the_specification_has_the_last_word(lowering: str) -> None:
     spec = replace(derive.read(ROOT / "scenes/block.toml"), lowering=lowering)
     model = derive.lower(derive.derive(spec))

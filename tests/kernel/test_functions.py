@@ -30,7 +30,7 @@ def test_a_model_has_the_functions_of_the_table(name: str) -> None:
 
 
 def test_both_lowerings_describe_their_functions_alike() -> None:
-    specs = (derive.symbolic_body("body", 3, frame="given", lowering=lowering) for lowering in ("flat", "table"))
+    specs = (derive.symbolic_body("body", 3, frame="given", lowering=lowering) for lowering in ("flat", "loops"))
     flat, loops = (derive.lower(derive.derive(spec)) for spec in specs)
     assert flat.lowering != loops.lowering
     for one, other in zip(flat.kernels[1:], loops.kernels[1:], strict=True):

@@ -38,7 +38,7 @@ BODIES = [(n, frame) for n in (0, 1, 3, 4, 6, 9) for frame in ("given", "mean")]
 
 @cache
 def looped(n: int, frame: str) -> Model:
-    spec = derive.symbolic_body("loops", n, frame=frame, damping=True, gravity=GRAVITY, lowering="table")
+    spec = derive.symbolic_body("loops", n, frame=frame, damping=True, gravity=GRAVITY, lowering="loops")
     return derive.lower(derive.derive(spec))
 
 

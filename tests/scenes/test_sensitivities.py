@@ -171,6 +171,6 @@ def test_what_has_no_derivatives_says_so() -> None:
     y = np.zeros(native.nq + native.nv)
     with pytest.raises(CompilerError, match="generate it with sensitivities"):
         native.parameter_jacobian(0.0, y, y, native.setup())
-    loops = derive.derive(derive.symbolic_body("body", 3, frame="given", lowering="table"))
+    loops = derive.derive(derive.symbolic_body("body", 3, frame="given", lowering="loops"))
     with pytest.raises(derive.SpecError, match='lowering = "flat"'):
         derive.lower(loops, sensitivities=True)

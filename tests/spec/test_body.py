@@ -139,7 +139,7 @@ G = Parameter("g", "mm/s^2", 0.0)
             {"gravity": [0, G, {"symbol": "g3", "default": -9.81}]},
             {"gravity": (F(0), G, G3)},
         ),
-        ('lowering = "table"', {"lowering": "table"}, {"lowering": "table"}),
+        ('lowering = "loops"', {"lowering": "loops"}, {"lowering": "loops"}),
         ('lowering = "flat"', {"lowering": "flat"}, {"lowering": "flat"}),
         (
             "markers = { tip = 3, root = 0 }",

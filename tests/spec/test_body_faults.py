@@ -122,7 +122,11 @@ KEYS = "nodes, units, modes, frame, orthonormal, order, damping, gravity, loweri
         ),
         (
             'lowering = "fast"',
-            '5: body.lowering: the lowering is one of "auto", "flat", "table", not "fast"; did you mean "flat"?',
+            '5: body.lowering: the lowering is one of "auto", "flat", "loops", not "fast"; did you mean "flat"?',
+        ),
+        (
+            'lowering = "table"',
+            '5: body.lowering: the lowering is one of "auto", "flat", "loops", not "table"; did you mean "loops"?',
         ),
         ("markers = [0]", "5: body.markers: a table of names and nodes is needed, not a list"),
         ("markers = { tip = 4 }", "5: body.markers.tip: there is no node 4: the nodes are 0 to 3"),

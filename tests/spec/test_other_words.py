@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import derive
-from derive.spec.parsing.other_words import OTHER_WORDS
+from derive.spec.parsing.other_words import OTHER_CHOICES, OTHER_WORDS
 from derive.spec.tables.specification import json_schema
 from derive.spec.toml.read import parse
 
@@ -77,6 +77,10 @@ def test_the_keys_that_are_meant_exist() -> None:
     assert not OTHER_WORDS.keys() - set(keys(json.loads(json_schema())))
 
 
+def test_the_choices_that_are_meant_exist() -> None:
+    assert not OTHER_CHOICES.keys() - set(choices(json.loads(json_schema())))
+
+
 def keys(schema: Any) -> Iterator[str]:
     """All keys of all tables in a JSON schema."""
     if isinstance(schema, list):
@@ -86,3 +90,11 @@ def keys(schema: Any) -> Iterator[str]:
         yield from schema.get("properties", {})
         for item in schema.values():
             yield from keys(item)
+
+
+def choices(schema: Any) -> Iterator[str]:
+    """All choices of all keys in a JSON schema."""
+    if isinstance(schema, dict):
+        yield from schema.get("enum", ())
+    for item in schema.values() if isinstance(schema, dict) else schema if isinstance(schema, list) else ():
+        yield from choices(item)

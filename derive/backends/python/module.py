@@ -70,17 +70,17 @@ class PythonBackend:
             "description": "\n".join(prefixed(description(model_text(model)), "")),
             "patterns": pattern_texts(model, "        "),
             "tables": _tables(model),
-            "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "table" else _splines(model),
+            "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "loops" else _splines(model),
             "constant_arrays": [(a.name, _lines([_constant(a, x) for x in a.values])) for a in model.constant_arrays],
             "defaults": _defaults(model),
-            "elements": model.lowering != "table",
+            "elements": model.lowering != "loops",
         }
         builder = SourceBuilder(model)
         builder.text(render("python/prologue.py.jinja", values))
         for kernel in model.kernels:
-            numbers = model.lowering != "table" and kernel.name != "setup"
+            numbers = model.lowering != "loops" and kernel.name != "setup"
             builder.text("\n@_in_numbers\n" if numbers and _may_raise(kernel) else "\n")
-            builder.function(kernel, python_function(kernel, model.lowering != "table", numbers))
+            builder.function(kernel, python_function(kernel, model.lowering != "loops", numbers))
             builder.text("\n")
         builder.text(render("python/epilogue.py.jinja", values))
         (path,) = self.file_names(model.name)

@@ -25,7 +25,7 @@ from derive.mechanics.symbols import Family, I, amplitude, state_rate
 from derive.mechanics.tables import AXES, TableKind
 
 
-def lower_tables(equations: IndexedEquations, choice: str = "") -> Model:
+def lower_loops(equations: IndexedEquations, choice: str = "") -> Model:
     """The kernels of a model with loops over the shapes, with names, units, patterns and the reasons of its zeros."""
     context = LoopContext(equations)
     lowered = (IMPLEMENTATIONS[function.kind](context, function) for function in functions_of(equations))

@@ -256,7 +256,7 @@ def model(
         markers=tuple(Variable(p.name, p.doc, "m") for p in eq.markers),
         zeros=zeros,
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in eq.vanished),
-        lowering="table",
+        lowering="loops",
         choice=choice,
         data=_data(eq, layout),
     )

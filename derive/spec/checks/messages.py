@@ -9,7 +9,7 @@ from pydantic_core import ErrorDetails
 
 from derive.spec.checks.table_paths import TablePlace, place
 from derive.spec.model.beam import BEAM_QUANTITIES
-from derive.spec.parsing.faults import Fault, KeyPath, path_text, similar_key, unknown_key
+from derive.spec.parsing.faults import Fault, KeyPath, path_text, similar_name, unknown_key
 from derive.spec.parsing.values import kind_of
 from derive.spec.tables.beam import BEAM, BEAM_BODY, BEAM_KEYS
 from derive.spec.tables.body import NODAL, SYMBOLIC
@@ -115,4 +115,4 @@ def _unknown_key_of_body(key: str, beam: bool) -> str:
         return "gravity acts on all bodies; write it in the table [scene]"
     own, other, what = (of_beam, of_rigid, "beam") if beam else (of_rigid, of_beam, "rigid body")
     both = [*own, *(key for key in other if key not in own)]
-    return f"unknown key{similar_key(key, both, f'the keys of a {what} are ' + ', '.join(own))}"
+    return f"unknown key{similar_name(key, both, f'the keys of a {what} are ' + ', '.join(own))}"

@@ -37,13 +37,13 @@ GRAVITY = "Acceleration of free fall in the inertial frame, m/s^2; each componen
 Gravity = tuple[Quantity, Quantity, Quantity]
 """The acceleration of free fall in the inertial frame, m/s^2; each component a parameter or a number."""
 
-Lowering = Literal["auto", "flat", "table"]
+Lowering = Literal["auto", "flat", "loops"]
 BodyFrameKind = Literal["mean", "point", "given"]
 SymbolicFrame = Literal["mean", "given"]
 
 LOWERING = key(
     KeyType.CHOICE,
-    "Code of sums over the modes: flat (unrolled), table (loops), or auto (the faster, as predicted).",
+    "Code of sums over the modes: flat (unrolled), loops, or auto (the faster, as predicted).",
     default="auto",
     choice_of="the lowering",
 )

@@ -7,7 +7,7 @@ from typing import TypeVar, get_args
 from derive.errors import quoted
 from derive.spec.model.beam_parts import FrameKind
 from derive.spec.model.body import BodyFrameKind
-from derive.spec.parsing.faults import did_you_mean
+from derive.spec.parsing.faults import similar_name
 from derive.spec.parsing.values import WrongValueError, kind_of
 
 FRAME_KINDS: tuple[FrameKind, ...] = get_args(FrameKind)
@@ -22,7 +22,7 @@ def choice(value: object, options: tuple[_Text, ...], noun: str) -> _Text:
         if isinstance(value, str) and value == option:
             return option
     words = ", ".join(quoted(option) for option in options)
-    given = quoted(value) + did_you_mean(value, options) if isinstance(value, str) else kind_of(value)
+    given = quoted(value) + similar_name(value, options, "") if isinstance(value, str) else kind_of(value)
     raise WrongValueError(f"{noun} is one of {words}, not {given}")
 
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import NamedTuple, TypeVar
 
 from derive.errors import printable, quoted
-from derive.spec.parsing.other_words import meant_key
+from derive.spec.parsing.other_words import meant_name
 from derive.spec.parsing.values import WrongValueError
 
 Result = TypeVar("Result")
@@ -66,13 +66,13 @@ def line_of(path: KeyPath, lines: Mapping[KeyPath, int]) -> int | None:
 def unknown_key(key: str, known: Iterable[str]) -> str:
     """The message on an unknown key; `known` are the keys that are allowed in its table."""
     keys = list(known)
-    return "unknown key" + similar_key(key, keys, f"the keys here are {', '.join(keys)}")
+    return "unknown key" + similar_name(key, keys, f"the keys here are {', '.join(keys)}")
 
 
-def similar_key(key: str, known: Collection[str], otherwise: str) -> str:
-    """The hint on an unknown key, like `did_you_mean`, which also knows other words for keys."""
-    meant = meant_key(key, known)
-    return did_you_mean(key, known, otherwise) if meant is None else f"; did you mean {quoted(meant)}?"
+def similar_name(name: str, known: Collection[str], otherwise: str) -> str:
+    """The hint on an unknown key or choice, like `did_you_mean`, which also knows other words for them."""
+    meant = meant_name(name, known)
+    return did_you_mean(name, known, otherwise) if meant is None else f"; did you mean {quoted(meant)}?"
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:

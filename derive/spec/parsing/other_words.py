@@ -1,4 +1,4 @@
-"""Other words, of engineers and other programs, for the keys of a specification: hints on unknown keys."""
+"""Other words, of engineers and other programs, for keys and choices of a specification: hints on unknown ones."""
 
 from __future__ import annotations
 
@@ -53,7 +53,11 @@ OTHER_WORDS = {
 }
 """Other words for each key, in lower case; of two keys of a table with the same word the first counts."""
 
+OTHER_CHOICES = {"flat": "unrolled straight_line", "loops": "table looped"}
+"""Other words for the choices of a key."""
 
-def meant_key(word: str, known: Collection[str]) -> str | None:
-    """The known key for which `word` is another word; None if there is none."""
-    return next((key for key, words in OTHER_WORDS.items() if key in known and word.lower() in words.split()), None)
+
+def meant_name(word: str, known: Collection[str]) -> str | None:
+    """The known key or choice for which `word` is another word; None if there is none."""
+    others = OTHER_WORDS | OTHER_CHOICES
+    return next((name for name, words in others.items() if name in known and word.lower() in words.split()), None)

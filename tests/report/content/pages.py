@@ -49,7 +49,7 @@ def spec(name: str) -> Any:
             return derive.symbolic_body("flat", 1, frame="given", lowering="flat", damping=True, gravity=gravity)
         case "loops_given":
             return derive.symbolic_body(
-                "loops_given", 2, frame="given", lowering="table", damping=True, gravity=gravity
+                "loops_given", 2, frame="given", lowering="loops", damping=True, gravity=gravity
             )
         case "rigid":
             return derive.symbolic_body("rigid", 0)

@@ -51,5 +51,5 @@ def test_a_model_is_shown_with_its_pattern_and_its_functions() -> None:
 
 
 def test_equations_of_a_generic_shape_are_shown() -> None:
-    spec = derive.symbolic_body("any_body", 8, lowering="table")
+    spec = derive.symbolic_body("any_body", 8, lowering="loops")
     assert "<mi>i</mi>" in shown(derive.derive(spec))

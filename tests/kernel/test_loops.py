@@ -28,7 +28,7 @@ GRAVITY = [1, {"symbol": "gy", "default": 2.0}, "-981/100"]
 
 @cache
 def made(n: int, frame: str) -> beams.Made:
-    spec = derive.symbolic_body("loops", n, frame=frame, damping=True, gravity=GRAVITY, lowering="table")
+    spec = derive.symbolic_body("loops", n, frame=frame, damping=True, gravity=GRAVITY, lowering="loops")
     return beams.build(spec)
 
 
@@ -168,7 +168,7 @@ def test_an_acceleration_that_is_not_finite_is_reported(frame: str) -> None:
 
 
 def symbolic(n: int, frame: str) -> derive.Model:
-    return derive.lower(derive.derive(derive.symbolic_body("loops", n, frame=frame, lowering="table")))
+    return derive.lower(derive.derive(derive.symbolic_body("loops", n, frame=frame, lowering="loops")))
 
 
 @pytest.mark.parametrize(("frame", "h", "m", "jacobian"), [("given", 20, 18, 68), ("mean", 18, 18, 66)])
@@ -189,7 +189,7 @@ def factor_limit(frame: str) -> int:
 
 def test_size_of_the_code_does_not_depend_on_the_shapes() -> None:
     def length(n: int) -> int:
-        return sum(len(f.text) for f in beams.build(derive.symbolic_body("loops", n, lowering="table")).files[:2])
+        return sum(len(f.text) for f in beams.build(derive.symbolic_body("loops", n, lowering="loops")).files[:2])
 
     assert length(96) < 1.05 * length(20)
 
@@ -214,7 +214,7 @@ def test_matrices_of_the_jacobian_are_stored_with_the_products(frame: str) -> No
 
 
 def test_a_matrix_with_a_factor_that_is_a_sum_is_stored_at_the_end() -> None:
-    context = LoopContext(derive.derive(derive.symbolic_body("loops", 8, frame="given", lowering="table")))
+    context = LoopContext(derive.derive(derive.symbolic_body("loops", 8, frame="given", lowering="loops")))
     inertia = next(s for s in context.gradient.mode_sums if str(s) == "J_11")
     packing, entry = context.layout.packing, quantity(Family.STIFFNESS, shapes=(I, J))
     program = context.program(context.q)
@@ -256,7 +256,7 @@ def test_tables_of_a_function_are_read_once_and_in_order() -> None:
 def test_translations_without_force_and_coupling_are_no_part_of_the_system() -> None:
     """In the mean frame three pivots are left, and one more for each direction of gravity."""
     for gravity, pivots in ((None, 3), ([0, 0, 1], 4), ([1, 1, 1], 6)):
-        spec = derive.symbolic_body("loops", 8, frame="mean", gravity=gravity, lowering="table")
+        spec = derive.symbolic_body("loops", 8, frame="mean", gravity=gravity, lowering="loops")
         kernel = derive.lower(derive.derive(spec)).kernel("accel")
         checks = [s for s in kernel.statements if isinstance(s, Require) and s.kind is Requirement.POSITIVE]
         assert len([s for s in checks if "pivot" in s.text]) == pivots
@@ -265,5 +265,5 @@ def test_translations_without_force_and_coupling_are_no_part_of_the_system() -> 
 @pytest.mark.parametrize("n", [1, 2])
 def test_coordinates_have_the_names_of_straight_lines(n: int) -> None:
     flat = derive.load(beams.build(derive.symbolic_body("lines", n, lowering="flat")).files, QUICK)
-    loops = derive.load(beams.build(derive.symbolic_body("loops", n, lowering="table")).files, QUICK)
+    loops = derive.load(beams.build(derive.symbolic_body("loops", n, lowering="loops")).files, QUICK)
     assert loops.coordinates == flat.coordinates
