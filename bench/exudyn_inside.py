@@ -118,7 +118,7 @@ def inside(exu: Any, variant: str, build: Callable[[], Built], steps: int) -> Ru
 
 
 def all_runs(exu: Any, folder: Path, steps: Sequence[int], tolerances: Sequence[float]) -> list[Run]:
-    """What is compared: models of first order, which Exudyn's floating-frame body is, of second order, and cables."""
+    """The runs of models of first order, such as Exudyn's floating-frame body, of second order, and of cables."""
     result = [own(4, 1, tolerance) for tolerance in tolerances] + [own(6, 2, tolerance) for tolerance in tolerances]
     builds: dict[str, Callable[[], Built]] = {}
     for shapes, order in ((4, 1), (6, 2)):

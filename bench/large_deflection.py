@@ -32,7 +32,7 @@ FREQUENCY = {"free": 22.37, "clamped": 3.516}
 
 
 def velocity(case: str, size: float) -> Legendre:
-    """That of the strike, with the spin, over 0 <= s <= 1."""
+    """The initial velocity of the strike, with the spin, over 0 <= s <= 1."""
     support, spin = CASES[case]
     return size * FREQUENCY[support] * first_mode(support) + Legendre([0, spin / 2], domain=[0, 1])
 

@@ -1,4 +1,4 @@
-"""What the monitors of runs imply, against converged models.
+"""The errors that the monitors of runs imply, compared with converged models.
 
 python bench/monitors.py FILE [NAME...]            (about an hour; NAME: some scenes of `bench/monitor_scenes.py`)
 python bench/monitors.py FILE --seeds 0:100        (scenes of the random corpus that have beams, about a minute each)

@@ -1,4 +1,4 @@
-"""What CasADi, SymPy and Numba make of M and h of a beam, as functions that Python calls, for `python_calls.py`."""
+"""M and h of a beam by CasADi, SymPy and Numba, as functions that Python calls, for `python_calls.py`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `bench/second_order.py` writes: a table, docs/second_order.md, its picture, and a section of README.md."""
+"""The output of `bench/second_order.py`: a table, docs/second_order.md, its picture, and a section of README.md."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ from derive.spec.toml.read import parse
 
 LENGTH, MASS, STIFFNESS, GRAVITY, SPEED, DURATION = 1.0, 0.1, 2.5, 9.81, 6.0, 0.5
 DIAMETER = 0.004
-"""Of a round section with this bending stiffness, from which cables that stretch have theirs, m."""
+"""The diameter, m, of a round section with this bending stiffness, from which the axial stiffness of cables follows."""
 POINTS = ("left", "middle", "right")
 ROWS = 501
 REFERENCE = Path(__file__).parent / "swinging_rod.csv"

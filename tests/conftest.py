@@ -1,4 +1,4 @@
-"""What all tests share: golden files, which `pytest --update` accepts, and the flags of quick compilations."""
+"""Fixtures of all tests: golden files, which `pytest --update` accepts, and the flags of quick compilations."""
 
 from __future__ import annotations
 

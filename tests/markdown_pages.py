@@ -27,7 +27,7 @@ from derive.cli.main import main
 README = ROOT / "README.md"
 TISSERAND = ".venv/bin/tisserand"
 RUN_BY_CI = "make test"
-"""It runs this test."""
+"""The command that runs this test in CI."""
 INSTALLS = ("python3 -m venv", ".venv/bin/pip install")
 """Run by tests/test_package.py in an environment of their own; here .venv is the one that runs the tests."""
 BLOCK = re.compile(r"(?:<!-- (?P<comment>.*?) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)```", re.DOTALL)
@@ -69,7 +69,7 @@ def copy_tree(folder: Path) -> Path:
 
 @dataclass(frozen=True)
 class Result:
-    """What a command has printed, and its exit code."""
+    """The output of a command, and its exit code."""
 
     code: int
     out: str

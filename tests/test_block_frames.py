@@ -19,7 +19,7 @@ from derive.reduction.body import prepare
 from free_block import Array, body, march, model, native, rotation, spec, times
 
 SLOWEST = 2 * np.pi * 1833.986
-"""Of the modes, rad/s."""
+"""The lowest circular frequency of the modes, rad/s."""
 BENT = np.array([1, 0.5, -0.4, 0.3, 0.2, -0.2, 0.1, 0.1])
 SWINGING = np.array([0.3, -1, 0.5, 0.5, -0.3, 0.2, 0.1, -0.1]) * SLOWEST
 ABOUT = np.array([0.6, 0.7, 0.4])
@@ -37,7 +37,7 @@ AMPLITUDES = (4e-3, 2e-3, 1e-3)
     ],
 )
 def test_the_mean_frame_is_sparser(frame: str, lowering: str, nonzeros: int, mass: int, force: int, both: int) -> None:
-    """Of 196 entries of M: without mirror planes 68 against 134, with them 60 against 96. And operations of M and h."""
+    """Of 196 entries of M, 68 against 134 are non-zero, with mirror planes 60 against 96; likewise operations."""
     made = model(frame, lowering)
     assert made.pattern("mass", "M").full_nnz == nonzeros
     assert [made.kernel(name).operations for name in ("mass", "force", "mass_force")] == [mass, force, both]

@@ -178,7 +178,7 @@ def euler(inertia: Array, omega: Array, h: float, steps: int) -> Array:
 
 SIDES = np.array([0.4, 0.1, 0.06])
 INERTIA = 2700 * SIDES.prod() / 12 * (SIDES @ SIDES - SIDES**2)
-"""Of a cuboid, m/12 (a^2 + b^2); the mesh has it exactly."""
+"""The moments of inertia of a cuboid, m/12 (a^2 + b^2), which the mesh has exactly."""
 SLOW = np.array([6.0, 9.0, 4.0])
 
 

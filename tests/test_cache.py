@@ -168,7 +168,7 @@ while True:
 
 
 def test_processes_write_at_once_and_are_killed() -> None:
-    """What is read is whole, and one of the contents that were written."""
+    """A file that is read is whole, and has one of the contents that were written."""
     started = [
         subprocess.Popen([sys.executable, "-c", WRITER, NAME, text], cwd=ROOT, stdout=subprocess.PIPE) for text in "ab"
     ]
@@ -259,7 +259,7 @@ def test_models_are_made_anew_where_anything_else_is_different(monkeypatch: pyte
 
 
 class Planted:
-    """What a manipulated file would call when it is read."""
+    """An object by which a manipulated file would call a function when it is read."""
 
     def __reduce__(self) -> tuple[Callable[..., None], tuple[str]]:
         return print, ("planted",)
@@ -316,7 +316,7 @@ def test_the_command(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 
 def test_bodies_of_other_numbers_have_models_of_their_own() -> None:
-    """Also where the numbers come from one file, as those that Python has replaced, or from none."""
+    """This holds also where the numbers come from one file, as those that Python has replaced, or from none."""
     block = derive.read(ROOT / "scenes/block.toml")
     assert isinstance(block, derive.NodalBody)
     stiff = block.data.modal_stiffness

@@ -276,7 +276,7 @@ def test_build_says_which_lowering_and_how_far_the_modes_are_from_the_mean_frame
 
 
 def test_faults_of_the_numbers_have_their_lines(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Rigid motion left in the modes is found when they are used, and told like any fault of the file."""
+    """Rigid motion left in the modes is detected when they are used, and reported like any fault of the file."""
     x = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
     modes = np.array([np.tile([1.0, 0, 0], (4, 1)), x * [1, -1, 0]])
     np.savez(tmp_path / "n.npz", positions=x, mass=np.ones(4), modes=modes, modal_stiffness=np.ones(2))

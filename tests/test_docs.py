@@ -38,7 +38,7 @@ def test_tutorials_are_run() -> None:
 
 
 def test_the_committed_files_are_checked() -> None:
-    """By a command of a page, whose exit code is 1 if one is not up to date."""
+    """A command of a page checks the committed files; its exit code is 1 if one is not up to date."""
     commands = [line for block in blocks(ROOT / "docs/commands.md", "sh") for line in block.commands()]
     assert f"{TISSERAND} check" in commands
 

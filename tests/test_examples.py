@@ -91,7 +91,7 @@ CHECKS: dict[str, Check] = {
 }
 
 PACKAGES = {"jax_identification": "jax"}
-"""What examples need beside Tisserand and what it depends on."""
+"""The packages that examples need beside Tisserand and its dependencies."""
 
 
 def load(path: Path) -> Any:

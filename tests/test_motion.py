@@ -111,7 +111,7 @@ def test_frames_differ_by_the_square_of_the_amplitude(odd: float, spin: Callable
 
 
 def test_odd_shapes_at_a_fixed_spin_differ_by_the_amplitude_itself() -> None:
-    """What the first-order models do not share: the centrifugal softening of odd shapes, 1 against 6.25 phidot^2.
+    """The first-order models differ in the centrifugal softening of odd shapes, 1 against 6.25 phidot^2.
 
     The missing foreshortening is of the order phidot^2 alpha, and the frames miss different parts of it.
     """

@@ -12,7 +12,7 @@ from markdown_pages import README, RUN_BY_CI, blocks, copy_tree, run_page
 
 @pytest.fixture(scope="module")
 def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """What the blocks of the README print; it must leave the committed files as they are."""
+    """The output of each block of the README; the blocks must leave the committed files as they are."""
     tree = copy_tree(tmp_path_factory.mktemp("readme"))
     committed = {p: p.read_bytes() for folder in ("generated", "docs") for p in (tree / folder).rglob("*.*")}
     outputs = run_page(README, tree)

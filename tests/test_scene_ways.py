@@ -107,7 +107,7 @@ def test_forms_agree_with_python(form: str) -> None:
 
 @pytest.mark.parametrize("form", ["index3", "ggl", "index1"])
 def test_jacobians_of_the_forms_are_derivatives(form: str) -> None:
-    """By complex steps through the generated Python, so that no digits are lost."""
+    """Derivatives are taken by complex steps through the generated Python, so that no digits are lost."""
     way = ways()
     dae = way.native.dae[form]
     rng = np.random.default_rng(5)

@@ -120,7 +120,7 @@ def planar() -> dict[str, Any]:
 
 
 def planar_frequencies(spin: float) -> np.ndarray:
-    """The same of the planar beam of second order with P2 .. P9."""
+    """The frequencies of the planar beam of second order with P2 .. P9."""
     module, v = planar(), np.zeros(11)
     k, v[2] = module["setup"](np.array(module["DEFAULTS"])), spin
     columns = [module["force"](0.0, np.concatenate([[0, 0, 0], e]), v, k)[3:] for e in np.eye(8)]
@@ -215,7 +215,7 @@ def test_a_model_of_another_order_is_refused() -> None:
 
 
 def test_a_body_that_bends_too_far_is_named(tmp_path: Path) -> None:
-    """By a third of its length the truncated kinetic energy is no longer positive; the message has the remedy."""
+    """The truncated kinetic energy is indefinite at a deflection of length/3; the message has the remedy."""
     (tmp_path / "solid_beam.npz").symlink_to(ROOT / "scenes/solid_beam.npz")
     text = (ROOT / "scenes/solid_beam.toml").read_text()
     start = "[body.start]\nangular_velocity = [0, 100, 0]\namplitudes = [0.18]\n[simulation]\nduration = 1e-3\n"

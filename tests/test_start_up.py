@@ -1,4 +1,4 @@
-"""What a command loads: a second `tisserand simulate` of a scene no library that only the first one needs."""
+"""A second `tisserand simulate` of a scene loads no library that only the first one needs."""
 
 from __future__ import annotations
 

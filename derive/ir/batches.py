@@ -162,7 +162,7 @@ def _scalars(nodes: Iterable[Node]) -> set[str]:
 
 @dataclass(frozen=True)
 class _Naming:
-    """Gives what differs from state to state its state.
+    """Adds the index of the state to elements and scalars that differ from state to state.
 
     elements: the named elements of the states; scalars: those with an array; shared: the arrays that have no states.
     """

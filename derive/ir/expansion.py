@@ -124,7 +124,7 @@ def _instance_item(item: InstanceItem) -> Node:
 
 
 def expand_in_tiles(statement: Statement) -> tuple[Node, ...]:
-    """Likewise, but with matrix-vector products in blocks of four rows and columns, for vectors padded with zeros."""
+    """A statement as plain statements, with matrix-vector products in tiles of four by four for padded vectors."""
     return _tiles(statement) if isinstance(statement, MatVec) else expand(statement)
 
 

@@ -12,7 +12,7 @@ from enum import Enum
 from typing import assert_never
 
 LANES = 4
-"""Lanes of a sum and rows of a block: what vector units take at once, so that no compiler need reorder a sum."""
+"""Lanes of a sum and rows of a block: vector units process as many at once, so that no compiler need reorder a sum."""
 
 
 class Of(Enum):

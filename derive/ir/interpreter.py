@@ -146,7 +146,7 @@ class _Run:
             self.step(node)
 
     def step(self, node: Node) -> None:
-        """Run one of them."""
+        """Run a plain statement."""
         match node:
             case Let() | Accumulator():
                 self.values[node.name] = self.value(node.expr)
@@ -181,7 +181,7 @@ class _Run:
                 assert_never(node)
 
     def fail(self, requirement: Require) -> None:
-        """End, since a requirement does not hold."""
+        """End the run, since a requirement does not hold."""
         raise RequirementError(requirement.code, requirement.text)
 
     def new_array(self, size: int, value: Any) -> list[Any]:

@@ -83,13 +83,13 @@ class LoopKind(Enum):
     """The order in which the iterations of a loop may run."""
 
     ORDERED = "ordered"
-    """One after the other."""
+    """The iterations run one after the other."""
     INDEPENDENT = "independent"
-    """In any order, if what is added to an element is added in order; such a loop may run in lanes."""
+    """The iterations run in any order if additions to an element keep theirs; such a loop may run in lanes."""
     LANES = "lanes"
-    """Several at once, in vectors: all additions are to variables of the iteration."""
+    """Several iterations run at once, in vectors: all additions are to variables of the iteration."""
     STATES = "states"
-    """Several at once: the innermost loop, over the states of a batch. A requirement fails a single state."""
+    """Several iterations run at once: the loop over the states of a batch. A requirement fails a single state."""
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,7 @@ def every(nodes: Iterable[Node]) -> Iterator[Node]:
 
 
 IndexChange = Callable[[ElementIndex], ElementIndex]
-"""What replaces an index by another one."""
+"""A function that replaces an index by another one."""
 
 
 def reindexed(node: Node, change: IndexChange) -> Node:

@@ -126,7 +126,7 @@ def linear_factors(expr: sp.Expr, symbols: Sequence[sp.Symbol]) -> dict[sp.Symbo
         for symbol in own or wanted & term.free_symbols:
             alone = len(own) == 1 and sum(symbol in f.free_symbols for f in beside) == 1
             parts[symbol].append(sp.Mul(*(f for f in beside if f != symbol)) if alone else term.diff(symbol))
-    return {symbol: sp.Add(*found) if found else sp.S.Zero for symbol, found in parts.items()}
+    return {symbol: sp.Add(*summands) if summands else sp.S.Zero for symbol, summands in parts.items()}
 
 
 def _mass_zeros(

@@ -11,7 +11,7 @@ import sympy as sp
 from derive.mechanics.terms import Intermediate, ModelConstant, Reason, Term, Vanished
 
 Reasons = dict[sp.Symbol, tuple[tuple[sp.Symbol, str], ...]]
-"""For each vanishing symbol the integrals behind it, as pairs (integral, reason)."""
+"""The integrals behind each vanishing symbol, as pairs (integral, reason)."""
 
 
 def reasons_of(coefficients: tuple[ModelConstant, ...]) -> Reasons:

@@ -38,8 +38,11 @@ Matrix = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SpinLimits:
-    """In sqrt(EI/(m l^3)): the spin at which stiffness is lost with the first 1, 2, ... of the shapes, and the first
-    natural frequency of the free beam by all of them."""
+    """The limits of a free beam, in sqrt(EI/(m l^3)).
+
+    spins: those at which stiffness is lost with the first 1, 2, ... of the shapes. natural_frequency: the first of the
+    free beam, computed with all of them.
+    """
 
     spins: tuple[float, ...]
     natural_frequency: float

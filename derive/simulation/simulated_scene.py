@@ -1,4 +1,4 @@
-"""What is simulated of a specification: a scene, which for a single body is the scene around it."""
+"""The simulated scene of a specification: for a single body it is the scene around this body."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is simulated or exported is a scene; few modules ask what kind of specification it comes from."""
+"""Simulations and exports take scenes; few modules ask what kind of specification a scene comes from."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def receives_a_name(node: ast.expr) -> bool:
 
 
 def has_letters(arguments: list[ast.expr]) -> bool:
-    """Whether a strip is told what to take off, in letters or in what is no constant."""
+    """Whether a strip has an argument, with letters or no constant, that names the characters to remove."""
     return any(not isinstance(a, ast.Constant) or any(map(str.isalpha, str(a.value))) for a in arguments)
 
 

@@ -1,4 +1,4 @@
-"""What moves a scene: gravity, drives, forces, torques, springs, distributed loads, and how it starts."""
+"""Random causes of the motion of a scene: gravity, drives, forces, torques, springs, loads, and initial values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the bodies of a scene are made of: shape functions, frames, orders, stiffness, damping, masses; rigid bodies."""
+"""Random bodies: shape functions, frames, orders, stiffness, damping and masses of beams; rigid bodies."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ from derive.simulation.integration.registry import INTEGRATORS
 LIMIT = 60.0
 """The longest CPU time of a command, s, without that of compilers."""
 LIMIT_OF_CHOICE = 240.0
-"""Likewise of `choose`, which derives and runs dozens of models."""
+"""The longest CPU time of `choose`, s, which derives and runs dozens of models."""
 FIXED_STEPS = ("rk4", "generalised-alpha")
 
 
@@ -48,7 +48,7 @@ class Finding:
 
 @dataclass
 class Outcome:
-    """What a command did: its arguments, exit code (None after an exception), streams, and CPU seconds."""
+    """The outcome of a command: its arguments, exit code (None after an exception), streams, and CPU seconds."""
 
     arguments: list[str]
     code: int | None
@@ -289,7 +289,7 @@ def _files(folder: Path) -> set[str]:
 
 
 def findings(scene: CorpusScene, outcome: Outcome, folder: Path) -> Iterator[Finding]:
-    """What is wrong with the outcome of a command."""
+    """Yield the findings on the outcome of a command."""
     name = " ".join(word for word in outcome.arguments[:2] if "/" not in word)
     if "--to" in outcome.arguments or "--integrator" in outcome.arguments:
         name += (
@@ -324,7 +324,7 @@ def findings(scene: CorpusScene, outcome: Outcome, folder: Path) -> Iterator[Fin
 
 
 def _wrong_files(name: str, outcome: Outcome, folder: Path) -> Iterator[Finding]:
-    """Files that are not there although they are said to be, empty ones, and numbers that are none."""
+    """Findings on files: listed ones that are missing, empty ones, and numbers that are none."""
     for file in outcome.files:
         path = folder / file
         if not path.stat().st_size and path.name != "py.typed":

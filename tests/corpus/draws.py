@@ -18,7 +18,7 @@ def words(of: type, name: str) -> tuple[str, ...]:
 
 
 class Draws:
-    """What is drawn for the scene of a seed. Everything comes from `Random.random`, whose sequence is guaranteed."""
+    """The random draws for the scene of a seed. Everything comes from `Random.random`, whose sequence is guaranteed."""
 
     def __init__(self, seed: int | str) -> None:
         self._random = Random(f"tisserand {seed}").random

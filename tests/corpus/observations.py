@@ -1,4 +1,4 @@
-"""What is observed of a scene: outputs of all kinds, plots, and the settings of its simulation."""
+"""Random observations of a scene: outputs of all kinds, plots, and the settings of its simulation."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def _value(draft: Draft, key: Key, kind: str) -> Any:
 
 
 def _distant(draft: Draft, pairs: list[tuple[str, str]]) -> list[tuple[str, str]]:
-    """Those pairs of markers that are far apart, so that the angle between them exists along the motion."""
+    """The pairs of markers that are far apart, so that the angle between them exists along the motion."""
 
     def apart(pair: tuple[str, str]) -> float:
         (x1, y1), (x2, y2) = map(draft.position, pair)

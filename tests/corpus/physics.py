@@ -44,7 +44,7 @@ Vector = np.ndarray
 
 
 def physics(scene: CorpusScene, path: Path) -> Iterator[Finding]:
-    """What the motion of a scene contradicts."""
+    """Yield the laws of physics that the motion of a scene contradicts."""
     if "bodies" not in scene.tables or any("value" not in each for each in scene.tables.get("inputs", {}).values()):
         return
     kept = scene.seed % 2 == 1

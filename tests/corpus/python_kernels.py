@@ -12,7 +12,7 @@ from corpus.summed_terms import summed_terms, worst
 
 TOLERANCE = 1e-14
 SOLVED = 1e-10
-"""What is solved for loses digits to the condition of the matrix."""
+"""The tolerance of solutions of linear systems, which lose digits to the condition of the matrix."""
 
 
 def disagreements(run: Any, native: Any, k: np.ndarray, state: Any) -> Iterator[Finding]:

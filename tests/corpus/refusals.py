@@ -1,4 +1,4 @@
-"""What a command may refuse about a valid scene: parts of its message, each with the reason why it does not apply.
+"""Legitimate refusals of a valid scene by a command: parts of its message, each with the reason why it does not apply.
 
 Anything else that ends with exit code 2 is a finding.
 """

@@ -27,7 +27,7 @@ COMPILER = '#!/bin/sh\nexec cc "$@" -O0\n'
 
 @dataclass(frozen=True)
 class SceneResult:
-    """What was found on a scene: findings, the legitimate refusals by command, and CPU seconds by command.
+    """The results of the checks of a scene: findings, the legitimate refusals by command, and CPU seconds by command.
 
     errors: of each model of `study accuracy`, its name, the measured error, that which a monitor implies, None without
     a warning, and the beam of the warning; with the error of the reference, and the marker of the plot.

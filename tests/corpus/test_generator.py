@@ -29,7 +29,7 @@ CORPUS = 2000
 NOT_USED = {
     "NodalTable.nodes as object": "MatrixMarket files: tests/spec/test_node_files.py",
 }
-"""What no scene of the corpus uses, with the reason."""
+"""The features of specifications that no scene of the corpus uses, with the reasons."""
 
 
 @cache

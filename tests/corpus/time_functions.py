@@ -27,7 +27,7 @@ ROUGH = {
     "max": "max(sin({w}*t), 0)",
     "piecewise": "piecewise(t < {c}, 1, t < 2*{c}, cos({w}*t), 0.5)",
 }
-"""What a load may be besides."""
+"""Functions that only loads may have: with kinks, jumps, or values at t = 0."""
 
 PLAIN = ("{w}*t", "({w}*t)^2/2", "{w}*t - sin({w}*t)", "sin({w}*t)^3", "t^2*{w}^2*pi/6")
 
@@ -38,7 +38,7 @@ def unknown_functions() -> list[str]:
 
 
 WITHOUT_INTEGRAL = ("sqrt", "atan2")
-"""Those of SMOOTH that cannot be the speed of a drive, whose integral has to have a closed form."""
+"""The functions of SMOOTH that cannot be the speed of a drive, whose integral has to have a closed form."""
 
 
 def speed_function(draft: Draft, size: float) -> str:
@@ -109,7 +109,7 @@ def _table(draft: Draft, vanishes: bool = False) -> str:
 
 
 def value(draft: Draft, size: float, inputs: bool = True) -> Any:
-    """What a force or a torque may be: a number, a function of t, or a run-time input."""
+    """A random value of a force or a torque: a number, a function of t, or a run-time input."""
     draws = draft.draws
     if draws.chance(0.3):
         return rounded(size * draws.between(-1, 1), 2) or 0.5 * size

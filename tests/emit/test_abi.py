@@ -14,7 +14,7 @@ LAYOUT = (8, "8689f1694922f517c6bac12b1ed79c4fa3791d7fb24f984cd43a05cf4628807f")
 
 
 def layout_digest() -> str:
-    """Of the declarations with single spaces, and without the number itself."""
+    """The digest of the declarations with single spaces, and without the number itself."""
     text = render("c/descriptor.h.jinja", {"abi": "N", "roles": Role})
     words = " ".join(re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL).split())
     return hashlib.sha256(words.encode()).hexdigest()

@@ -85,7 +85,7 @@ def one_by_one(model: Native, name: str, q: np.ndarray, v: np.ndarray, k: np.nda
 
 
 def together(model: Native, name: str, q: np.ndarray, v: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Likewise, in one call."""
+    """The results for all states in one call of the batch function."""
     given = {"q": q, "v": v, "t": 0.5}
     arguments = [given[argument] for argument in KERNELS[name]]
     values = getattr(model, f"{name}_batch")(*arguments, k, check=False)
@@ -323,7 +323,7 @@ def test_batches_keep_within_their_arrays(tmp_path: Path) -> None:
 
 
 def test_a_block_is_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its size, its helpers and its function come from one and the same."""
+    """The size, the helpers and the function of a block come from the same object."""
     model, made = derive.lower(derive.derive(derive.symbolic_body("b", 2, lowering="flat"))), list[str]()
 
     class Counted(StateBlock):

@@ -39,7 +39,7 @@ def test_a_header_and_a_source_of_different_builds_do_not_compile(tmp_path: Path
 
 
 def test_python_of_another_build_refuses_constants() -> None:
-    """Its own and those without a mark are accepted."""
+    """Constants of the same build and those without a mark are accepted."""
     made = beams.made("point", 2)
     other = beams.build(beams.beam("point", 2, mass={"symbol": "m", "unit": "kg", "default": 1.4}))
     k, q = beams.native("point", 2).setup(), np.full(5, 0.1)
@@ -55,7 +55,7 @@ FAST = ["-ffast-math", "-Ofast", "-ffinite-math-only"]
 
 @pytest.mark.parametrize("flag", FAST)
 def test_fast_mathematics_are_refused_unless_a_macro_permits_them(flag: str, tmp_path: Path) -> None:
-    """They would remove the checks: a NaN would come back with code 0."""
+    """Fast mathematics would remove the checks: a NaN would come back with code 0."""
     (source,) = written(beams.made("point", 2).files, tmp_path)
     with pytest.raises(AssertionError, match=r"remove the run-time checks; .* define TISSERAND_ALLOW_FAST_MATH"):
         compiling(source, flag)
@@ -73,7 +73,7 @@ def test_fast_mathematics_are_refused_by_integrators(tmp_path: Path) -> None:
 
 
 def test_indices_of_coordinates_and_velocities() -> None:
-    """Of a scene, whose coordinates have the names of their bodies; of loops, where an array has its first index."""
+    """Coordinates of a scene have the names of their bodies; in loops, an array has its first index."""
     header = text_of(scene("double_pendulum"), ".h")
     for index, body in enumerate(("upper", "lower")):
         assert f"    DOUBLE_PENDULUM_Q_{body}_phi = {5 * index + 2},\n" in header

@@ -97,7 +97,7 @@ def test_compiles_under_newer_standards(standard: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP11)], ids=["C", "C++"])
 def test_header_stands_alone(language: tuple[str, ...], tmp_path: Path) -> None:
-    """It needs nothing before it, and twice is as good as once."""
+    """The header needs no other before it, and may be included twice."""
     (source,) = written(beams.made("mean", 2).files, tmp_path)
     user = tmp_path / "user.c"
     user.write_text(f'#include "{source.with_suffix(".h")}"\n' * 2 + "int only(void);\nint only(void) { return 0; }\n")

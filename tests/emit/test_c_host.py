@@ -55,7 +55,7 @@ def build_host(language: tuple[str, ...], folder: Path) -> Path:
 
 @LANGUAGES
 def test_the_example_of_thirty_lines(language: tuple[str, ...], tmp_path: Path) -> None:
-    """It compiles without warnings as its comment says, and the energy of the pendulum stays what it was."""
+    """The example compiles without warnings as its comment states, and the energy of the pendulum is conserved."""
     source, generated, hosts = (ROOT / path for path in ("examples/double_pendulum.c", "generated", "templates/host"))
     assert len(source.read_text().splitlines()) <= 30
     folder, program = generated / "double_pendulum", tmp_path / "pendulum"

@@ -29,7 +29,7 @@ def random_tree(rng: random.Random, depth: int) -> Expr:
 
 
 def value_of(expr: Expr) -> float:
-    """By the interpreter, in doubles."""
+    """The value of an expression by the interpreter, in doubles."""
     arguments = (Argument("x", tuple(VALUES), ""),)
     kernel = Kernel("f", "", arguments, (Output("y", ("y",), ""),), (Section("", "", "", (Store("y", 0, expr),)),))
     return float(interpret(kernel, {"x": list(VALUES.values())})["y"][0])

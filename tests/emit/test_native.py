@@ -88,7 +88,7 @@ def test_a_model_may_have_no_markers() -> None:
 
 
 def test_a_body_alone_is_a_scene_without_constraints_and_ports() -> None:
-    """What takes a scene takes a body as well."""
+    """Functions that accept a scene accept a single body as well."""
     model = beams.native("point", 2)
     k = model.with_inputs(model.setup(), [])
     assert not model.is_scene and not model.dae
@@ -148,7 +148,7 @@ def test_parameters_by_name() -> None:
 
 
 def test_matrices_dense_and_sparse() -> None:
-    """Of a symmetric pattern and of one that is not; of many states at once; zeros that are structural are absent."""
+    """Patterns are symmetric or not; states are one or many; structural zeros are absent."""
     model = beams.native("point", 2)
     k = model.setup()
     values = model.mass(Q, k)
@@ -202,7 +202,7 @@ def test_a_compiler_that_cannot_be_run(monkeypatch: pytest.MonkeyPatch, tmp_path
 
 
 def test_a_compiler_that_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The message has the command, to try it by hand, and all that the compiler said."""
+    """The message has the command, to try it by hand, and all output of the compiler."""
     with pytest.raises(CompilerError, match=r"(?s)^\S*gcc -Dconst=nonsense -std=c99.*beam_mean_2\.c.*error:"):
         load_with(f"{tool('gcc')} -Dconst=nonsense", monkeypatch)
 
@@ -275,7 +275,7 @@ def test_imaginary_parts_and_masks_are_refused() -> None:
 
 
 def test_constants_of_another_model_are_refused() -> None:
-    """Their number may be the same. Arrays that no setup returned are accepted."""
+    """Constants of another model are refused even if they are as many. Arrays that no setup returned are accepted."""
     model = beams.native("point", 2)
     k = model.setup()
     other = derive.load(beams.build(beams.beam("point", 2, mass={**beams.MASS, "default": 5.0})).files)

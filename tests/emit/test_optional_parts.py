@@ -1,4 +1,4 @@
-"""Parts of the C that a compilation leaves out: nothing else is missing, and what asks for them is told so."""
+"""Parts of the C that a compilation leaves out: nothing else is missing, and callers that need them get an error."""
 
 import re
 from collections.abc import Sequence

@@ -143,7 +143,7 @@ def test_describes_the_model() -> None:
 
 @pytest.mark.parametrize("model", SOME)
 def test_gives_the_numbers_of_c_to_the_last_bit(model: str) -> None:
-    """The same operations in the same order; NumPy's own sine may differ in the last bit, so it is replaced."""
+    """Operations have the same order as in C; NumPy's own sine may differ in the last bit, so it is replaced."""
     names = {**module(model)}
     exec(compile(text_of(MODELS[model](), ".py"), f"{model}.py", "exec"), names)
     names["numpy"] = PlainNumPy()
@@ -179,7 +179,7 @@ def test_batches_broadcast(model: str) -> None:
 
 @pytest.mark.parametrize("model", SOME)
 def test_any_one_argument_may_be_a_batch(model: str) -> None:
-    """Also one that the function does not read; empty batches are batches."""
+    """An argument that the function does not read may be a batch, too; empty batches are batches."""
     for kernel in MODELS[model]().model.kernels:
         for argument, count in itertools.product(kernel.arguments, (2, 0)):
             found = as_tuple(module(model)[kernel.name](*arguments(model, kernel, {argument.name: (count,)})))

@@ -68,7 +68,7 @@ def test_sines_of_minus_x() -> None:
 
 @pytest.mark.parametrize("count", range(1, 2 * WIDTH + 2))
 def test_blocks_have_the_bits_of_single_angles(count: int) -> None:
-    """Also where an angle in the block is left to the C library, at any place."""
+    """Blocks keep the bits of single angles also where one of them, at any place, is left to the C library."""
     x = ANGLES["some turns"][:count]
     for place in range(count):
         for angle in (-0.0, 2e5, -1e300):

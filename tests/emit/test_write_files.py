@@ -73,7 +73,7 @@ def test_a_file_in_place_of_a_folder_stays(tmp_path: Path) -> None:
 
 
 def test_equal_files_are_left_alone(tmp_path: Path) -> None:
-    """So that make sees nothing new."""
+    """Equal files keep their times, so that make sees nothing new."""
     write(FILES, tmp_path)
     for file in FILES:
         os.utime(tmp_path / file.path, ns=(10**18, 10**18))
@@ -157,7 +157,7 @@ def test_a_file_keeps_its_permissions(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("at", [1, 2])
 def test_a_full_disk_leaves_all_old_files(at: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also those whose new contents fitted: a new header would not go with an old source file."""
+    """Files whose new contents fitted stay old, too: a new header would not match an old source file."""
     old = [File(file.path, f"{MARK}, old") for file in FILES]
     write(old, tmp_path)
     handles = itertools.count(1)

@@ -58,7 +58,7 @@ def functions(native: Native, k: np.ndarray) -> Mapping[str, Callable[[np.ndarra
 
 
 def in_python(module: dict[str, Any], native: Native, k: np.ndarray) -> Mapping[str, Callable[[np.ndarray], Any]]:
-    """The same functions of the generated Python."""
+    """The results of the same functions of the generated Python."""
     rng = np.random.default_rng(2)
     v, ydot = rng.normal(size=native.nv), rng.normal(size=native.nq + native.nv)
 
@@ -99,7 +99,7 @@ def depends(function: Callable[[np.ndarray], np.ndarray], states: np.ndarray) ->
 def test_every_function_of_the_attitude_refuses_a_quaternion_that_is_zero(
     lowering: str, frame: str, heavy: bool
 ) -> None:
-    """And no other does; the Python as well, of a batch with NaN for that state alone."""
+    """No other function refuses it; in a batch, Python gives NaN for that state alone."""
     native, module = body(lowering, frame, heavy)
     k, states = native.setup(), attitudes(native)
     python = in_python(module, native, module["setup"](native.defaults))

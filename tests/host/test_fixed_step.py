@@ -183,7 +183,7 @@ def test_a_correction_that_was_not_computed_is_not_added() -> None:
 
 
 def test_rows_before_a_failure_are_kept_and_none_after_it() -> None:
-    """Of every number of steps between two rows: that of a failure between two rows keeps the row before it."""
+    """This holds for any number of steps between two rows: a failure between them keeps the row before it."""
     k = [0.0, MASS, 0.125, GRAVITY, 1e308, 1.0]
 
     def reached(every: int) -> int:

@@ -1,4 +1,4 @@
-"""What the steps of a motion are watched for in C: the same as in closely spaced rows in Python."""
+"""The quantities that C watches in the steps of a motion have the values of closely spaced rows in Python."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def exported(name: str, folder: Path) -> tuple[ModuleType, Path]:
 
 
 def compiled(host: HostModel, folder: Path) -> tuple[ModuleType, Path]:
-    """The same of any model."""
+    """The compiled object of any model."""
     name = host.name
     derive.write(exported_files(host, "exudyn", INTERFACES["exudyn"]), folder)
     own, library = folder / f"{name}-exudyn", folder / f"{name}.so"

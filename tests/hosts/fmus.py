@@ -45,7 +45,7 @@ def prepared(text: str) -> HostModel:
 
 @cache
 def model_of(name: str) -> HostModel:
-    """That of a specification in the folder `scenes`, or of a pendulum, an arm or a linkage with inputs."""
+    """The model of a specification in the folder `scenes`, or of a pendulum, an arm or a linkage with inputs."""
     given = {"pushed": PUSHED, "steered": STEERED, "linkage": LINKAGE}
     if name in given:
         return prepared(given[name])

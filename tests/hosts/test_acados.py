@@ -112,7 +112,7 @@ def test_the_c_that_casadi_generates(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("implicit", [False, True])
 def test_the_fields_of_the_model(implicit: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Those that acados documents; here in a class of its name without anything else."""
+    """The model has the fields that acados documents; here a class of that name without anything else receives them."""
     monkeypatch.setitem(sys.modules, "acados_template", SimpleNamespace(AcadosModel=SimpleNamespace))
     model = made("pushed")[1].acados_model(implicit)
     fields = {"name", "t", "x", "xdot", "u", "z", "p", "f_impl_expr", "cost_y_expr"}

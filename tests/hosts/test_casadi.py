@@ -38,7 +38,7 @@ MODELS = {
 """A force, a prescribed motion, a function of the time, a table, a scene without ports, bodies in plane and space."""
 
 TIMED_MODELS = ("timed", "looked_up", "four_bar", "spinning_beam")
-"""Those with functions of the time, by which CasADi takes no derivatives."""
+"""The models with functions of time, by which CasADi takes no derivatives."""
 WARNINGS = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
 
 
@@ -63,7 +63,7 @@ def library(name: str, folder: Path) -> Path:
 
 @cache
 def graph(name: str) -> ca.Function:
-    """The same function in CasADi's symbols."""
+    """The function in CasADi's symbols."""
     return model_graph(host_of(name))
 
 

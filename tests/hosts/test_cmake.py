@@ -53,10 +53,10 @@ def configured(source: Path, build: Path, *options: str) -> Path:
 
 
 def ctest(build: Path) -> str:
-    """What the tests of a project say, all of which have to pass."""
-    said = run(program("ctest"), "--test-dir", build, "--verbose", "--no-tests=error")
-    assert "100% tests passed" in said
-    return said
+    """The output of the tests of a project, all of which have to pass."""
+    output = run(program("ctest"), "--test-dir", build, "--verbose", "--no-tests=error")
+    assert "100% tests passed" in output
+    return output
 
 
 COMPILERS = {"gcc": ("gcc", "g++"), "clang": ("clang", "clang++")}
@@ -70,8 +70,8 @@ def test_the_sample_has_the_motion_of_a_simulation(name: str, compiler: str, sha
     source = export(MODELS[name](), tmp_path)
     options = [f"-DCMAKE_C_COMPILER={c}", f"-DCMAKE_CXX_COMPILER={cpp}", f"-DBUILD_SHARED_LIBS={shared}"]
     flags = [f"-DCMAKE_{language}_FLAGS=-Wall -Wextra -Wshadow -Werror" for language in ("C", "CXX")]
-    said = ctest(configured(source, tmp_path / "build", *options, *flags))
-    assert len(re.findall(rf"{name}: \d+ steps to t = .*; largest difference from Tisserand: \S+ of", said)) == 2
+    output = ctest(configured(source, tmp_path / "build", *options, *flags))
+    assert len(re.findall(rf"{name}: \d+ steps to t = .*; largest difference from Tisserand: \S+ of", output)) == 2
     assert (tmp_path / f"build/lib{name}.so").exists() == (shared == "ON")
 
 

@@ -61,7 +61,7 @@ def difference(one: Any, other: Any) -> float:
 
 
 def test_integrals_are_those_that_exudyn_computes_of_the_mesh(exu: ModuleType) -> None:
-    """Its sums over the nodes with the consistent mass matrix, for a frame and modes in which no integral vanishes."""
+    """Exudyn sums over the nodes with the consistent mass matrix; no integral vanishes for this frame and modes."""
     spec, rng = tumbling(), np.random.default_rng(1)
     prepared = prepare(spec)
     x = prepared.shapes.x + np.array([0.3, -0.2, 0.5])

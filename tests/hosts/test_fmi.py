@@ -137,7 +137,7 @@ def values(instance: object, version: int, references: list[int]) -> list[float]
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_a_stored_state_continues_with_the_same_bytes(version: int, tmp_path: Path) -> None:
-    """Also in another instance, from its bytes; bytes of another unit are refused with a message."""
+    """A stored state continues in another instance, too, from its bytes; bytes of another unit are refused."""
     logged: list[str] = []
     model = prepared(PUSHED)
     states = [x.reference for x in fmi_variables(model) if x.state]

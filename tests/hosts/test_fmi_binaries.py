@@ -25,7 +25,7 @@ FORMATS = {
     ("Darwin", "x86_64"): "Mach-O 64-bit x86-64",
     ("Darwin", "aarch64"): "Mach-O arm64",
 }
-"""What llvm-readobj says of each."""
+"""The format that llvm-readobj prints of the binary for each platform."""
 
 
 def zig() -> None:

@@ -62,7 +62,7 @@ def test_nothing_depends_on_what_is_not_listed(name: str, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_positions_do_not_depend_on_inputs(version: int, tmp_path: Path) -> None:
-    """So that an importer sees no algebraic loop through them."""
+    """Importers thus see no algebraic loop through positions."""
     variables = {x.name: x for x in fmi_variables(prepared(PUSHED))}
     listed = dependencies(prepared(PUSHED))
     assert variables["push"].reference not in listed[variables["tip[1]"].reference]

@@ -244,7 +244,7 @@ def test_no_memory_is_lost_or_overrun(name: str, version: int, tmp_path: Path) -
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_instances_share_no_variables(version: int, tmp_path: Path) -> None:
-    """So that threads can have an instance each: the sources have constants and functions alone."""
+    """Threads can have an instance each: the sources have constants and functions alone."""
     with zipfile.ZipFile(unit(model_of("pushed"), version, tmp_path)) as archive:
         archive.extractall(tmp_path)
     sources = sorted((tmp_path / "sources").glob("*.c"))

@@ -1,4 +1,4 @@
-"""What importers may call when, and what they learn if they call it at another time."""
+"""The functions that importers may call in each mode, and the errors of calls in another mode."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What hosts know of a model: its start values are those of a simulation, in the order of its descriptor."""
+"""The model that hosts receive: its start values are those of a simulation, in the order of its descriptor."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_a_table_of_the_descriptor_counts_elements_of_arrays() -> None:
 
 
 def test_a_prescribed_motion_has_two_derivatives_at_the_start() -> None:
-    """Of 0.5 (1 + sin 4t) + 3 t^2; the force has no value, and is zero."""
+    """The motion is 0.5 (1 + sin 4t) + 3 t^2; the force has no value, and is zero."""
     model = prepared(STEERED)
     angle, rate, acceleration, side = model.inputs
     assert (angle.name, rate.name, acceleration.name, side.name) == ("angle", "angledot", "angleddot", "side")

@@ -40,7 +40,7 @@ def test_every_interface_has_a_section_and_a_row() -> None:
 
 
 def test_every_return_code_has_a_row() -> None:
-    """Those of the models, and those of the integrators by their names in the headers."""
+    """The page has the codes of the models, and those of the integrators by their names in the headers."""
     stated = {int(row[0]): row for row in rows("## Return codes")}
     assert all(row[3] for row in stated.values())
     codes = {int(code): "" for code in ReturnCode}

@@ -57,7 +57,7 @@ MODELS = {name: lambda make=make: host_model(make()) for name, make in SPECS.ite
 
 
 def jacobian_errors(folder: Path, *options: str) -> list[float]:
-    """Those that PETSc finds by differences in the first steps, relative to the Jacobian."""
+    """The errors of the Jacobian that PETSc computes by differences in the first steps, relative to the Jacobian."""
     command = [folder / "sample", "-snes_test_jacobian", "-ts_max_steps", "4", *options]
     said = subprocess.run(command, capture_output=True, text=True, check=False).stdout
     return [float(x) for x in re.findall(r"\|\|J\|\|_F = (\S+),", said)]

@@ -26,7 +26,7 @@ MODELS = {
 
 
 def cargo(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
-    """What `cargo test` says; the crate `cc` is compiled once."""
+    """The output of `cargo test`; the crate `cc` is compiled once."""
     target = tmp_path_factory.getbasetemp() / "cargo"
     flags = ("test", "--manifest-path", folder / "Cargo.toml", "--", "--nocapture")
     return run(program("cargo"), *flags, CARGO_TARGET_DIR=str(target), RUSTFLAGS="-D warnings")

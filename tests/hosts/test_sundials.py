@@ -62,7 +62,7 @@ def linkage_states(**values: float) -> np.ndarray:
 
 
 def test_sensitivities_are_those_of_another_integrator(tmp_path: Path) -> None:
-    """Of the linkage to what is in its constraints, its stiffness and its input, against differences by SciPy."""
+    """Sensitivities of the linkage to its constraints, stiffness and input are compared with differences by SciPy."""
     folder = built(SPECS["linkage"](), tmp_path)
     said = run(folder / "sample_cvodes")
     sizes = {name: float(x) for name, x in re.findall(r"d y / d (\w+): up to (\S+);", said)}

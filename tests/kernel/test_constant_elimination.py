@@ -76,7 +76,7 @@ STRETCHING = {"ansatz": ["xi"], "stiffness": {"symbol": "EA", "default": 1000}}
 )
 @pytest.mark.parametrize("more", [{}, {"order": 2}, {"axial": STRETCHING}, {"order": 2, "axial": STRETCHING}])
 def test_damping_ratios_have_roots_of_parameters(frame: str, mass: Any, more: dict[str, Any], ratio: Any) -> None:
-    """Of mass and stiffness, which are taken as squares of their roots, so that elimination remains exact."""
+    """Mass and stiffness are taken as squares of their roots, so that elimination remains exact."""
     beam = beams.beam(frame, 2, mass=mass, damping={"ratio": ratio}, markers={}, **more)
     equations, model = derive.derive(beam).expanded(), derive.lower(derive.derive(beam))
     assert (reduced_system(equations) is not None) is ("order" not in more or frame == "mean")

@@ -42,7 +42,7 @@ OPERATIONS = {
     ("point", 8): 199,
     ("mean", 8): 114,
 }
-"""What is left after setup, as it is today; a smaller number is progress and is written here."""
+"""Operations of M and h after setup, as they are today; a smaller number is progress and is written here."""
 
 ACCELERATIONS = {
     ("point", 2): 41,

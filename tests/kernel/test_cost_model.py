@@ -53,7 +53,7 @@ def test_the_choice_is_said_with_its_numbers() -> None:
 
 
 def test_a_body_that_does_not_fit_is_refused() -> None:
-    """The same block with modes twice as large: c8 = 4, which the model with orthonormal modes takes to be 1."""
+    """A block with modes twice as large has c8 = 4, which the model with orthonormal modes takes to be 1."""
     spec = derive.read(ROOT / "scenes/block.toml")
     anything = derive.read(ROOT / "scenes/body_symbolic.toml")
     block = derive.modal(spec)

@@ -1,4 +1,4 @@
-"""What second order costs in operations of the generated functions; bench/order_cost.py has all frames and shapes."""
+"""The cost of second order in operations of the generated functions; bench/order_cost.py has all frames and shapes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def model(frame: str, n: int, terms: str = "") -> derive.Model:
 
 
 def operations(frame: str, n: int, terms: str = "") -> tuple[int, int]:
-    """Of M and h together, and of the accelerations."""
+    """The operations of M and h together, and of the accelerations."""
     kernels = model(frame, n, terms)
     return kernels.kernel("mass_force").operations, kernels.kernel("accel").operations
 

@@ -94,7 +94,7 @@ MODELS: dict[str, Callable[[], Model]] = {
 
 @pytest.mark.parametrize("name", MODELS)
 def test_batches_keep_the_bits_of_each_state(name: str) -> None:
-    """Also those of sines, which are computed for all states before the lines that need them."""
+    """Sines keep their bits, too; they are computed for all states before the lines that need them."""
     model, states = MODELS[name](), 3
     for kernel in (model.kernel(k) for k in ("mass", "force", "mass_force", "accel", "energy", "momentum", "rates")):
         shared = arguments(model, kernel)

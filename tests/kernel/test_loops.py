@@ -195,7 +195,7 @@ def test_size_of_the_code_does_not_depend_on_the_shapes() -> None:
 
 
 def test_loops_of_a_kernel_are_few_and_simple() -> None:
-    """What a reader of the code meets: one contraction, one loop of sums, one loop of rows; no table is read twice."""
+    """The code has one contraction, one loop of sums and one loop of rows; no table is read twice."""
     kernel = symbolic(8, "mean").kernel("force")
     loops = [s for s in kernel.statements if not isinstance(s, Let | Store | Require)]
     assert [type(loop) for loop in loops] == [MatVec, Accumulate, Map]

@@ -188,7 +188,7 @@ def test_a_mode_is_selected_in_a_browser(rod: Modes, tmp_path: Path) -> None:
 
 
 def test_modes_are_drawn_where_the_truncated_mass_matrix_is_not_definite() -> None:
-    """That of a clamped beam of second order with a mass at its tip, displaced by a tenth of its length."""
+    """The beam is clamped and of second order, with a mass at its tip, displaced by a tenth of its length."""
     rod = {"mass": 1, "length": 1, "bending_stiffness": 1, "ansatz": [f"xi^{n}" for n in range(6)], "order": 2}
     rod |= {"markers": {"root": -1, "tip": 1}, "masses": {"weight": {"at": 1, "mass": 0.5}}}
     clamp = {"kind": "weld", "between": ["ground.wall", "rod.root"]}

@@ -54,7 +54,7 @@ def beam(frame: str, terms: str | None, order: int = 2, **axial: Any) -> PlanarB
 
 
 def expanded(spec: PlanarBeam) -> Equations:
-    """Its equations of motion, row by row."""
+    """The expanded equations of motion, row by row."""
     return derive.derive(spec).expanded()
 
 

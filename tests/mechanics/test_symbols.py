@@ -164,7 +164,7 @@ def test_symbols_survive_pickling_and_copying(symbol: Symbol) -> None:
 
 
 def test_sums_and_products_are_ordered_like_those_of_plain_symbols() -> None:
-    """Also between powers and functions; where half of the symbols are plain, as they are printed."""
+    """The order holds between powers and functions, too; where half of the symbols are plain, as they are printed."""
     products = sum(SYMBOLS[::3]) * sum(SYMBOLS[1::3]) - 3 * sum(SYMBOLS[2::3]) ** 2 + sp.prod(SYMBOLS)
     functions = sum(a * b**2 * sp.sin(c) for a, b, c in zip(SYMBOLS[::3], SYMBOLS[1::3], SYMBOLS[2::3], strict=False))
     expr = sp.expand(products) + functions + sum(SYMBOLS) + sum(map(sp.cos, SYMBOLS))

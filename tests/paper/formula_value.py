@@ -65,7 +65,7 @@ Names = Mapping[str, Value]
 
 @dataclass(frozen=True)
 class Meaning:
-    """What names stand for, and how integrals are taken: `integral` gets an integrand as a function of the names."""
+    """The values of names, and the way to integrate: `integral` gets an integrand as a function of the names."""
 
     names: Names
     integral: Callable[[Callable[[Names], Value]], Value] | None = None

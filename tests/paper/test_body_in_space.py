@@ -109,7 +109,7 @@ def test_a_point_of_the_beam_meets_16(at: Fraction) -> None:
 
 
 def test_modes_in_the_mean_frame_meet_17_and_19() -> None:
-    """Those of the cloud do not before; fields that do are left as they are."""
+    """The modes of the cloud do not meet them before; fields that do are left as they are."""
     masses, x, phi = held("mean")
     weights, places = [sp.Float(float(m), 20) for m in masses], as_matrices(x)
     for mode, before in zip(phi, cloud()[2], strict=True):
@@ -137,7 +137,7 @@ def test_mean_conditions_of_the_beam_are_17_and_19() -> None:
 
 
 def test_modes_of_free_vibration_meet_17_and_19() -> None:
-    """Those of masses with springs between all of them."""
+    """The modes are those of masses with springs between all of them."""
     masses, x, _ = cloud(19)
     n = len(masses)
     stiffness = np.zeros((n, 3, n, 3))

@@ -116,7 +116,7 @@ def test_12_is_the_force_of_the_cauchy_stress() -> None:
 
 
 def test_7_is_the_balance_of_momentum_of_a_brick() -> None:
-    """What is left of (7), integrated, is the load on the faces and the body force less the mass times acceleration."""
+    """Integrated, (7) leaves the load on the faces and the body force less the mass times acceleration."""
     b = field(53, 1)
     residual = printed_continuum.momentum_7(T, F, RHO, b, XDDOT, X)
     for e in EDGES:
@@ -151,7 +151,7 @@ def test_13_is_11_with_the_stress_8_and_a_free_surface() -> None:
 
 
 def test_the_first_term_of_13_is_the_variation_of_the_strain_energy() -> None:
-    """Of mu E : E + lambda/2 tr(E)^2 per volume, along x + step delta x."""
+    """The strain energy is mu E : E + lambda/2 tr(E)^2 per volume, varied along x + step delta x."""
     step = sp.Symbol("step")
     E = printed.green_lagrange_9(F + step * DELTA_F)
     energy = MU * (E * E).trace() + LAMDA / 2 * E.trace() ** 2

@@ -78,7 +78,7 @@ def test_20_needs_19_as_well() -> None:
 
 
 def test_17_and_the_choice_of_o_cancel_d1_and_c2() -> None:
-    """What is left of (15) under (17) and the choice of O is what has neither d1 nor c2."""
+    """Under (17) and the choice of O, the terms of (15) without d1 and c2 are left."""
     body = General(2)
     terms = under(equation_15(body, ROTATION), no_mean_displacement(2))
     gone = {t.text for t in terms if t.expr.applyfunc(sp.expand).is_zero_matrix}

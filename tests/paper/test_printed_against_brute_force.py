@@ -111,7 +111,7 @@ def test_brute_force_meets_the_energy_law(shapes: tuple[Expr, ...]) -> None:
 
 
 def test_marker_is_the_material_point() -> None:
-    """By (1) with (23)-(26), in the printed rotation; its velocity by the chain rule."""
+    """The position follows from (1) with (23)-(26), in the printed rotation; its velocity from the chain rule."""
     shapes = printed.MEAN_SHAPES
     for xi0 in (-1, 0, sympy.Rational(1, 3), 1):
         tip = brute_force.marker(shapes, xi0)
@@ -168,7 +168,7 @@ def coefficients_where_zero(conditions: Sequence[Expr]) -> dict[Symbol, Expr]:
 
 
 def shapes_left(conditions: Sequence[Expr]) -> tuple[Expr, ...]:
-    """What a2 and a3 multiply in (21) under the conditions, scaled to 1 at the end xi = 1."""
+    """The shape functions of a2 and a3 in (21) under the conditions, scaled to 1 at the end xi = 1."""
     v = sympy.expand(printed.DISPLACEMENT_21.subs(coefficients_where_zero(conditions)))
     shapes = [v.coeff(a2), v.coeff(a3)]
     assert sympy.expand(v - a2 * shapes[0] - a3 * shapes[1]) == 0

@@ -29,7 +29,7 @@ def cloud(n: int, points: int = 10) -> NodeData:
 
 
 def consistent(data: NodeData, seed: int = 1) -> NodeData:
-    """The same nodes with a full mass matrix."""
+    """The body with the same nodes and a full mass matrix."""
     n = len(data.positions)
     root = np.random.default_rng(seed).uniform(-1, 1, (n, n)) / (2 * np.sqrt(n)) + np.eye(n)
     return replace(data, mass=csr_array(root @ root.T))

@@ -1,4 +1,4 @@
-"""The linear algebra with a fixed order: right, and the same bytes whatever the processor is told to be."""
+"""The linear algebra with a fixed order is right, and gives the same bytes for any setting of the processor type."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_cholesky_and_products() -> None:
 
 
 def digest() -> str:
-    """Of all numbers of the block with its modes as given."""
+    """The digest of all numbers of the block with its modes as given."""
     sys.path.insert(0, str(TESTS))
     from bodies_of_nodes import nodal
     from test_block import block

@@ -1,4 +1,4 @@
-"""What is wrong with a body is said, all at once, with what to do."""
+"""All faults of a body are reported at once, each with its remedy."""
 
 from __future__ import annotations
 

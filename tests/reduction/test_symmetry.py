@@ -54,7 +54,7 @@ def test_sums_behind_the_zeros_are_nothing(body: NodalBody) -> None:
 
 
 def test_all_odd_sums_are_found() -> None:
-    """Whatever vanishes up to rounding in a body with three planes has a reason."""
+    """Every integral that vanishes up to rounding in a body with three planes has a reason."""
     body = bodies.nodal(bodies.truss((4, 3, 2)), modes=6)
     prepared, found = prepare(body), reduce(body)
     known = shape_integrals(prepared.mass, prepared.shapes.x, prepared.shapes.phi)
@@ -191,7 +191,7 @@ def test_the_parity_of_a_mode_is_known_to_six_digits(change: float, symmetric: b
 
 @pytest.mark.parametrize(("change", "planes"), [(1e-9, 3), (1e-7, 0)])
 def test_planes_are_known_to_eight_digits(change: float, planes: int) -> None:
-    """Of the largest distance of a node from the centre of mass, and of the largest entry of the mass matrix."""
+    """Digits count relative to the largest distance of a node from the centre of mass, or entry of the mass matrix."""
     data = bodies.truss((4, 3, 2))
     moved, masses = data.positions.copy(), data.mass.diagonal()
     moved[0] += change * np.linalg.norm(moved, axis=1).max() / np.sqrt(3)
@@ -202,7 +202,7 @@ def test_planes_are_known_to_eight_digits(change: float, planes: int) -> None:
 
 @pytest.mark.parametrize(("difference", "separated"), [(1e-8, True), (1e-4, False)])
 def test_modes_of_different_frequency_are_not_combined(difference: float, separated: bool) -> None:
-    """Two modes of opposite parity, mixed: they are told apart only where any mix is a mode as well."""
+    """Mixed modes of opposite parity are separated only where any mix is a mode as well."""
     body = bodies.nodal(bodies.truss(), modes=6)
     shapes, mass = prepare(body).shapes, body.data.mass
     planes = mirror_planes(mass, shapes.x)

@@ -203,7 +203,7 @@ class Kinematics:
     # ---- kinematics: functions of t and q
 
     def motion(self, name: str, t: Real) -> Real:
-        """What a drive prescribes."""
+        """The displacement or rotation that a drive prescribes."""
         drive = self.driven[name]
         if drive.motion is not None:
             return self.of_time(drive.motion, t)

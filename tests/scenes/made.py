@@ -49,7 +49,7 @@ class Made:
         return integrate(self.native, k, start.q, start.v, times, tolerance=tolerance)
 
     def bent(self, found: Solution, plot: str, p: np.ndarray | None = None) -> np.ndarray:
-        """What a plot of the scene shows of a motion."""
+        """The deflection that a plot of the scene shows of a motion."""
         quantity = next(one.quantity for one in self.spec.plots if one.name == plot)
         motion = SceneMotion(self.spec, self.native, self.native.setup(p), found.t, found.q, found.v)
         return deflection(motion, quantity)

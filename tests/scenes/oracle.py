@@ -22,7 +22,7 @@ STEP = mpmath.mpf(10) ** -12
 
 @dataclass(frozen=True)
 class Seen:
-    """What the oracle has found in one state, as arrays of mpf; see `Oracle.see`."""
+    """The results of the oracle in one state, as arrays of mpf; see `Oracle.see`."""
 
     M: np.ndarray
     h: np.ndarray

@@ -44,7 +44,7 @@ def matrices(more: str, p: list[float] | None = None) -> tuple[np.ndarray, np.nd
 
 @pytest.mark.parametrize("frame", FRAMES)
 def test_a_ratio_is_that_of_every_free_mode(frame: str) -> None:
-    """Of the eigenvalues -r w +- i w sqrt(1 - r^2) the real part over the magnitude is the ratio."""
+    """The ratio is the real part over the magnitude of the eigenvalues -r w +- i w sqrt(1 - r^2)."""
     M, B, K = matrices(f"frame = {frame}\ndamping = {{ ratio = 0.03 }}", [1.1, 0.8, 3.0])
     n = len(K)
     zero, one = np.zeros((n, n)), np.eye(n)
@@ -76,7 +76,7 @@ def test_no_damping_is_no_term() -> None:
     ],
 )
 def test_damping_may_be_parameters(numbers: str, symbols: str, values: list[float]) -> None:
-    """The same matrices from numbers, and from parameters whose defaults are others."""
+    """Numbers give the same matrices as parameters whose defaults are others."""
     _, expected, _ = matrices(f"damping = {{ {numbers} }}", [1.1, 0.8, 3.0])
     _, found, _ = matrices(f"damping = {{ {symbols} }}", [1.1, 0.8, 3.0, *values])
     close(found, expected, 1e-14)

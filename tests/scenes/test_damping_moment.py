@@ -77,7 +77,7 @@ def test_both_moments_do_the_same_work_on_every_shape(kind: str, frame: str) -> 
 
 @pytest.mark.parametrize("kind", ["proportional", "ratio"])
 def test_the_moment_of_the_damping_is_that_of_the_whole_rod(kind: str) -> None:
-    """The same in a piece, where the rates of the other piece enter."""
+    """This holds in a piece, too, where the rates of the other piece enter."""
     _compare(rod(DAMPING[kind], pieces=2))
 
 

@@ -1,4 +1,4 @@
-"""Scenes with flexible bodies that cannot start, or cannot go on: what is said, and by how much it is off.
+"""Scenes with flexible bodies that cannot start, or cannot go on: the messages, and the residuals in them.
 
 Rigid ones are in `tests/simulation`. A beam does not stretch, but to first order its ends come nearer or get further
 apart as it bends, so that what is singular for straight beams need not be for bent ones.

@@ -24,7 +24,7 @@ def free_beam() -> derive.Native:
 
 
 def test_the_scene_is_the_free_beam() -> None:
-    """The same mass matrix and forces as the model of `[beam]`, and its load for the knock, in random states."""
+    """In random states the mass matrix and forces are those of the model of `[beam]`, and its load for the knock."""
     made, body = of("spinning_beam"), free_beam()
     scene = made.native
     assert scene.nlambda == 0 and scene.multipliers == ()

@@ -32,7 +32,7 @@ def matrices(made: Made) -> tuple[np.ndarray, np.ndarray]:
 
 
 def constant_speed(text: str) -> str:
-    """The same scene at a speed that is a parameter."""
+    """The scene at a speed that is a parameter."""
     lines = (line for line in text.splitlines() if not line.startswith("motion"))
     return "\n".join(lines).replace('joint = "shaft"', 'joint = "shaft"\nspeed = { symbol = "w", default = 1 }')
 

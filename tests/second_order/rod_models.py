@@ -129,7 +129,7 @@ class RodModel:
 
 
 def deflection(motion: Motion, support: str) -> np.ndarray:
-    """Of the middle of a free rod from its chord, of the tip of a clamped one, over the length (n,)."""
+    """The deflection over the length (n,): of a free rod at its middle from the chord, of a clamped one at its tip."""
     if support == "clamped":
         return motion.right[:, 1] - motion.left[:, 1]
     chord = motion.right - motion.left

@@ -33,7 +33,7 @@ def free_beam(shapes: int, frame: Any, order: int, terms: str | None = None) -> 
 
 
 def eigenvalues(beam: derive.Native, spin: float) -> np.ndarray:
-    """Those of small motions about the straight beam that spins about its centre, 2 nv of them, in 1/s.
+    """The 2 nv eigenvalues, 1/s, of small motions about the straight beam that spins about its centre.
 
     With c = Q z the coefficients do not depend on time, where the generated Jacobian gives the derivatives by c and its
     rates at phi = 0: dcdot = dzdot + W dz and dcddot = dzddot + 2 W dzdot + W^2 dz, with W = spin x.

@@ -14,7 +14,7 @@ from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 @pytest.mark.parametrize("tip_angle", [0.1, 0.5, 1.2])
 def test_the_rod_is_the_elastica(tip_angle: float) -> None:
-    """Of a clamped rod with a dead load P across its tip, by elliptic integrals of the modulus (1 + sin angle)/2."""
+    """The rod is clamped, with a dead load P across its tip: elliptic integrals of the modulus (1 + sin angle)/2."""
     m = (1 + np.sin(tip_angle)) / 2
     begin = np.arcsin(1 / np.sqrt(2 * m))
     root_of_load = ellipk(m) - ellipkinc(begin, m)
@@ -91,7 +91,7 @@ def test_a_load_across_the_tip_of_a_cantilever_up_to_large_deflections() -> None
 
 
 def test_a_state_at_rest_does_not_need_a_definite_mass_matrix() -> None:
-    """That of the truncated model in the chord frame is indefinite at a tip deflection of 0.26 of the length."""
+    """The mass matrix of the truncated model in the chord frame is indefinite at a tip deflection of 0.26 l."""
     model = RodModel("clamped", "chord", "truncated")
     tip = ExactRod("clamped", load=(0.0, 0.9)).at_rest()[2]
     assert model.at_rest(0.9)[2][1] == pytest.approx(tip[1], rel=0.03)

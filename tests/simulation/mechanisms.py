@@ -38,7 +38,7 @@ def crank_slider(
 
 
 def pushed_crank(at: float, speed: float, motion: Motion | None = None) -> tuple[Double, Array, Array]:
-    """The same mechanism, driven at the slider, whose coordinate is at + speed t, or a `motion`."""
+    """The crank mechanism, driven at the slider, whose coordinate is at + speed t, or a `motion`."""
     model, _, v = crank_slider()
     conditions = (*model.conditions[:-1], Slide("push", "slider", 0, motion or steady(speed, at)))
     bodies = tuple(Body(n, *model.diagonal[3 * i + 1 : 3 * i + 3]) for i, n in enumerate(model.bodies))

@@ -1,4 +1,4 @@
-"""Constraints that depend on each other: named, and told apart from a dead centre."""
+"""Dependent constraints are named, and distinguished from a dead centre."""
 
 from __future__ import annotations
 

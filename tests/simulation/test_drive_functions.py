@@ -94,7 +94,7 @@ def test_derivatives_of_functions_of_time(motion: str, t: float, expected: tuple
     ],
 )
 def test_bodies_begin_with_the_velocity_behind_the_start(motion: str, speed: float) -> None:
-    """That of a function at t > 0, which may have no value before, or another one.
+    """The velocity is that of the function at t > 0, which may have no value before, or another one.
 
     Its error is the rounding of a pose over the time in which the function is smooth, or which the run could take.
     """

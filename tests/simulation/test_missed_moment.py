@@ -1,4 +1,4 @@
-"""What the shapes of a beam miss of its deflection follows from what they miss of the moment at a few sections."""
+"""The deflection that the shapes of a beam miss follows from the moment that they miss at a few sections."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ def test_quaternions_have_length_one_from_the_first_row_on() -> None:
 
 
 def test_a_body_and_a_scene_have_trajectories_of_one_type() -> None:
-    """Of a body the scene is empty, and its energies are columns; a scene has those that it declares as outputs."""
+    """The scene of a body is empty, and its energies are columns; a scene has those that it declares as outputs."""
     start = derive.SpatialStart(position=(1.0, 2.0, 3.0), amplitudes=(1e-6,))
     alone = derive.simulate(replace(body(1, -9.81), start=start), duration=1e-3, output=1e-3)
     beam = derive.simulate(derive.planar_beam("free"), duration=0.1, output=0.1)

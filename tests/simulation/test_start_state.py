@@ -81,7 +81,7 @@ def test_the_generated_function_returns_it() -> None:
 
 
 def test_files_made_in_python_are_those_of_build() -> None:
-    """The same bytes, with the initial state."""
+    """Python writes the same bytes as `build`, with the initial state."""
     made, path = scene("four_bar"), ROOT / "scenes/four_bar.toml"
     files = derive.model_files(made.model, made.spec)
     assert files == build(path).files

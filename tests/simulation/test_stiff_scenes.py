@@ -33,7 +33,7 @@ from derive.spec.toml.read import parse
 EXACT = 1e-12
 """The tolerance of the run that others are compared with."""
 TOLERANCE, STIFF, SCENES, CORPUS = 1e-9, 1.0, 50, 300
-"""Of the scenes of the corpus: the tolerance, the least product of the highest natural frequency and the mean step of a
+"""Settings for the corpus: the tolerance, the least product of the highest natural frequency and the mean step of a
 stiff one, their number, and the seeds among which they are."""
 PEAK = 100
 """The largest error of a column over its median, or over its tolerance."""

@@ -80,7 +80,7 @@ def test_zero_at_the_start_is_no_crossing() -> None:
 @pytest.mark.parametrize("crossing", [True, False])
 @pytest.mark.parametrize("at", [0.5, 0.3])
 def test_the_condition_holds_where_the_run_ends(crossing: bool, at: float) -> None:
-    """Also where the function is zero at one of the times at which it is looked at. A run that goes on from there meets
+    """The function may be zero at one of the times at which it is evaluated. A run that goes on from there meets
     the condition no more."""
     dense = lambda t: np.array([t - at])  # noqa: E731
     stop = event(crossing).time(0.0, 1.0, dense)

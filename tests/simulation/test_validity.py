@@ -172,7 +172,7 @@ def test_a_cantilever_warns_before_its_stiffness_is_lost() -> None:
 
 
 def test_the_inertia_that_a_truncated_beam_loses_implies_an_error_without_bound() -> None:
-    """Of the thrown beam half of the inertia is lost at 0.3 s; against terms = "full" it is 0.04 % off."""
+    """The thrown beam loses half of its inertia at 0.3 s; against terms = "full" it is 0.04 % off."""
     text = (Path(__file__).parent / "test_definiteness.py").read_text()
     thrown = text.split('THROWN = """')[1].split('"""')[0].replace("TERMS", "truncated")
     assert monitor(run(parse(thrown), 0.05, 0.01), Cause.MASS_MATRIX).value < 0.01
@@ -370,7 +370,7 @@ def test_what_happens_between_two_rows_is_seen() -> None:
 
 
 def test_steps_in_c_and_rows_in_python_see_the_same() -> None:
-    """Of methods that do not watch their steps the rows are looked at; here they are closer than the steps."""
+    """Methods that do not watch their steps are judged by their rows, which here are closer than the steps."""
     scene = rod(2, second_order=True).scene
     in_c = run(scene, 0.02, 1e-5)
     rows = {m.cause: m for m in validity(in_c.motion)}

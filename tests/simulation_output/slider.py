@@ -61,13 +61,13 @@ def scene(count: int = 3, name: str = "slider") -> Scene:
 
 
 def deflection(angle: float) -> float:
-    """Of the middle of the rod, m."""
+    """The deflection of the middle of the rod, m."""
     return MOST * np.sin(angle) * (1 + 0.3 * np.cos(3 * angle))
 
 
 @dataclass
 class Double:
-    """What `Native` tells of a scene; the rod bends as half a sine, as far as its shapes can."""
+    """A substitute for `Native` with a scene whose rod bends as half a sine, as far as its shapes can."""
 
     scene: Scene
 

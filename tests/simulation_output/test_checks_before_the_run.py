@@ -1,4 +1,4 @@
-"""What can be wrong with plots, columns and conditions is found before the first run, in all variants of a scene."""
+"""Faults of plots, columns and conditions are detected before the first run, in all variants of a scene."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_two_columns_of_one_name() -> None:
 
 
 def test_files_are_planned_by_their_names(runs: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Also those of default plots, which a scene that has plots of its own does not have."""
+    """Files of default plots are planned, too, which a scene with plots of its own does not have."""
     spec, folder = tmp_path / "hanging.toml", tmp_path / "out/hanging"
     folder.mkdir(parents=True)
     (folder / "angles.svg").write_text("mine")
@@ -109,7 +109,7 @@ def test_contradictions_of_the_initial_state_have_their_lines(
 
 
 def test_rounding_errors_of_zero_are_zero() -> None:
-    """Of a value that replaces 0.3 m, or 1e-9 m; -2.4e-33 m is none that anybody has chosen."""
+    """The value replaces 0.3 m, or 1e-9 m; nobody has chosen -2.4e-33 m."""
     shown = [
         str(InitialValue("x", "m", specified, value, False, True))
         for specified, value in ((0.3, -2.4e-33), (0.3, 1e-12), (1e-9, 1e-12), (0.0, -2.4e-33))

@@ -332,7 +332,7 @@ y = ["rod_phi", "rod_phidot"]
 
 
 def test_plots_are_in_the_order_of_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Those of outputs among the others; each curve has its unit in the summary and in the animation."""
+    """Plots of outputs are among the others; each curve has its unit in the summary and in the animation."""
     spec = tmp_path / "pendulum.toml"
     spec.write_text(PENDULUM)
     assert main(["simulate", str(spec), "--out", str(tmp_path), "--json"]) == 0

@@ -1,4 +1,4 @@
-"""What is seen of a motion: places, deflections, drives, deviations from a reference."""
+"""Observables of a motion: positions, deflections, drives, deviations from a reference."""
 
 from __future__ import annotations
 

@@ -130,7 +130,7 @@ document.body.dataset.boxes = JSON.stringify({
 @pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")
 @pytest.mark.parametrize("size", ["1400,1000", "400,900"])
 def test_controls_stay_beside_the_animation_and_curves_have_scales(size: str, tmp_path: Path) -> None:
-    """Also at the end of a page with twelve curves; the numbers of the scales are in their pictures and apart."""
+    """On a page with twelve curves, numbers of scales lie within their pictures and do not overlap."""
     motion = slider.motion(1)
     shown = page(motion, [Column(f"y{n}", "m", -(10.0 ** (n - 8)) * motion.t) for n in range(12)])
     path = tmp_path / "page.html"

@@ -1,4 +1,4 @@
-"""What a command writes for a model does not overwrite what another has written."""
+"""The files that a command writes for a model do not overwrite those of another command."""
 
 from __future__ import annotations
 

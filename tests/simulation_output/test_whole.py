@@ -46,7 +46,7 @@ def test_simulate(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_poses_and_amplitudes_tell_where_markers_are(short: Path) -> None:
-    """What the player draws is where the model says that its points are, and joints hold them together."""
+    """The player draws points at their positions in the model, and joints hold them together."""
     scene = derive.read(short)
     motion = derive.simulate(scene).motion
     rod = scene.bodies[1]

@@ -147,7 +147,7 @@ def small(*replaced: tuple[str, str], more: str = "") -> str:
 
 
 def errors(text: str, source: str = "s.toml") -> list[str]:
-    """What is wrong with a text, a line each, without the file."""
+    """The messages on a faulty text, a line each, without the file."""
     with pytest.raises(SpecError) as caught:
         parse(text, source)
     return [line.removeprefix("s.toml:") for line in str(caught.value).split("\n")]

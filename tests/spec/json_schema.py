@@ -16,7 +16,7 @@ _TYPES = {
 
 
 def problems(value, schema, root, path=""):
-    """What is wrong with a value, a line each."""
+    """Yield the faults of a value, a line each."""
     if schema is True:
         return
     if schema is False:

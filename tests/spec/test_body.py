@@ -46,8 +46,8 @@ def numbers(data):
     }
 
 
-def said(body):
-    """What a body says besides its numbers."""
+def fields_of(body):
+    """The fields of a body other than its numbers."""
     return {key: value for key, value in vars(body).items() if key != "data"}
 
 
@@ -72,7 +72,7 @@ def test_a_body_with_modes_needs_no_more_than_its_file_and_its_units(tmp_path):
     (tmp_path / "b.toml").write_text(toml(""))
     body = read(tmp_path / "b.toml")
     assert isinstance(body, NodalBody)
-    assert said(body) == DEFAULTS
+    assert fields_of(body) == DEFAULTS
     assert numbers(body.data) == {
         "positions": POSITIONS.tolist(),
         "mass": np.diag(LUMPED).tolist(),
@@ -152,7 +152,7 @@ def test_toml_and_python_say_the_same(tmp_path, lines, keywords, changes):
     save(tmp_path, **MODAL_BODY)
     from_toml = parse(toml(lines), str(tmp_path / "b.toml"))
     from_python = nodal_body("b", tmp_path / "b.npz", units="SI", **keywords)
-    assert said(from_toml) == said(from_python) == DEFAULTS | changes
+    assert fields_of(from_toml) == fields_of(from_python) == DEFAULTS | changes
     assert numbers(from_toml.data) == numbers(from_python.data)
     assert from_toml.data.sha256 == from_python.data.sha256
 
@@ -336,7 +336,7 @@ def test_a_body_says_itself_again():
         markers={marker.name: marker.node for marker in body.markers},
         lowering=body.lowering,
     )
-    assert said(again) == said(body)
+    assert fields_of(again) == fields_of(body)
     assert numbers(again.data) == numbers(body.data)
     assert again.data.sha256 == body.data.sha256
     with pytest.raises(SpecError, match=r"^body\.nodes\.mass: "):

@@ -245,7 +245,7 @@ def test_what_is_no_name_of_an_integral_may_be_a_symbol(symbol):
 
 @pytest.mark.parametrize("symbol", ["m", "K", "k", "C3", "c8", "C3_11", "B_1_2", "X1", "Phi1", "x1_1"])
 def test_symbols_are_not_those_of_other_parameters(symbol):
-    """They would meet in the parameters of a model with loops, whatever the lowering is today."""
+    """Equal symbols would meet in the parameters of a model with loops, whichever lowering is chosen today."""
     with pytest.raises(SpecError, match="it is the name of another parameter of a body in space"):
         nodal_body("m", MODAL_BODY, units="SI", gravity=[0, 0, {"symbol": symbol, "default": 1}])
     with pytest.raises(SpecError, match="it is the name of another parameter of a body in space"):

@@ -122,5 +122,5 @@ def test_a_simulation_stays_within_its_tables(tmp_path: Path) -> None:
     ],
 )
 def test_tables_whose_splines_are_no_doubles_are_refused(tmp_path: Path, rows: str, text: str) -> None:
-    """They would be code with NaN in it."""
+    """Such splines would be code with NaN in it."""
     assert text in problem(tmp_path, curve=f"t,F\n{rows}\n")

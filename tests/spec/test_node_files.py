@@ -32,7 +32,7 @@ START = "body.nodes"
 
 
 def faults(nodes, **keywords):
-    """What is said of the nodes, without the name of their key."""
+    """The messages on the nodes, without the name of their key."""
     with pytest.raises(SpecError) as caught:
         nodal_body("b", nodes, **{"units": "SI", "modes": 1} | keywords)
     return [f"{problem.path}: {problem.message}".removeprefix(START) for problem in caught.value.problems]

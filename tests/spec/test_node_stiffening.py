@@ -131,7 +131,7 @@ def test_order_two_needs_matrices(tmp_path) -> None:
 
 
 def notes(tmp_path, lines: str, **arrays: np.ndarray) -> list[str]:
-    """What `build` says of geometric stiffness, for the truss of the reduction with these matrices."""
+    """The notes of `build` on geometric stiffness, for the truss of the reduction with these matrices."""
     data = truss.cloud(2, 6)
     save(
         tmp_path,

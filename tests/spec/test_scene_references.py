@@ -1,4 +1,4 @@
-"""Curves that plots are compared with: what is wrong with their files is told with its line."""
+"""Curves that plots are compared with: messages on faults of their files have the line."""
 
 import pytest
 from example_scenes import errors, small

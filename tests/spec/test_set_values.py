@@ -31,7 +31,7 @@ def test_a_symbol_is_changed_wherever_it_is_written() -> None:
 
 
 def test_a_number_that_may_be_a_parameter_becomes_one() -> None:
-    """So that the model is the same for all values: its symbol is made of the key, or of a name that is free."""
+    """The model is the same for all values: the symbol is made of the key, or of a name that is free."""
     spec, changes = with_values(SLIDER, {"bodies.rod.bending_stiffness": "30", "drives.motor.speed": "100"})
     assert spec.bodies[1].beam.bending_stiffness == derive.Parameter("rod_bending_stiffness", "N m^2", 30.0)
     assert spec.drives[0].speed == derive.Parameter("motor_speed_value", "rad/s", 100.0)

@@ -1,4 +1,4 @@
-"""What a specification may leave unnoticed: units that do not fit, and defaults of masses and the like."""
+"""Warnings on specifications: units that do not fit, and defaults of masses and the like."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ def chain(beams: int) -> Scene:
 
 
 Errors = Callable[[LadderModel, float], dict[str, float]]
-"""By a model and the tolerance of a run: what each beam adds to the error, by its name; independent of each other."""
+"""The errors of a model in a run with a tolerance, which each beam adds independently, by its name."""
 
 
 class MadeUpRuns(ModelRuns):
@@ -311,7 +311,7 @@ def share_table(scene: Scene, *models: LadderModel, seed: int = 1) -> dict[str, 
 
 
 def test_combinations_are_the_cheapest_for_their_error() -> None:
-    """Those of all combinations that no other beats in both."""
+    """The search returns the combinations that no other beats in both."""
     scene = chain(3)
     cost = PredictedCost(scene)
     for seed in range(5):

@@ -364,7 +364,7 @@ def test_a_plot_of_several_sections_of_a_rigid_beam_keeps_no_curve_of_them(tmp_p
 
 
 def test_errors_that_vanish_and_runs_that_fail_are_in_the_text() -> None:
-    """What a drive prescribes has no error; a run that fails after coarser ones says so."""
+    """A prescribed motion has no error; a run that fails after coarser ones is noted."""
 
     def point(tolerance: float, rms: float, operations: int) -> Point:
         return Point(tolerance, rms, rms, (1e-3,) * 3, 10, operations)

@@ -92,7 +92,7 @@ def test_a_study_moves_as_a_simulation_does(
 
 
 TIMED = {"cpu_s", "cpu_least_s", "cpu_most_s", "recommended", "cheaper", "better", "files"}
-"""What a clock decides, and the names of files."""
+"""The keys of results that depend on a clock, and of names of files."""
 
 
 def _without_times(data: Any) -> Any:

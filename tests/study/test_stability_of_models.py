@@ -171,7 +171,7 @@ def whirling(stiffness_y: float) -> tuple[derive.NativeScene, np.ndarray, np.nda
 
 
 def test_positions_are_those_in_axes_that_rotate() -> None:
-    """Of a mass that vibrates at 5 rad/s in space, at 5 - 3 and 5 + 3 rad/s; with two stiffnesses it is not steady."""
+    """A mass at 5 rad/s in space vibrates at 5 - 3 and 5 + 3 rad/s; with two stiffnesses it is not steady."""
     native, q, v = whirling(50)
     steady = steady_motion(native, native.setup(), q, v)
     linear = linearise(native, native.setup(), 0.0, steady.q, steady.v, steady.spin)
@@ -212,7 +212,7 @@ def state_space(stiffness: Sequence[float], coupling: float = 0.0) -> np.ndarray
 
 
 def test_rounding_errors_do_not_grow() -> None:
-    """Those of a stiffness that is zero: a double eigenvalue is split by their root; a true negative one grows."""
+    """The stiffness is zero: a double eigenvalue is split by their root; a true negative one grows."""
     assert eigenvalues(state_space([-1e-8, 1e6])).growing == 0
     assert eigenvalues(state_space([-1e-4, 1e6])).growing == 1
     assert eigenvalues(state_space([-1e-4, 1e6])).growth == pytest.approx(1e-2)

@@ -34,7 +34,7 @@ def test_counts(frame: str, pieces: int) -> None:
 
 @pytest.mark.parametrize(("frame", "fill", "flops"), [("mean", 22, 511), ("point", 19, 607)])
 def test_matched_orders_fill_in_less(frame: str, fill: int, flops: int) -> None:
-    """Of three beams; the point frame gains more, so that the two are nearer to each other, each in its best order."""
+    """With three beams the point frame gains more, so that the frames are nearer to each other in their best orders."""
     equations = derive.derive(variant(SCENE, 3, frame).scene).expanded()
     model = lower(equations, elimination=EliminationRule.MATCHED, explicit=True)
     counts = operation_counts(equations, model, EliminationRule.MATCHED)

@@ -1,4 +1,4 @@
-"""What is printed and drawn of the two frames; what is timed by turns."""
+"""The output and the charts of `study frames`; the times of the two frames are measured interleaved."""
 
 from __future__ import annotations
 

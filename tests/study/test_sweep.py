@@ -79,7 +79,7 @@ def test_a_sample_is_the_run_of_simulate_to_the_bit(threads: Executor) -> None:
 
 
 def test_a_function_of_time_is_replaced_by_numbers(threads: Executor) -> None:
-    """Also where a parameter is left out thereby, since no function uses it any more."""
+    """This works also where a parameter is left out thereby, since no function uses it any more."""
     text = SLIDER.replace('speed = { symbol = "speed", default = 150 }', 'speed = "Omega*step(t, -1, 0)"')
     scene = parse(text.replace("[parameters]", '[parameters]\nOmega = { default = 3, unit = "rad/s" }'))
     speeds = [100, 150]

@@ -1,4 +1,4 @@
-"""What the initial states of a sweep depend on: they are shared only where they are the same to the bit."""
+"""The initial states of a sweep are shared only where they are the same to the bit."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def test_killed_workers_lose_nothing(cluster: LocalCluster, killed: Path, monkey
 
 
 class KilledWorkers(Executor):
-    """What a Dask client does with a task whose workers end again and again, without the time that this takes."""
+    """An executor that fails as a Dask client does when the workers of a task end repeatedly, but without delay."""
 
     def submit(self, function: object, /, chunk: Chunk, *_: object, **__: object) -> Future[tuple[Outcome, ...]]:  # type: ignore[override]
         future: Future[tuple[Outcome, ...]] = Future()

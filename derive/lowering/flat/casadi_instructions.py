@@ -1,4 +1,4 @@
-"""From CasADi to the expression graph: the instructions of a CasADi function as exact operations.
+"""Conversion of CasADi functions to the expression graph: their instructions as exact operations.
 
 CasADi finds the common sub-expressions; numbers, which it holds as doubles, become exact again.
 """

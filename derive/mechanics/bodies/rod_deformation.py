@@ -40,7 +40,7 @@ def deformation_mass(shapes: Sequence[BeamFunction], axis: int, pieces: int) -> 
 
 
 def _displacements(shapes: Sequence[BeamFunction], rigid: Sequence[BeamFunction], pieces: int) -> Iterator[sp.Matrix]:
-    """For each piece, the factors of its rigid fields and its shapes, with a column for each amplitude of the rod.
+    """The factors of the rigid fields and the shapes of each piece, with a column for each amplitude of the rod.
 
     The first piece has no rigid motion: the rigid motion of the whole rod is removed from the mass matrix.
     """

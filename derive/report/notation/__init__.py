@@ -1,1 +1,1 @@
-"""From expressions of the derivation to formulas in the notation of the paper."""
+"""Conversion of expressions of the derivation to formulas in the notation of the paper."""

@@ -44,8 +44,8 @@ class AuditRow:
     def shown(self) -> tuple[str, ...]:
         """The lines as the recognised text has them."""
         text = "\n".join(self.lines)
-        for correct, found in self.misread:
-            text = text.replace(correct, found)
+        for correct, recognised in self.misread:
+            text = text.replace(correct, recognised)
         return tuple(text.split("\n"))
 
     @property

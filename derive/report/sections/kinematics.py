@@ -55,7 +55,7 @@ def virtual_displacement() -> Equation:
 
 
 def kinematics_blocks(spec: Specification, equations: Equations, notation: Notation) -> tuple[Block, ...]:
-    """From the position of a material point to its acceleration and its virtual displacement."""
+    """The kinematics of a material point, from its position to its acceleration and its virtual displacement."""
     special = _beam(spec, notation) if isinstance(spec, PlanarBeam) else _space(equations, notation)
     order = equations.body.order if equations.body else DisplacementOrder.FIRST_ORDER
     return (

@@ -12,7 +12,7 @@ COMMENTS = {"c": "//", "python": "#", "toml": "#", "sh": "#"}
 
 
 def gaps(lines: Sequence[CodeLine]) -> list[bool]:
-    """For each line of code, whether lines were left out before it."""
+    """Whether lines were left out before each line of code."""
     return [k > 0 and line.number != lines[k - 1].number + 1 for k, line in enumerate(lines)]
 
 

@@ -43,7 +43,7 @@ def adaptive(
                 progress(t)
             return False
 
-        held = until is not None and until.holds(until.value(float(instants[0]), np.concatenate([q, v])))
+        holds_at_start = until is not None and until.holds(until.value(float(instants[0]), np.concatenate([q, v])))
         try:
             run = host.run(
                 q,
@@ -64,7 +64,7 @@ def adaptive(
         except AdaptiveError as error:
             raise _diagnosed(native, k, settings.drift, error) from error
         if until is not None:
-            notes += until.notes(float(run.t[-1]), float(instants[0]) if held else None, run.met)
+            notes += until.notes(float(run.t[-1]), float(instants[0]) if holds_at_start else None, run.met)
         return _solution(run, notes)
 
     if through_python is None:

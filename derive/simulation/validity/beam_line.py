@@ -15,7 +15,7 @@ PLACES = 5
 
 
 def places() -> Vector:
-    """Those along a piece, xi from -1 to 1."""
+    """The places along a piece, xi from -1 to 1."""
     return np.linspace(-1, 1, PLACES)
 
 

@@ -19,7 +19,7 @@ from derive.simulation.observables.beams import piece_names
 from derive.simulation.validity.piece_shapes import PieceShapes
 
 SMALL = 1e-5
-"""Of the largest coordinate: a motion in which forces are linear."""
+"""The size of a motion in which forces are linear, relative to the largest coordinate."""
 RIGID = 1e-9
 """Squared frequencies below this, relative to the largest, are those of rigid motion."""
 

@@ -19,19 +19,19 @@ from derive.spec.model.body import DisplacementOrder
 
 FIRST, TRUNCATED, FULL = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED, DisplacementOrder.FULL
 STRAIGHT = 1e-6
-"""Of the length: a beam with smaller deflections is straight."""
+"""A beam whose deflections are smaller than this fraction of its length is straight."""
 NEARLY_BUCKLED = 0.1
 """The least stiffness that an axial force is taken to leave, relative to that in bending."""
 VIBRATION = 1.5
 """A stiffness that grows with the square of the deflection counts by 3/4 of its peak in a vibration, whose mean square
 is half of that of its peak."""
 INERTIA = 0.03
-"""Of the inertia that a velocity has lost: what a vibration has, since the velocity that loses most is another one.
+"""The part of the largest loss of inertia that a vibration has, since another velocity loses most.
 
 Measured on beams that are struck while they spin; without spin it is less.
 """
 ROTATING = {FIRST: 1 / 3, TRUNCATED: 1 / 6, FULL: 1 / 6}
-"""Of the hardening: what beams are wrong by if joints act on the rotations of their ends, or of pieces.
+"""The part of the hardening by which beams err if joints act on the rotations of their ends, or of pieces.
 
 Such joints take the slope v' as an angle. As an angle it gives the right curvature, and what is wrong is the position,
 at second order by v'^3/6, which changes its sign along the beam. Measured on such beams, see `bench/monitors.py`.
@@ -40,7 +40,7 @@ at second order by v'^3/6, which changes its sign along the beam. Measured on su
 
 @dataclass(frozen=True, eq=False)
 class ImpliedErrors:
-    """Of a beam with what was seen of it."""
+    """The implied errors of a beam, from the quantities that were watched in a run."""
 
     watched: WatchedBeam
     seen: Watched
@@ -62,7 +62,7 @@ class ImpliedErrors:
 
     @property
     def of_deflection(self) -> float:
-        """That of the strain energy that a large deflection adds."""
+        """The error from the strain energy that a large deflection adds."""
         hardening = self.watched.hardening
         if self.watched.rotations_act:
             hardening *= ROTATING[self.watched.beam.beam.order]
@@ -72,7 +72,7 @@ class ImpliedErrors:
 
     @property
     def of_axial_force(self) -> float:
-        """That of the stiffness that axial forces add, which second order knows; of a straight beam that stiffness."""
+        """The error from the stiffness that axial forces add at second order; of a straight beam that stiffness."""
         if self.watched.beam.beam.order is not FIRST:
             return 0.0
         if self.straight:
@@ -81,7 +81,7 @@ class ImpliedErrors:
 
     @property
     def of_shapes(self) -> float:
-        """That of the deflection that the shapes miss, which makes the beam stiffer than it is.
+        """The error from the deflection that the shapes miss, which makes the beam stiffer than it is.
 
         Each vibration is too stiff by the share of its strain energy that is missed, and late by that: a force that
         bends the beam into another shape does not make it late. Where the vibration with the largest error is largest,
@@ -104,20 +104,20 @@ class ImpliedErrors:
         return float(np.hypot(flexibility * share * rms, together) / self.peak)
 
     def of_lost_inertia(self, lost: float) -> float:
-        """That of the largest part of a kinetic energy that deflections take away: of it vibrations alone know."""
+        """The error from the largest fraction of kinetic energy that deflections remove; it affects vibrations only."""
         if not lost < 1:
             return np.inf
         return 0.0 if self.straight else self._error(0.0, INERTIA * lost / (1 - lost))
 
     def _error(self, difference: float, stiffness: float) -> float:
-        """Of a difference (rms, m) of deflections at any time, and a mean relative change of the stiffness."""
+        """The error from a difference (rms, m) of deflections and from a mean relative change of the stiffness."""
         never_in_phase = np.sqrt(2) * self._rms(self.watched.deflection)
         late = min(abs(stiffness) / 2 * self._rms(self.watched.late), never_in_phase)
         return float(np.hypot(difference, self._vibrating * late) / self.peak)
 
     @property
     def _vibrating(self) -> float:
-        """How much of the motion is free vibration, 0 to 1: by its rate, if the lowest frequency is its frequency."""
+        """The fraction of free vibration in the motion, by its rate, if the lowest frequency is its frequency."""
         mean, squares = self.seen.means[self.watched.middle], self.seen.mean_squares
         size = np.sqrt(max(squares[self.watched.middle] - mean**2, 0.0))
         rate = np.sqrt(squares[self.watched.middle_rate])

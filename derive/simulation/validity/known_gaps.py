@@ -1,4 +1,4 @@
-"""Where it is known in a run what the shapes of a beam miss of its bending moment, as forms of state and outputs.
+"""The gaps of the bending moment of a beam that are known in a run, as linear forms of the state and the outputs.
 
 The bending moment EI v'' of the exact deflection vanishes at free and pinned ends, is in equilibrium with the forces at
 ends that are clamped against rotation, and is the same on both sides of a weld between two pieces. Its derivative along
@@ -40,7 +40,7 @@ class KnownGap:
 def known_gaps(
     scene: Scene, forms: WatchedForms, shapes: PieceShapes, amplitudes: Sequence[Sequence[int]]
 ) -> list[list[KnownGap]]:
-    """Those of each piece of a beam; `amplitudes`: the numbers of the coordinates of each piece."""
+    """The known gaps of each piece of a beam; `amplitudes`: the numbers of the coordinates of each piece."""
     last = len(amplitudes) - 1
 
     def of_amplitudes(piece: int, factors: Vector) -> Vector:

@@ -41,5 +41,5 @@ def held_ends(scene: Scene, beam: BeamBody) -> tuple[Marker, ...]:
 
 
 def _sections(beam: BeamBody, markers: Collection[MarkerRef]) -> tuple[Marker, ...]:
-    """Of these markers those of the beam, one for each place."""
+    """The markers of the beam among these, one for each place."""
     return tuple({m.at: m for m in beam.markers if MarkerRef(beam.name, m.name) in markers}.values())

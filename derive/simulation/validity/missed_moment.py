@@ -43,7 +43,7 @@ class MissedFields:
 
 
 def sections() -> Vector:
-    """Those of a piece, xi."""
+    """The sections of a piece, xi."""
     return np.linspace(-1, 1, SECTIONS)
 
 

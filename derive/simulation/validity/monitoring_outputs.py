@@ -41,7 +41,7 @@ def monitored_pieces(scene: Scene) -> tuple[MonitoredPiece, ...]:
 
 
 def monitored_sections(scene: Scene) -> dict[tuple[str, Fraction, str], SceneOutput]:
-    """By beam, place and kind: what the shapes leave of the moment and of the shear force.
+    """The outputs of the moment and the shear force that the shapes miss, by beam, place and kind.
 
     Moments at the ends that are clamped against rotation, and where something acts within the beam; shear forces at the
     ends that something acts on.

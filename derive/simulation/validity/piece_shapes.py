@@ -42,12 +42,12 @@ class PieceShapes:
 
     @property
     def euler_load(self) -> float:
-        """Of a piece with pinned ends, N: pi^2 EI/l^2."""
+        """The buckling load of a piece with pinned ends, N: pi^2 EI/l^2."""
         return float(np.pi**2 * self.bending_stiffness / self.length**2)
 
     @property
     def pinned_frequency(self) -> float:
-        """The lowest of a piece with pinned ends, rad/s: pi^2 sqrt(EI/(m l^3))."""
+        """The lowest natural frequency of a piece with pinned ends, rad/s: pi^2 sqrt(EI/(m l^3))."""
         return float(np.pi**2 * np.sqrt(self.bending_stiffness / (self.mass * self.length**3)))
 
     @cached_property

@@ -84,7 +84,7 @@ class WatchedBeam:
 
     @property
     def length(self) -> float:
-        """Of the whole beam, m."""
+        """The length of the whole beam, m."""
         return self.shapes.length * self.beam.pieces
 
 

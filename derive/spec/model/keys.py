@@ -123,8 +123,8 @@ def declared_keys(of: type) -> tuple[Key, ...]:
     The words of a CHOICE are those of the Literal that the field is annotated with.
     """
     hints = get_type_hints(of, include_extras=True)
-    found = ((field, hints[field.name]) for field in fields(of))
-    return tuple(key for field, hint in found if get_origin(hint) is Annotated for key in _declared(field, hint))
+    hinted = ((field, hints[field.name]) for field in fields(of))
+    return tuple(key for field, hint in hinted if get_origin(hint) is Annotated for key in _declared(field, hint))
 
 
 def _declared(field: Field[Any], hint: Any) -> Iterator[Key]:

@@ -58,14 +58,14 @@ def combinations(
     }
     rigid = mixed({name: LadderModel(Shapes.RIGID) for name in beams})
     others = cost.coordinates(rigid) - RIGID * len(beams)
-    found: list[tuple[float, float, _Table, int]] = []
+    candidates: list[tuple[float, float, _Table, int]] = []
     for limit in sorted({option.rate for known in options.values() for option in known}):
         table = _table([[option for option in known if option.rate <= limit] for known in options.values()])
         for coordinates in np.flatnonzero(table.least <= budget**2).tolist():
             operations = cost.operations_of(limit, others + coordinates)
-            found.append((operations, float(np.sqrt(table.least[coordinates])), table, coordinates))
+            candidates.append((operations, float(np.sqrt(table.least[coordinates])), table, coordinates))
     result: list[BeamCombination] = []
-    for operations, error, table, coordinates in sorted(found, key=lambda of: of[:2]):
+    for operations, error, table, coordinates in sorted(candidates, key=lambda of: of[:2]):
         if not result or error < result[-1].error:
             models = dict(zip(options, table.models(coordinates), strict=True))
             result.append(BeamCombination(mixed(models), error, operations))

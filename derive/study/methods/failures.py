@@ -81,15 +81,15 @@ def _step_limit(study: MethodStudy) -> MethodFailure | None:
 
 
 def _drift(study: MethodStudy) -> MethodFailure | None:
-    held = next((r for r in study.drifts if r.method is Method.RK4 and r.projected and len(r.t)), None)
-    if study.order is None or held is None:
+    projected = next((r for r in study.drifts if r.method is Method.RK4 and r.projected and len(r.t)), None)
+    if study.order is None or projected is None:
         return None
     free = study.order
     measured = (
         f"rk4: {magnitude(free.position)} m after {free.steps} steps without projection, as t^{free.time:.1f} and "
-        f"h^{free.step:.1f}; {magnitude(held.position[-1])} m at most in {held.steps} steps with it"
+        f"h^{free.step:.1f}; {magnitude(projected.position[-1])} m at most in {projected.steps} steps with it"
     )
-    agrees = bool(held.position[-1] < MET and held.position[-1] < free.position and free.step > 4 - ORDER)
+    agrees = bool(projected.position[-1] < MET and projected.position[-1] < free.position and free.step > 4 - ORDER)
     return MethodFailure(
         "index 3 drift", "acceleration-level drift grows as t^2, and as h^4 or a higher power", measured, agrees
     )

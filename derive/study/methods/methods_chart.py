@@ -100,8 +100,8 @@ def _growth(axes: Axes, study: MethodStudy) -> None:
         axes.text(x, at, method.value, color=METHODS[method], ha=side)
     axes.text(4.4, 1.025, Method.TRAPEZOIDAL.value, color=BROWN, ha="center")
     axes.text(4.4, 0.93, Method.GENERALISED_ALPHA.value, color=GREEN, ha="center", va="top")
-    found = [line for line in study.limits if np.isfinite(line.theory)]
-    for line in found:
+    bounded = [line for line in study.limits if np.isfinite(line.theory)]
+    for line in bounded:
         at = line.measured * study.frequency.largest
         axes.plot([at], [1], marker="o", markersize=6, color=METHODS[line.method], markeredgecolor=style.INK)
         axes.text(at - 0.1, 1.05, f"{at:.2f}", ha="right", fontweight="bold")

@@ -96,8 +96,9 @@ def step_limits(
         progress(f"{of.scene.name}: largest stable step of {method.value}")
         growth = GROWTH[method]()
         limit = theory.step_limit(growth)
-        found = _unlimited(of, method, frequency) if limit == float("inf") else _limited(of, method, frequency, growth)
-        result.append(found)
+        result.append(
+            _unlimited(of, method, frequency) if limit == float("inf") else _limited(of, method, frequency, growth)
+        )
     return result
 
 

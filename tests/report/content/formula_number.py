@@ -74,7 +74,7 @@ def total(parts: Iterable[Part], known: Numbers) -> float:
 
 
 def magnitude(parts: Iterable[Part], known: Numbers) -> float:
-    """What is added up."""
+    """The sum of the magnitudes of the parts of an equation."""
     return sum(abs(number(p.formula, known)) for p in parts)
 
 

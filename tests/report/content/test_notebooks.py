@@ -1,4 +1,4 @@
-"""What notebooks show of equations and models."""
+"""The representations of equations and models in notebooks."""
 
 from __future__ import annotations
 

@@ -113,7 +113,7 @@ def test_which_rows_are_written_out() -> None:
 
 @pytest.mark.parametrize("name", BODIES)
 def test_moments_are_those_derived(name: str) -> None:
-    """Of a sum over the shapes one summand is compared."""
+    """In a sum over the shapes, one summand is compared."""
     equations, numbers = pages.built(name).equations, draw(name)
     by_name = {d.symbol: d.expr for d in equations.definitions}
     if isinstance(equations, IndexedEquations):
@@ -210,7 +210,7 @@ def test_quantities_of_scenes_have_their_body_above() -> None:
 
 
 def test_formulas_of_integrals_are_those_of_the_derivation() -> None:
-    """What the report shows of a table of a body in space is what its generated code says."""
+    """The report and the generated code of a body in space show the same integral for each table."""
     for family, (text, _) in DOCS.items():
         if family in INTEGRANDS:
             plain = INTEGRANDS[family].replace("><", "x").replace("{", "").replace("}", "")

@@ -66,7 +66,7 @@ def names(part: Any) -> Iterator[Name]:
 
 
 def key(name: Name) -> tuple[str, int, str]:
-    """Its letter and dots, with the number that tells c_9 from c_10; beta_p from its derivatives by the amplitudes."""
+    """The key of a name: its letter and dots, and what distinguishes c_9 from c_10, and beta_p from its derivatives."""
     below = name.below[0] if name.below else ""
     if name.text in ("c", "d", "C", "D"):
         return name.text, 0, below.split(",")[0]

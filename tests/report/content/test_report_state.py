@@ -1,4 +1,4 @@
-"""Coordinates, velocities and symbols: the tables are complete, and the two meanings of c are told apart."""
+"""Coordinates, velocities and symbols: the tables are complete, and the two meanings of c are distinguished."""
 
 from __future__ import annotations
 

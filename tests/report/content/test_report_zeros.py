@@ -1,4 +1,4 @@
-"""What vanishes is told with its reason: integrals, entries of the mass matrix, terms, and on the picture."""
+"""Reports give the reason of each zero: of integrals, entries of the mass matrix, terms, and in the picture."""
 
 from __future__ import annotations
 

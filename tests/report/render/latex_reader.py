@@ -21,7 +21,7 @@ TOKEN = re.compile(r"\\[A-Za-z]+\*?|\\.|[{}$&_^#%~]|[^\\{}$&_^#%~]+", re.S)
 
 
 def faults(text: str) -> list[str]:
-    """What is wrong with an article."""
+    """The faults of an article in LaTeX."""
     found: list[str] = []
     text = re.sub(r"(?m)^%.*$", "", text)
     head, body = text.split("\\begin{document}", 1)

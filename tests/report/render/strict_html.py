@@ -9,7 +9,7 @@ TEXT = {"style", "title"}
 
 
 class Page(HTMLParser):
-    """What a page holds; `faults` says what is wrong with it."""
+    """The content of a page; `faults` lists the rules that it breaks."""
 
     def __init__(self, text: str) -> None:
         super().__init__(convert_charrefs=True)

@@ -50,7 +50,7 @@ addEventListener("load", () => {
 
 
 def probed(folder: Path, pages: list[tuple[int, str]], *options: str) -> list[dict[str, Any]]:
-    """What a browser finds in pages, each in a frame of its width."""
+    """The measurements that a browser takes of pages, each in a frame of its width."""
     assert CHROMIUM
     listen = "<head><script>var errors = []; onerror = (...e) => errors.push(String(e))</script>"
     frames = "".join(

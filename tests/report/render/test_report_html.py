@@ -144,7 +144,7 @@ def test_equations_by_themselves() -> None:
 
 
 def test_the_same_page_gives_the_same_bytes() -> None:
-    """Whatever the seed of hashes is."""
+    """The bytes of a page do not depend on the seed of hashes."""
     code = (
         "import sample_report, sys; from derive.report.writers.html import html; "
         "sys.stdout.write(html(sample_report.page()))"

@@ -108,7 +108,7 @@ class BeamSection:
         return total
 
     def _derivatives(self, order: int) -> dict[int, sp.Expr]:
-        """By shape number, d^n phi_i/dx^n of the shapes of bending (n = 2, 3), or dchi_k/dx of stretching (n = 1)."""
+        """Derivatives by shape number: d^n phi_i/dx^n of bending (n = 2, 3), or dchi_k/dx of stretching (n = 1)."""
         axis = min(order, 2)  # bending is along e2, stretching along e1
         unit = (2 / self.length) ** order
         fields = ((i, field.of) for i, field in enumerate(self.shapes, 1) if field.axis == axis)
