@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from derive.artifacts import File
+from derive.backends.wrapping import comment
 from derive.errors import Problem, SpecError
 from derive.export.c_parts import INTEGRATOR, c_numbers, integrator_files, sample_values
-from derive.export.cpp_wrapper import member_functions
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
+from derive.ir.model import Kernel
 from derive.ir.statements import ReturnCode
 from derive.rendering import render
 
@@ -17,6 +20,18 @@ test ZERO_CHECK
 """
 TARGETS = frozenset(_TARGETS.split())
 """Names that CMake keeps for its own targets."""
+KEPT = ("u", "k")
+"""The arguments that an object of the C++ wrapper stores: inputs and constants."""
+
+
+@dataclass(frozen=True)
+class MemberFunction:
+    """A member function of the C++ wrapper: comment, name, typed parameters, and the arguments of the C function."""
+
+    doc: str
+    name: str
+    parameters: str
+    arguments: str
 
 
 def cmake_files(model: HostModel) -> tuple[File, ...]:
@@ -34,7 +49,7 @@ def cmake_files(model: HostModel) -> tuple[File, ...]:
         "energies": model.model.kernel("energy").outputs[0].size,
         "start": model.model.start,
         "codes": list(ReturnCode),
-        "methods": member_functions(model),
+        "methods": _member_functions(model),
         "integrators": [f"{part}.c" for part in INTEGRATOR],
         "q_text": c_numbers([x.start for x in model.coordinates]),
         "v_text": c_numbers([x.start for x in model.velocities]),
@@ -57,6 +72,29 @@ def cmake_files(model: HostModel) -> tuple[File, ...]:
         made("sample/reference.h", "reference.h"),
         *integrator_files("sample/"),
     )
+
+
+def _member_functions(model: HostModel) -> list[MemberFunction]:
+    """The functions of a model but `setup`, in the order of its header; batches are called in C."""
+    return [_member_function(kernel) for kernel in model.model.kernels if kernel.name != "setup"]
+
+
+def _member_function(kernel: Kernel) -> MemberFunction:
+    parameters, arguments = [], []
+    for argument in kernel.arguments:
+        if argument.name in KEPT:
+            arguments.append(f"{argument.name}_.data()")
+        elif argument.scalar:
+            parameters.append(f"double {argument.name}")
+            arguments.append(argument.name)
+        else:
+            parameters.append(f"tisserand::span<const double, {argument.size}> {argument.name}")
+            arguments.append(f"{argument.name}.data()")
+    for output in kernel.outputs:
+        parameters.append(f"tisserand::span<double, {output.size}> {output.name}")
+        arguments.append(f"{output.name}.data()")
+    doc = "\n".join(comment((kernel.doc,), "    "))
+    return MemberFunction(doc, kernel.name, ", ".join(parameters), ", ".join(arguments))
 
 
 CMAKE = Interface(

@@ -13,7 +13,7 @@ from programs import program, run
 from test_fmi_derivatives import Exchange
 
 from derive.errors import SpecError
-from derive.export.fmi.dependencies import dependencies
+from derive.export.fmi.description import dependencies
 from derive.export.fmi.variables import Causality, fmi_variables
 from derive.export.host_model import host_model
 from derive.export.registry import exported

@@ -5,22 +5,20 @@ from __future__ import annotations
 import hashlib
 import io
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 from derive.artifacts import MARK, BinaryFile
 from derive.backends.description import LICENCE
 from derive.errors import Problem, SpecError
-from derive.export.fmi.binaries import PLATFORMS, Platform, c_files, compiled, this_platform
-from derive.export.fmi.dependencies import dependencies
-from derive.export.fmi.units import unit_definitions
-from derive.export.fmi.variables import Causality, FmiVariable, fmi_variables, nominals
+from derive.export.fmi.binaries import PLATFORMS, Platform, compiled, this_platform
+from derive.export.fmi.description import default_experiment, descriptions
+from derive.export.fmi.variables import nominals
 from derive.export.host_model import HostModel
 from derive.export.interface import RECORD, HostFile, Interface
 from derive.rendering import render
 from derive.simulation.simulated_scene import surroundings
 from derive.spec.model.scene_functions import breaks
-from derive.spec.model.simulation import Simulation
 from derive.version import VERSION
 
 HOSTS = ("ode", "adaptive", "dormand_prince", "fixed_step")
@@ -32,9 +30,6 @@ PARTS = ("instance", "variables", "exchange", "step", "derivatives", "stored")
 FUNCTIONS = {2: ("fmi2.h", "fmi2.c"), 3: ("fmi3.h", "component3.h", "fmi3.c", "fmi3_absent.c")}
 """The files with the functions of a version."""
 
-NO_SIMULATION = Simulation(duration=1.0, output=0.01)
-"""The default experiment of a specification that describes none."""
-
 
 def fmu(model: HostModel, version: int, platforms: Sequence[Platform]) -> bytes:
     """The archive of a unit of FMI 2.0 (version 2) or 3.0 (3), with a binary for each platform.
@@ -45,7 +40,7 @@ def fmu(model: HostModel, version: int, platforms: Sequence[Platform]) -> bytes:
     sources = _sources(model, version)
     token = _token(sources)
     sources["model.c"] = _start(model, token)
-    content = {path: text.encode() for path, text in _descriptions(model, version, token, [*sources])}
+    content = {path: text.encode() for path, text in descriptions(model, version, token, [*sources])}
     content |= {f"sources/{name}": text.encode() for name, text in sources.items()}
     for platform in platforms:
         name = f"binaries/{platform.folder(version)}/{model.name}.{platform.ending}"
@@ -96,7 +91,7 @@ def _start(model: HostModel, token: str) -> str:
         "licence": LICENCE,
         "name": model.name,
         "token": token,
-        "tolerance": _simulation(model).tolerance,
+        "tolerance": default_experiment(model).tolerance,
         "inputs": model.inputs,
         "started": (*model.inputs, *model.states),
         "sizes": nominals(model),
@@ -104,43 +99,6 @@ def _start(model: HostModel, token: str) -> str:
         "number": repr,
     }
     return render("export/fmi/model.c.jinja", values)
-
-
-def _simulation(model: HostModel) -> Simulation:
-    return model.spec.simulation or NO_SIMULATION
-
-
-def _descriptions(model: HostModel, version: int, token: str, sources: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """The paths and texts of the descriptions of a unit for importers."""
-    variables, simulation = fmi_variables(model), _simulation(model)
-    values = {
-        "mark": MARK,
-        "name": model.name,
-        "title": model.model.doc,
-        "tool": f"Tisserand {VERSION}",
-        "token": token,
-        "sources": c_files(sources),
-        "units": unit_definitions(x.unit for x in variables),
-        "variables": variables,
-        "structure": _structure(variables),
-        "dependencies": dependencies(model),
-        "duration": simulation.duration,
-        "interval": simulation.output,
-        "tolerance": simulation.tolerance,
-        "derivatives": model.model.sensitivities,
-        "number": repr,
-    }
-    yield "modelDescription.xml", render(f"export/fmi/modelDescription{version}.xml.jinja", values)
-    if version == 3:
-        yield "sources/buildDescription.xml", render("export/fmi/buildDescription.xml.jinja", values)
-
-
-def _structure(variables: Sequence[FmiVariable]) -> dict[str, list[FmiVariable]]:
-    """The variables that depend on others: outputs, derivatives, and all that the initialisation computes."""
-    outputs = [x for x in variables if x.causality is Causality.OUTPUT]
-    derivatives = [x for x in variables if x.derivative_of is not None]
-    initial = [x for x in variables if x.state or x.derivative_of is not None or x.causality is Causality.OUTPUT]
-    return {"Outputs": outputs, "Derivatives": derivatives, "InitialUnknowns": initial}
 
 
 def _files(version: int, everywhere: bool, model: HostModel) -> tuple[HostFile, ...]:
