@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import derive
-from derive.simulation.integration.pieces import BEFORE, Piece, pieces
+from derive.simulation.integration.time_segments import BEFORE, TimeSegment, time_segments
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
 
@@ -75,27 +75,27 @@ def test_a_condition_that_holds_at_the_start_is_reported(integrator: str) -> Non
     assert found.solution.notes[-1] == "until block_s > -1: not met anew up to t = 0.5 s"
 
 
-def test_pieces_without_breaks_have_equal_intervals() -> None:
+def test_segments_without_breaks_have_equal_intervals() -> None:
     """Rows every 0.1 s and a last interval of 0.05 s, as `output_times` makes them."""
-    assert pieces(np.array([0, 0.1, 0.2, 0.3, 0.35])) == [
-        Piece(0.0, 0.3 / 3, 3),
-        Piece(0.3, pytest.approx(0.05, rel=1e-14), 1),
+    assert time_segments(np.array([0, 0.1, 0.2, 0.3, 0.35])) == [
+        TimeSegment(0.0, 0.3 / 3, 3),
+        TimeSegment(0.3, pytest.approx(0.05, rel=1e-14), 1),
     ]
-    assert pieces(np.array([1.0])) == []
+    assert time_segments(np.array([1.0])) == []
 
 
-def test_pieces_end_just_before_breaks_and_begin_at_them() -> None:
+def test_segments_end_just_before_breaks_and_begin_at_them() -> None:
     """A break between rows, one at a row, which rounding has moved, and one at the end, which does not count."""
     row = 0.1 + 0.2  # the next number above 0.3
-    found = pieces(np.array([0.0, 0.1, 0.2, row, 0.4, 0.5]), [0.5, 0.3, 0.15, -1.0])
-    assert [(piece.start, piece.count, piece.to_break) for piece in found] == [
+    found = time_segments(np.array([0.0, 0.1, 0.2, row, 0.4, 0.5]), [0.5, 0.3, 0.15, -1.0])
+    assert [(segment.start, segment.count, segment.to_break) for segment in found] == [
         (0.0, 1, False),
         (0.1, 1, True),
         (0.15, 1, False),
         (0.2, 1, False),
         (0.3, 2, False),
     ]
-    ends = [piece.start + piece.count * piece.interval for piece in found]
+    ends = [segment.start + segment.count * segment.interval for segment in found]
     for end, limit in ((ends[1], 0.15), (ends[3], 0.3)):
         assert 0 < limit - end < 2 * BEFORE * np.spacing(limit)
     assert ends[0] == 0.1 and ends[4] == pytest.approx(0.5, rel=1e-15)

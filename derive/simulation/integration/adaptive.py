@@ -15,9 +15,9 @@ from derive.simulation.constraints.projection import check_drift
 from derive.simulation.errors import DriftTooLarge, SimulationError
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
 from derive.simulation.integration.integrator import Integrator, Settings
-from derive.simulation.integration.pieces import smooth_ends
 from derive.simulation.integration.scipy_methods import MAX_STEPS_PER_ROW
 from derive.simulation.integration.solution import Cost, Solution, row_times
+from derive.simulation.integration.time_segments import smooth_ends
 from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance, rounding_note
 
 

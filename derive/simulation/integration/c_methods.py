@@ -16,9 +16,9 @@ from derive.runtime.native_call import Vector
 from derive.simulation.errors import IntegrationStopped, SimulationError
 from derive.simulation.integration.c_rows import CRows
 from derive.simulation.integration.integrator import Integrator, Settings, scene_of
-from derive.simulation.integration.pieces import Piece, pieces
 from derive.simulation.integration.solution import Solution
 from derive.simulation.integration.step_limit import RK4_LIMIT, rk4_step_limit
+from derive.simulation.integration.time_segments import TimeSegment, time_segments
 from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance, rounding_note
 
 STABLE = 0.5
@@ -43,7 +43,9 @@ def rk4(files: Sequence[File]) -> Integrator:
             raise SimulationError("rk4 needs a step for a single body: add --step, or step=... in Python")
         limit = rk4_step_limit(native, k, float(times[0]), q, v) if native.is_scene else math.inf
         step = settings.step or STABLE * limit
-        longest = max((piece.interval / equal_steps(piece.interval, step) for piece in pieces(times)), default=0.0)
+        longest = max(
+            (segment.interval / equal_steps(segment.interval, step) for segment in time_segments(times)), default=0.0
+        )
         unstable = (
             f"step: {longest:.6g} s is above the stability limit of rk4, {limit:.3g} s in the initial state, where the "
             f"highest natural frequency is {RK4_LIMIT / limit:.6g} rad/s: errors grow from step to step; take a "
@@ -51,12 +53,12 @@ def rk4(files: Sequence[File]) -> Integrator:
         )
         notes = (*_shortened(times, settings), *((unstable,) if longest > limit else ()))
 
-        def run(q0: Vector, v0: Vector, piece: Piece, observe: Observe | None) -> Integration:
-            every = equal_steps(piece.interval, step)
-            steps, length = piece.count * every, piece.interval / every
+        def run(q0: Vector, v0: Vector, segment: TimeSegment, observe: Observe | None) -> Integration:
+            every = equal_steps(segment.interval, step)
+            steps, length = segment.count * every, segment.interval / every
             met = consistent_tolerance(CONSISTENT, settings.size, q0)
             return host.run(
-                q0, v0, step=length, steps=steps, every=every, k=k, t0=piece.start, tolerance=met, observe=observe
+                q0, v0, step=length, steps=steps, every=every, k=k, t0=segment.start, tolerance=met, observe=observe
             )
 
         try:
@@ -78,9 +80,9 @@ def generalised_alpha(files: Sequence[File]) -> Integrator:
     native = scene_of(host.native, "generalised-alpha")
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
-        def run(q0: Vector, v0: Vector, piece: Piece, observe: Observe | None) -> Integration:
-            every = equal_steps(piece.interval, settings.step or piece.interval / STEPS_PER_ROW)
-            steps, length = piece.count * every, piece.interval / every
+        def run(q0: Vector, v0: Vector, segment: TimeSegment, observe: Observe | None) -> Integration:
+            every = equal_steps(segment.interval, settings.step or segment.interval / STEPS_PER_ROW)
+            steps, length = segment.count * every, segment.interval / every
             met = consistent_tolerance(CONSISTENT, settings.size, q0)
             return host.run(
                 q0,
@@ -89,7 +91,7 @@ def generalised_alpha(files: Sequence[File]) -> Integrator:
                 steps=steps,
                 every=every,
                 k=k,
-                t0=piece.start,
+                t0=segment.start,
                 tolerance=NEWTON * min(1.0, settings.size),
                 consistent=met,
                 observe=observe,
@@ -109,16 +111,16 @@ def ida(files: Sequence[File]) -> Integrator:
         settings.refuse_step("c_ida")
         weights = absolute_tolerances(native, settings.tolerance, settings.size, q) / settings.tolerance
 
-        def run(q0: Vector, v0: Vector, piece: Piece, observe: Observe | None) -> Integration:
+        def run(q0: Vector, v0: Vector, segment: TimeSegment, observe: Observe | None) -> Integration:
             return host.run(
                 q0,
                 v0,
-                interval=piece.interval,
-                rows=piece.count + 1,
+                interval=segment.interval,
+                rows=segment.count + 1,
                 rtol=settings.tolerance,
                 weights=weights,
                 k=k,
-                t0=piece.start,
+                t0=segment.start,
                 consistent=consistent_tolerance(CONSISTENT, settings.size, q0),
                 observe=observe,
             )
@@ -133,13 +135,15 @@ def _shortened(times: Vector, settings: Settings) -> tuple[str, ...]:
     step = settings.step
     if step is None:
         return ()
-    used = {piece.interval: piece.interval / equal_steps(piece.interval, step) for piece in pieces(times)}
+    used = {
+        segment.interval: segment.interval / equal_steps(segment.interval, step) for segment in time_segments(times)
+    }
     notes = tuple(
         f"step: {step:g} s -> {short:.6g} s between rows that are {interval:.6g} s apart: rows are ends of steps"
         for interval, short in used.items()
         if short < step * (1 - 1e-9)
     )
-    if any(piece.to_break for piece in pieces(times, settings.breaks)):
+    if any(segment.to_break for segment in time_segments(times, settings.breaks)):
         notes += (f"step: {step:g} s -> shorter ones where functions of time break: breaks are ends of steps",)
     return notes
 

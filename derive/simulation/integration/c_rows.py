@@ -1,4 +1,4 @@
-"""Rows of a solution from a C integrator: piece by piece between breaks, with progress and a stop condition."""
+"""Rows of a solution from a C integrator: segment by segment between breaks, with progress and a stop condition."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.integration.failure_diagnosis import diagnose_failure
 from derive.simulation.integration.integrator import Settings
-from derive.simulation.integration.pieces import Piece, pieces, rounding
 from derive.simulation.integration.solution import Cost, Solution, SolutionWriter, row_times
+from derive.simulation.integration.time_segments import TimeSegment, rounding, time_segments
 
-Run = Callable[[Vector, Vector, Piece, Observe | None], Integration]
-"""A function of q (nq,), v (nv,), a piece of the time, and an observer: a row at the start and after each interval."""
+Run = Callable[[Vector, Vector, TimeSegment, Observe | None], Integration]
+"""A function of q (nq,), v (nv,), a time segment, and an observer: a row at the start and after each interval."""
 
 
 class CRows:
-    """An integration of a compiled model by calls of a C integrator, one for each piece of the time.
+    """An integration of a compiled model by calls of a C integrator, one for each time segment.
 
     The integrator starts anew at each break of a function of time. `until` is evaluated in the rows, and where it is
     met between two of them, the integrator runs again from the first one to determine the time to rounding errors.
@@ -41,16 +41,16 @@ class CRows:
         y = np.concatenate([q, v])
         rows.append(float(rows.times[0]), y)
         observe = self._observed if settings.progress or settings.until else None
-        for piece in pieces(rows.times, settings.breaks):
-            part = self._called(y, piece, observe)
-            states = np.hstack([part.q, part.v])
+        for segment in time_segments(rows.times, settings.breaks):
+            run = self._called(y, segment, observe)
+            states = np.hstack([run.q, run.v])
             last = len(states) - 1
-            for i in range(1, last + 1 - (piece.to_break or self._met)):
+            for i in range(1, last + 1 - (segment.to_break or self._met)):
                 rows.append(rows.following, states[i])
             if self._met:
                 first = max(last - 1, 0)
-                return self._stopped(rows, float(part.t[first]), float(part.t[last]), states[first], notes)
-            y = states[-1] if piece.to_break else rows.states[rows.count - 1]
+                return self._stopped(rows, float(run.t[first]), float(run.t[last]), states[first], notes)
+            y = states[-1] if segment.to_break else rows.states[rows.count - 1]
         return rows.solution(self._cost(), notes)
 
     def _observed(self, t: float, row: Vector) -> bool:
@@ -69,22 +69,22 @@ class CRows:
         def dense(t: float) -> Vector:
             if t - first <= rounding(t):
                 return y
-            part = self._called(y, Piece(first, t - first, 1), None)
-            return np.concatenate([part.q[-1], part.v[-1]])
+            run = self._called(y, TimeSegment(first, t - first, 1), None)
+            return np.concatenate([run.q[-1], run.v[-1]])
 
         stop = rows.stop_time(first, last, dense)
         return rows.stopped_solution(last if stop is None else stop, dense, self._cost(), notes)
 
-    def _called(self, y: Vector, piece: Piece, observe: Observe | None) -> Integration:
-        """The integration of a piece from the state y = [q; v]. Raises SimulationError."""
+    def _called(self, y: Vector, segment: TimeSegment, observe: Observe | None) -> Integration:
+        """The integration of a segment from the state y = [q; v]. Raises SimulationError."""
         nq = self._native.nq
         try:
-            part = self._run(y[:nq], y[nq:], piece, observe)
+            run = self._run(y[:nq], y[nq:], segment, observe)
         except IntegratorError as error:
-            raise self._diagnosed(y, piece.start, error) from error
-        self._counts.update(part.counts)
-        self._seconds += part.seconds
-        return part
+            raise self._diagnosed(y, segment.start, error) from error
+        self._counts.update(run.counts)
+        self._seconds += run.seconds
+        return run
 
     def _cost(self) -> Cost:
         counts = self._counts

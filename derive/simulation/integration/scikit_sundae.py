@@ -17,9 +17,9 @@ from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, SimulationError
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
-from derive.simulation.integration.pieces import smooth_ends
 from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
 from derive.simulation.integration.stop_event import StopEvent
+from derive.simulation.integration.time_segments import smooth_ends
 from derive.simulation.integration.tolerances import absolute_tolerances, rounding_note
 
 NO_ERROR_CONTROL = 1e30
@@ -89,10 +89,10 @@ def integrate_ida(
     ends = smooth_ends(instants, breaks)
     absolute, notes = absolute_tolerances(native, tolerance, size, q), rounding_note(tolerance, q)
     t, y, mark = float(instants[0]), np.concatenate([q, v]), float(instants[0])
-    steps, calls, done = 0, 0, list[_Part]()
+    steps, calls, done = 0, 0, list[_Segment]()
 
     def cost() -> Cost:
-        evaluations, jacobians = (sum(getattr(part.result, name) for part in done) for name in ("nfev", "njev"))
+        evaluations, jacobians = (sum(getattr(segment.result, name) for segment in done) for name in ("nfev", "njev"))
         return Cost(evaluations, steps, time.process_time() - began, jacobians)
 
     try:
@@ -100,14 +100,14 @@ def integrate_ida(
         while rows.count < len(instants):
             end = ends.pop(0)
             latest = float(np.nextafter(end, t)) if ends else end
-            part = _Part(_solver(native.dae[form], k, tolerance, absolute, order, max_step, latest), end, len(y))
-            done.append(part)
-            part.start(t, *_initial(native, k, t, y[: native.nq], y[native.nq :], native.dae[form].size))
+            segment = _Segment(_solver(native.dae[form], k, tolerance, absolute, order, max_step, latest), end, len(y))
+            done.append(segment)
+            segment.start(t, *_initial(native, k, t, y[: native.nq], y[native.nq :], native.dae[form].size))
             while t < end:
                 before, calls = t, calls + 1
-                reached, state = part.step(min(rows.following, end))
-                if not part.result.success:
-                    raise diagnose_failure(native, k, t, y, None, f"IDA: {part.result.message}")
+                reached, state = segment.step(min(rows.following, end))
+                if not segment.result.success:
+                    raise diagnose_failure(native, k, t, y, None, f"IDA: {segment.result.message}")
                 if calls % STALL_STEPS == 0:
                     if reached - mark < STALL_PROGRESS * (instants[-1] - instants[0]):
                         raise diagnose_failure(native, k, t, y, None, f"{STALL_STEPS} steps of IDA make no progress")
@@ -115,11 +115,11 @@ def integrate_ida(
                 if reached == t:  # a call after an interpolation gives the last step again
                     continue
                 t, y, steps = reached, state, steps + 1
-                stop = rows.stop_time(before, t, part.dense)
+                stop = rows.stop_time(before, t, segment.dense)
                 if stop is not None:
-                    return rows.stopped_solution(stop, part.dense, cost(), notes)
+                    return rows.stopped_solution(stop, segment.dense, cost(), notes)
                 while rows.count < len(instants) and rows.following <= t:
-                    rows.append(rows.following, part.dense(rows.following) if rows.following < t else y)
+                    rows.append(rows.following, segment.dense(rows.following) if rows.following < t else y)
                 if progress is not None:
                     progress(t)
             y = rows.projected_state(t, y) if projected and ends else y
@@ -129,7 +129,7 @@ def integrate_ida(
 
 
 @dataclass
-class _Part:
+class _Segment:
     """IDA between two breaks, up to `end` (s). Its states begin with `size` elements [q; v]. `result`: the last one."""
 
     solver: Any

@@ -14,9 +14,9 @@ from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, IntegrationStopped
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
-from derive.simulation.integration.pieces import smooth_ends
 from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
 from derive.simulation.integration.stop_event import StopEvent
+from derive.simulation.integration.time_segments import smooth_ends
 from derive.simulation.integration.tolerances import absolute_tolerances, rounding_note
 
 MAX_STEPS_PER_ROW = 20_000

@@ -35,7 +35,7 @@ class ExecutorLost(TisserandError):
 
 
 @dataclass(frozen=True)
-class _Part:
+class _Submission:
     """Runs that are submitted together; losses: the workers that they have lost so far."""
 
     runs: tuple[Sample, ...]
@@ -56,55 +56,55 @@ def outcomes(
     chunk. Raises ExecutorLost, and what `run_chunk` raises.
     """
     pool = _Processes(workers) if executor is None else _Given(executor)
-    parts = [_Part(tuple(runs[i : i + size])) for i in range(0, len(runs), size)]
+    submissions = [_Submission(tuple(runs[i : i + size])) for i in range(0, len(runs), size)]
     try:
-        yield from _completed(plan, deque(parts), pool)
+        yield from _completed(plan, deque(submissions), pool)
     finally:
         pool.end()
 
 
-def _completed(plan: Plan, waiting: deque[_Part], pool: _Processes | _Given) -> Iterator[tuple[Outcome, ...]]:
-    alone: deque[_Part] = deque()
-    running: dict[Future[tuple[Outcome, ...]], _Part] = {}
+def _completed(plan: Plan, waiting: deque[_Submission], pool: _Processes | _Given) -> Iterator[tuple[Outcome, ...]]:
+    alone: deque[_Submission] = deque()
+    running: dict[Future[tuple[Outcome, ...]], _Submission] = {}
     while waiting or alone or running:
         while waiting and len(running) < pool.window:
-            part = waiting.popleft()
-            running[pool.submit(plan, part)] = part
+            submission = waiting.popleft()
+            running[pool.submit(plan, submission)] = submission
         if not running:
-            part = alone.popleft()
-            running[pool.submit(plan, part)] = part
-        lost: list[_Part] = []
+            submission = alone.popleft()
+            running[pool.submit(plan, submission)] = submission
+        lost: list[_Submission] = []
         blamed = pool.blames or len(running) == 1
         done = wait(running, return_when=FIRST).done
         if pool.breaks and any(future.exception() for future in done):
             done = wait(running).done  # the end of one worker ends all
         for future in done:
-            part = running.pop(future)
+            submission = running.pop(future)
             try:
                 results = future.result()
             except _losses() as error:
                 pool.check(error)
-                lost.append(part)
+                lost.append(submission)
             else:
                 yield results
         if lost and pool.breaks:
             pool.renew()
-        for part in lost:
-            again = replace(part, losses=part.losses + 1)
-            if len(part.runs) > 1 and blamed and (pool.blames or again.losses >= LOSSES):
-                halves = _halves(part, 0 if pool.blames else LOSSES - 1)
+        for submission in lost:
+            again = replace(submission, losses=submission.losses + 1)
+            if len(submission.runs) > 1 and blamed and (pool.blames or again.losses >= LOSSES):
+                halves = _halves(submission, 0 if pool.blames else LOSSES - 1)
                 (waiting if pool.blames else alone).extend(halves)
             elif again.losses < LOSSES:
                 waiting.append(again)
             elif blamed:
-                yield (failed(plan.outputs, part.runs[0], KILLS),)
+                yield (failed(plan.outputs, submission.runs[0], KILLS),)
             else:
                 alone.append(again)
 
 
-def _halves(part: _Part, losses: int) -> tuple[_Part, _Part]:
-    middle = len(part.runs) // 2
-    return _Part(part.runs[:middle], losses), _Part(part.runs[middle:], losses)
+def _halves(submission: _Submission, losses: int) -> tuple[_Submission, _Submission]:
+    middle = len(submission.runs) // 2
+    return _Submission(submission.runs[:middle], losses), _Submission(submission.runs[middle:], losses)
 
 
 def _losses() -> tuple[type[BaseException], ...]:
@@ -127,13 +127,13 @@ class _Processes:
     def _new(self) -> ProcessPoolExecutor:
         return ProcessPoolExecutor(self.window, initializer=_begin_worker)
 
-    def submit(self, plan: Plan, part: _Part) -> Future[tuple[Outcome, ...]]:
+    def submit(self, plan: Plan, submission: _Submission) -> Future[tuple[Outcome, ...]]:
         """Run a chunk. A pool that has broken meanwhile is replaced."""
         try:
-            return self._pool.submit(run_chunk, plan.chunk(part.runs))
+            return self._pool.submit(run_chunk, plan.chunk(submission.runs))
         except BrokenExecutor:
             self.renew()
-            return self._pool.submit(run_chunk, plan.chunk(part.runs))
+            return self._pool.submit(run_chunk, plan.chunk(submission.runs))
 
     def check(self, error: BaseException) -> None:
         """Accept any error: a broken pool is renewed."""
@@ -158,10 +158,10 @@ class _Given:
         self._executor = executor
         self._futures: list[Future[tuple[Outcome, ...]]] = []
 
-    def submit(self, plan: Plan, part: _Part) -> Future[tuple[Outcome, ...]]:
+    def submit(self, plan: Plan, submission: _Submission) -> Future[tuple[Outcome, ...]]:
         """Run a chunk."""
         try:
-            future = self._executor.submit(run_chunk, plan.chunk(part.runs), part.losses)
+            future = self._executor.submit(run_chunk, plan.chunk(submission.runs), submission.losses)
         except BrokenExecutor as error:
             self.check(error)
             raise

@@ -1,4 +1,4 @@
-"""The time of an integration in pieces: between breaks of functions of time, with equal intervals between rows."""
+"""The time of an integration in segments: between breaks of functions of time, with equal intervals between rows."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 from derive.runtime.native_call import Vector
 
 CLOSE, BEFORE = 64, 16
-"""Distances in units in the last place of a time: times that are closer than CLOSE count as equal; a piece that leads
+"""Distances in units in the last place of a time: times that are closer than CLOSE count as equal; a segment that leads
 to a break ends BEFORE units before it, so that all of its steps have the values of functions before the break."""
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A piece of the time: `count` intervals of equal length (s) from `start` (s) on, with rows at their ends.
+class TimeSegment:
+    """A segment of time: `count` intervals of equal length (s) from `start` (s) on, with rows at their ends.
 
     to_break: whether the last one ends at a break, where there is no row.
     """
@@ -29,14 +29,14 @@ class Piece:
 
 
 def smooth_ends(times: Vector, breaks: Sequence[float]) -> list[float]:
-    """The ends of the parts of an integration over rows at `times` (n,), s: the breaks within, and the last row."""
+    """The ends of smooth intervals with rows at `times` (n,), s: the breaks within, and the last row."""
     ends = [*sorted(time for time in {*breaks} if times[0] < time < times[-1]), float(times[-1])]
     return [end for end, following in pairwise(ends) if following - end > rounding(following)] + ends[-1:]
 
 
-def pieces(times: Vector, breaks: Sequence[float] = ()) -> list[Piece]:
-    """The pieces of an integration with rows at `times` (n,), s; one that follows a break begins exactly there."""
-    result: list[Piece] = []
+def time_segments(times: Vector, breaks: Sequence[float] = ()) -> list[TimeSegment]:
+    """The segments of an integration with rows at `times` (n,), s; one that follows a break begins exactly there."""
+    result: list[TimeSegment] = []
     start, rest = float(times[0]), times[1:]
     ends = smooth_ends(times, breaks) if len(rest) else []
     for end in ends:
@@ -48,7 +48,7 @@ def pieces(times: Vector, breaks: Sequence[float] = ()) -> list[Piece]:
             at, stop, leads_to_break = float(nodes[first]), float(nodes[last]), False
             if last == len(nodes) - 1 and end != ends[-1]:
                 stop, leads_to_break = end - rounding(end, BEFORE), to_break
-            result.append(Piece(at, (stop - at) / (last - first), last - first, leads_to_break))
+            result.append(TimeSegment(at, (stop - at) / (last - first), last - first, leads_to_break))
         start = end
     return result
 
