@@ -1,4 +1,4 @@
-"""Where the texts of a picture (SVG) are: boxes from the metrics of its font, in the units of its view box."""
+"""The positions of the texts of a picture (SVG): boxes from the metrics of its font, in the units of its view box."""
 
 from __future__ import annotations
 

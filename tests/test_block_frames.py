@@ -120,7 +120,7 @@ def test_markers_differ_by_the_square_of_the_amplitude(spin: Callable[[float], f
 
 
 def test_at_a_fixed_spin_they_differ_by_the_amplitude_itself() -> None:
-    """At 2400 rad/s, a fifth of the slowest mode, and small amplitudes: the softening by spin is not the same.
+    """The spin is 2400 rad/s, a fifth of the slowest mode, at small amplitudes: the softening by spin differs.
 
     What the frames differ by when the block starts undeformed and is drawn out by its spin, 0.030 mm, is taken off.
     Seen: 0.215, 0.102, 0.050 mm.

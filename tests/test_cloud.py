@@ -290,7 +290,7 @@ def test_power_balance_and_momentum(n: int, kind: str) -> None:
 @pytest.mark.parametrize("what", ["numbers", "parameters"])
 @pytest.mark.parametrize("n", SHAPES)
 def test_both_lowerings_give_the_same(n: int, what: str) -> None:
-    """To 1e-14 of the largest value; accelerations as far as the mass matrix is conditioned."""
+    """They agree to 1e-14 of the largest value; accelerations as far as the mass matrix is conditioned."""
     flat, table = compiled(n, f"{what} flat"), compiled(n, f"{what} table")
     dense = module(n, f"{what} flat")["dense"]
     kf, kt = flat.setup(given(n, f"{what} flat")), table.setup(given(n, f"{what} table"))

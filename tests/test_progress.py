@@ -66,7 +66,7 @@ def test_an_error_replaces_the_line(
 def test_the_remaining_time_follows_from_the_speed_since_the_first_step(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """From 0.1 s to 0.6 s in 10 s of the clock: the remaining 1.4 s take 28 s, whatever compiling took."""
+    """The run goes from 0.1 s to 0.6 s in 10 s of the clock: the remaining 1.4 s take 28 s, whatever compiling took."""
     clock = iter([1000.0, 1010.0, 1010.05, 1020.0])
     monkeypatch.setattr("derive.terminal.time.monotonic", lambda: next(clock))
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)

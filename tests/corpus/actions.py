@@ -225,7 +225,7 @@ def _joint_starts(draft: Draft) -> None:
 
 
 def _start_table(draft: Draft, joint: JointSketch) -> Table:
-    """Where the initial values of a joint are written: at its drive, sometimes, or at the joint."""
+    """The table of the initial values of a joint: that of its drive, sometimes, or of the joint."""
     for drive in draft.tables.get("drives", {}).values():
         if drive["joint"] == joint.name and draft.draws.chance(0.5):
             table: Table = drive

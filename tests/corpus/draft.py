@@ -201,7 +201,7 @@ class Draft:
         return f"ground.{name}"
 
     def position(self, marker: str) -> Point:
-        """Where a marker is at t = 0, m."""
+        """The position of a marker at t = 0, m."""
         body, name = marker.split(".")
         return self.ground[name] if body == "ground" else self.bars[body].at(name)
 

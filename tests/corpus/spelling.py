@@ -22,7 +22,7 @@ def respell(tables: dict[str, Any], root: Schema, draws: Draws, probability: flo
 
 
 def _numbers(value: Any, schema: Any, root: Schema) -> Iterator[tuple[Any, Any]]:
-    """Where there are numbers that may be texts as well: a table or a list, and the key or the index in it."""
+    """The places of numbers that may be texts as well: a table or a list, and the key or the index in it."""
     for key, inner in children(value, schema, root):
         item = value[key]
         if isinstance(item, (int, float)) and not isinstance(item, bool) and fits("1/3", inner, root):

@@ -34,7 +34,7 @@ NOT_USED = {
 
 @cache
 def used(count: int = CORPUS) -> Counter[str]:
-    """In how many scenes each feature occurs."""
+    """The number of scenes in which each feature occurs."""
     schema, result = json.loads(json_schema()), Counter[str]()
     for seed in range(count):
         result.update({*features(corpus_scene(seed).tables, schema)})

@@ -105,7 +105,7 @@ def same(batch: np.ndarray, single: list[np.ndarray | int]) -> None:
 @EVERY_MODEL
 @pytest.mark.parametrize("name", KERNELS)
 def test_bits_are_those_of_single_calls(model: str, name: str) -> None:
-    """For any number of states, and for each of them at any place: they are rotated from count to count."""
+    """This holds for any number of states, and for each at any place: they are rotated from count to count."""
     compiled = native(model)
     k, (q, v) = constants(compiled), states(compiled, max(COUNTS))
     single = one_by_one(compiled, name, q, v, k)

@@ -85,7 +85,7 @@ def test_indices_of_coordinates_and_velocities() -> None:
 
 
 def test_constants_have_names_that_say_what_they_are() -> None:
-    """In the enum of the header, where `constant_1` would tell nothing."""
+    """The enum of the header names constants, where `constant_1` would have no meaning."""
     header = text_of(beams.made("point", 2), ".h")
     assert "BEAM_POINT_2_K_coupling_alpha2 = " in header
     assert "coupling_alpha2  acceleration of alpha2 due to that of phi\n" in header

@@ -81,7 +81,7 @@ def test_both_compilers_get_vectors_without_looking_for_them(compiler: str, tmp_
 
 @pytest.mark.parametrize("name", ["given_3_loops", "given_13_loops", "mean_20_loops"])
 def test_the_jacobian_goes_through_the_blocks_of_its_tables_once(name: str) -> None:
-    """In a block come the products, then what is stored of it; each line knows the statement that it is a part of."""
+    """In a block the products precede the stores of its entries; each line knows the statement that it is a part of."""
     made = body(name)
     function = source_map(made.files, "c").functions["jacobian"]
     products = next(s for s in function.kernel.statements if isinstance(s, MatVec))

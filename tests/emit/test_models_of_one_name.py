@@ -62,7 +62,7 @@ def test_libraries_of_this_package() -> None:
 
 
 def test_a_library_that_the_process_has_opened_for_all_to_see(tmp_path: Path) -> None:
-    """As Octave and other hosts open libraries: the functions of a later one must not become those of the first."""
+    """Octave and other hosts open libraries so: the functions of a later one must not become those of the first."""
     first, second = map(files, MASSES)
     derive.write(first, tmp_path)
     source = next(tmp_path / file.path for file in first if file.path.endswith(".c"))

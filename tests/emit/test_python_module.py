@@ -188,7 +188,7 @@ def test_any_one_argument_may_be_a_batch(model: str) -> None:
 
 
 def test_sweeps_parameters() -> None:
-    """From parameters to accelerations of many beams at once, held against the C one by one."""
+    """Accelerations of many beams from their parameters at once agree with those of the C one by one."""
     names, c = module("point_2"), native("point_2")
     q, v = beams.state(2)
     sweep = np.array(names["DEFAULTS"]) * np.random.default_rng(3).uniform(0.3, 3.0, (7, 3))

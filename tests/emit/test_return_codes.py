@@ -17,7 +17,7 @@ BAD = [-1.0, 0.0, -0.0, np.nan, np.inf, -np.inf]
 
 
 def constant(frame: str, name: str) -> int:
-    """Where a constant lies in k."""
+    """The index of a constant in k."""
     return [c.name for c in beams.made(frame, 2).model.constants].index(name)
 
 

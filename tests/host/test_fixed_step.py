@@ -218,7 +218,7 @@ def fall_from(e: NDArray[np.float64], steps: int = 2000) -> Integration:
 
 @pytest.mark.parametrize("length", [1.0, 0.5, 3e3])
 def test_a_quaternion_is_normalised(length: float) -> None:
-    """At the start, whatever its length, and after every step; the motion is a rotation about the vertical."""
+    """A quaternion is normalised at the start and after every step; the body rotates about the vertical."""
     found = fall_from(np.array([length, 0.0, 0.0, 0.0]))
     half = SPIN * found.t / 2
     assert found.q[:, 3] == pytest.approx(np.cos(half), abs=1e-12)

@@ -72,7 +72,7 @@ def test_failures_tell_what() -> None:
 
 @pytest.mark.parametrize("wrong", [{"tolerance": np.nan}, {"start": np.nan}, {"start": -1.0}, {"rho": np.nan}])
 def test_options_that_make_no_sense_have_their_own_code(wrong: dict[str, float]) -> None:
-    """For programs that call the C function; a NaN as `start` must not switch the first projection off."""
+    """Programs that call the C function need the code; a NaN as `start` must not switch the first projection off."""
     host, q, v = alpha(), LEVEL.copy(), REST.copy()
     k, rows, counts = host.native.setup(), np.full((2, host.width), 7.0), (ctypes.c_long * 3)()
 

@@ -196,7 +196,7 @@ def test_outputs_have_derivatives_and_all_are_transposed(name: str) -> None:
 
 
 def test_start_states_stay_consistent() -> None:
-    """To second order in the change; q and v change as little as possible in the metric of M."""
+    """States are consistent to second order in the change; q and v change least in the metric of M."""
     ode, t, h = made("linkage"), 0.0, 1e-4
     native: Any = ode.native
     pu, y = point(ode, "linkage")

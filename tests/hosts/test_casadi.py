@@ -129,7 +129,7 @@ def test_a_failure_of_the_model_is_one_of_the_function(folder: Path) -> None:
 
 
 def test_an_expression_of_the_function_has_sparse_derivatives(folder: Path) -> None:
-    """As a problem of optimal control uses them: through an integration step."""
+    """Problems of optimal control use derivatives in this way: through an integration step."""
     host = host_of("pushed")
     at = point(host, np.random.default_rng(3))[1:]
     results = []

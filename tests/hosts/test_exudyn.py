@@ -38,7 +38,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("name", MODELS)
 def test_the_sample_moves_as_tisserand_has_it(name: str, folder: Path) -> None:
-    """To 1e-4 of the largest coordinate and velocity, which the sample itself demands; a wrong library fails it."""
+    """The sample itself demands 1e-4 of the largest coordinate and velocity; a wrong library fails it."""
     _, library = exported(name, folder)
     sample = folder / f"{name}-exudyn/sample.py"
     text = run(sys.executable, sample, library)

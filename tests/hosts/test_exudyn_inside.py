@@ -43,7 +43,7 @@ def test_the_reference_is_reproduced(bench: ModuleType) -> None:
 
 
 def test_our_rod_of_second_order_is_the_exact_one(bench: ModuleType) -> None:
-    """To 2e-5 of the peak with six shapes; of first order, it lacks 3 % that no shapes bring."""
+    """The error is 2e-5 of the peak with six shapes; at first order 3 % are missing, whatever the shapes."""
     run = bench.own(6, 2, 1e-8)
     assert bench.rod.error(run.deflection()) < 2.5e-5 and run.seconds() > 0
     assert 0.02 < bench.rod.error(bench.own(4, 1, 1e-8).deflection()) < 0.04

@@ -67,7 +67,7 @@ SYSTEM = {
 @pytest.mark.hosts
 @pytest.mark.parametrize("version", VERSIONS)
 def test_a_unit_for_all_platforms(version: int, tmp_path: Path) -> None:
-    """As the command exports it. Where Zig builds the libraries of Windows for the first time this takes minutes."""
+    """The unit is that of the command. It takes minutes if Zig builds the libraries of Windows for the first time."""
     zig()
     fmpy()
     derive.write(exported(parse(PUSHED), f"fmu{version}-all"), tmp_path)

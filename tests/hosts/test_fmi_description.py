@@ -88,7 +88,7 @@ def test_a_name_of_another_file_is_refused(kind: str, name: str) -> None:
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_functions_have_the_prefix_of_an_importer(version: int, tmp_path: Path) -> None:
-    """As where the sources of a unit are linked to a program; and compilers have nothing to say."""
+    """Programs that link the sources of a unit need the prefix; compilers have no warnings."""
     with zipfile.ZipFile(unit(prepared(PUSHED), version, tmp_path)) as archive:
         archive.extractall(tmp_path)
     flags = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror", "-O0")

@@ -213,7 +213,7 @@ int main(void)
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("name", ["linkage", "block"])
 def test_no_memory_is_lost_or_overrun(name: str, version: int, tmp_path: Path) -> None:
-    """With the sanitizers of gcc, and each allocation failing in turn."""
+    """The sanitizers of gcc check it, while each allocation fails in turn."""
     model = model_of(name)
     with zipfile.ZipFile(unit(model, version, tmp_path)) as archive:
         archive.extractall(tmp_path)

@@ -99,7 +99,7 @@ def test_gradients_are_the_generated_jacobian(name: str, jax: ModuleType) -> Non
 
 
 def test_many_states_at_once(jax: ModuleType) -> None:
-    """With vmap, and with a leading axis of NumPy."""
+    """Many states are computed by vmap, and by a leading axis of NumPy."""
     host, native, module = made("pushed")
     t, _, u, p = point(module, 1)
     states = np.array([point(module, seed)[1] for seed in range(5)])
@@ -109,7 +109,7 @@ def test_many_states_at_once(jax: ModuleType) -> None:
 
 
 def test_failures_are_nan(jax: ModuleType) -> None:
-    """Where the C returns a code, without an error, and for the failing states of a batch alone."""
+    """Where the C returns a code, results are NaN without an error, in a batch for the failing states alone."""
     _, native, module = made("pushed")
     t, x, u, _ = point(module, 1)
     with pytest.raises(derive.ModelError):

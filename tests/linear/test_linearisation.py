@@ -26,7 +26,7 @@ ROD = {
 
 
 def test_a_driven_mechanism_in_motion() -> None:
-    """With inputs of each kind, and outputs that depend on positions, velocities, accelerations and multipliers."""
+    """The mechanism has inputs of each kind, and outputs of positions, velocities, accelerations and multipliers."""
     scene = derive.scene(
         "in_motion",
         gravity=[0, -GRAVITY],

@@ -51,7 +51,7 @@ def test_shapes_meet_the_conditions_exactly(name: str, n: int) -> None:
 
 @pytest.mark.parametrize("n", range(1, 11))
 def test_the_mean_frame_gives_legendre_polynomials(n: int) -> None:
-    """With c8 = m/(2n+1), diagonal: the integral of P_n^2 over the beam is 2/(2n+1)."""
+    """The matrix c8 = m/(2n+1) is diagonal: the integral of P_n^2 over the beam is 2/(2n+1)."""
     shapes = [poly(s) for s in assumed_shapes(AssumedDeflection(monomials(n + 2), FRAMES["mean"], orthogonal=True))]
     assert shapes == [sp.Poly(sp.legendre(k, xi), xi, domain="QQ") for k in range(2, n + 2)]
     for i, first in enumerate(shapes):

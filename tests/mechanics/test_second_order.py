@@ -190,7 +190,7 @@ def compare(equations: Equations, field: Field) -> None:
 
 @pytest.mark.parametrize("frame", [pytest.param(f, marks=() if f == "mean" else pytest.mark.long) for f in FRAMES])
 def test_truncated_and_full_differ_from_second_order_on(frame: str) -> None:
-    """In the rows of the shapes; the others keep terms of second order, and differ from third order on."""
+    """The rows of the shapes differ from second order on; the others keep its terms, and differ from third order on."""
     truncated, full = (expanded(beam(frame, terms)) for terms in ("truncated", "full"))
     small = [c.q for c in truncated.coordinates[3:]] + [s for row in truncated.rows[3:] for s in (row.v, row.a)]
     for k, row in enumerate(truncated.rows):

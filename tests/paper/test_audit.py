@@ -93,7 +93,7 @@ def _names_made(node: ast.AST) -> list[str]:
 
 @cache
 def definitions(path: Path) -> dict[str, set[str]]:
-    """For each name of a module the names that stand in its definition."""
+    """The names in the definition of each name of a module."""
     found: dict[str, set[str]] = {}
     for node in ast.parse(path.read_text()).body:
         used = {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}

@@ -88,7 +88,7 @@ def delta_E() -> Matrix:
 
 
 def test_difference_of_1_is_2() -> None:
-    """Between any two points, near or far."""
+    """The equality holds between any two points, near or far."""
     dX = Matrix(sp.symbols("dX1:4"))
     there = dict(zip(X, AT + dX, strict=True))
     moved = PLACE.xreplace(there) - PLACE
@@ -130,7 +130,7 @@ def test_10_is_7_without_b_times_a_virtual_displacement() -> None:
 
 
 def test_11_is_10_by_the_divergence_theorem() -> None:
-    """For a stress that balances nothing: the left sides differ by their sign and by the work on the surface."""
+    """The stress balances nothing: the left sides differ by their sign and by the work on the surface."""
     before = volume(printed_continuum.virtual_work_10(T, F, RHO, XDDOT, DELTA_X, X))
     inside = volume(printed_continuum.volume_11(T, delta_E(), RHO, XDDOT, DELTA_X))
     outside = surface(lambda n: printed_continuum.surface_11(T, F, n, DELTA_X))

@@ -186,7 +186,7 @@ def test_31_and_32_are_what_28_and_29_leave() -> None:
 
 
 def test_35_and_37_are_34_and_36_of_21() -> None:
-    """Up to the factors 2/3 and 2/15, which a condition may lose; the integrals also by brute force."""
+    """They agree up to the factors 2/3 and 2/15, which a condition may lose; brute force gives the same integrals."""
     v = printed.DISPLACEMENT_21
     for integral, integrand, condition, factor in (
         (printed.mean_displacement_34(v), v, printed.CONDITION_35, sympy.Rational(2, 3)),

@@ -1,4 +1,4 @@
-"""Where everything in a scene is, as functions of t and q in numbers of 50 digits: the kinematics of the oracle.
+"""The kinematics of the oracle: positions in a scene as functions of t and q, in numbers of 50 digits.
 
 Which coordinates and constraints there are it is told by their names; what has no coordinates is placed by its joint.
 """
@@ -51,7 +51,7 @@ def smooth(s: Real) -> Real:
 
 @dataclass(frozen=True)
 class Pose:
-    """Where the origin of a body's base is, and how far the base is turned."""
+    """The position of the origin of a body's frame, and the rotation angle of the frame."""
 
     c: Point
     phi: Real
@@ -230,7 +230,7 @@ class Kinematics:
         return CALLS[f.kind](*(self.of_time(a, t) for a in f.args))
 
     def poses(self, t: Real, q: Sequence[Real]) -> dict[str, Pose]:
-        """Where all bodies are. Beams have their origin in their middle, rigid bodies where markers count from."""
+        """The poses of all bodies. Beams have their origin in their middle, rigid bodies where markers count from."""
         zero = mpmath.mpf(0)
         found = {GROUND: pose((zero, zero), zero)}
         for name in self.pieces:

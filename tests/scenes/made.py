@@ -94,7 +94,7 @@ def parameters(native: NativeScene, seed: int) -> np.ndarray:
 
 
 def close(found: Any, expected: Any, limit: float) -> None:
-    """To a part of the largest number that is expected, or of 0.1 if all are small."""
+    """Assert agreement to a fraction of the largest expected number, or of 0.1 if all are small."""
     expected = np.array(expected, dtype=object).astype(float)
     assert np.shape(found) == expected.shape
     if expected.size:

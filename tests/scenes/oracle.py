@@ -253,7 +253,7 @@ class Oracle(Kinematics):
         return np.array(total, dtype=object)
 
     def _all_poses(self, t: Real, q: list[Real]) -> np.ndarray:
-        """In the order of the specification, pieces one by one."""
+        """The poses in the order of the specification, pieces one by one."""
         bodies = (self.rods.get(b.name, [b]) for b in self.scene.bodies)
         names = [one.name for some in bodies for one in some]
         found = self.poses(t, q)

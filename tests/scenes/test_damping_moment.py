@@ -47,7 +47,7 @@ components = [0, 1e-6]
 
 
 def moments(made: Made, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """From equilibrium, from the curvature, and the curvature, at the Gauss points."""
+    """The moments from equilibrium and from the curvature, and the curvature, at the Gauss points."""
     native, k = made.native, made.native.setup()
     values = native.evaluate_outputs(0.0, q, v, *native.solve(0.0, q, v, k), k)
     by_name = dict(zip(native.outputs, values, strict=True))
@@ -71,7 +71,7 @@ CASES += [("proportional", frame) for frame in ('"chord"', '{ kind = "tangent", 
 
 @pytest.mark.parametrize(("kind", "frame"), CASES)
 def test_both_moments_do_the_same_work_on_every_shape(kind: str, frame: str) -> None:
-    """For small motions: int (M of equilibrium - M of the curvature) d2phi/dx2 dx = 0, with and without damping."""
+    """Small motions have int (M of equilibrium - M of the curvature) d2phi/dx2 dx = 0, with and without damping."""
     _compare(rod(DAMPING[kind], frame, "masses.end = { at = 1, mass = 0.3, inertia = 0.01 }"))
 
 

@@ -14,7 +14,7 @@ EI = 98.174770
 
 
 def rigid(angle: np.ndarray) -> np.ndarray:
-    """Where the coupler meets the rocker, by triangles."""
+    """The point at which the coupler meets the rocker, by triangles."""
     pin = CRANK * np.exp(1j * angle)
     to_pivot = GROUND - pin
     inside = np.arccos((COUPLER**2 + np.abs(to_pivot) ** 2 - ROCKER**2) / (2 * COUPLER * np.abs(to_pivot)))
@@ -42,7 +42,7 @@ def test_the_rest_to_rigid_kinematics_goes_like_one_over_the_stiffness() -> None
 
 
 def test_the_start_is_that_of_rigid_links() -> None:
-    """From a guess of three digits: no link is bent, all are at rest."""
+    """The guess has three digits; at the start no link is bent, and all are at rest."""
     made = of("four_bar")
     _, start = made.start()
     assert not start.deformed and not start.deforming

@@ -153,7 +153,7 @@ def test_a_beam_that_is_clamped_twice_is_held_along_its_axis_twice() -> None:
 
 
 def test_a_four_bar_closes_from_a_poor_guess() -> None:
-    """From metres and radians away, with no link bent; rates are those of the drive, which is at rest."""
+    """The guess is metres and radians away; no link is bent, and rates are those of the drive, which is at rest."""
     made = of("four_bar")
     k, native = made.native.setup(), made.native
     rigid = np.array(["alpha" not in name for name in native.coordinates])

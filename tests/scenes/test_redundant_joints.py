@@ -52,7 +52,7 @@ def test_a_beam_between_two_revolute_joints_cannot_stretch() -> None:
 
 
 def test_a_translational_joint_acts_as_a_roller() -> None:
-    """As the message on the beam that cannot stretch advises."""
+    """The message on the beam that cannot stretch gives this advice."""
     roller = "[bodies.roller]\nmass = 0.1\ninertia = 1\nmarkers = { pin = [0, 0] }\nstart = { position = [1, 0] }\n"
     guide = 'kind = "translational"\nbetween = ["ground.o", "roller.pin"]\n'
     pin = '[joints.third]\nkind = "revolute"\nbetween = ["rod.b", "roller.pin"]\n'

@@ -61,7 +61,7 @@ def test_non_zeros_of_the_mass_matrix(pieces: int, mean: int, point: int) -> Non
 def test_deflections(
     pieces: int, frame: str, highest: int, most: float, least: float, rms: float, worst: float
 ) -> None:
-    """To the digits of an independent prototype. More shapes in one frame do not come to the reference; beams do."""
+    """An independent prototype has the same digits. More shapes in one frame do not come to the reference; beams do."""
     made = of("crank_slider_3", Rod(pieces, frame, highest))
     found = made.run(np.linspace(0, 0.1, 1001))
     bent = made.bent(found, "deflection")

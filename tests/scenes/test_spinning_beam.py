@@ -55,14 +55,14 @@ def spun(spin: float, bend: float, rate: float, duration: float) -> np.ndarray:
 
 
 def test_below_the_critical_spin_it_oscillates() -> None:
-    """At 25: sqrt(720 - 625) rad/s."""
+    """The frequency at 25 rad/s is sqrt(720 - 625) rad/s."""
     frequency = np.sqrt(720 - 25**2)
     found = spun(25, 1e-5, 0.0, 2 * np.pi / frequency)
     assert found == pytest.approx(1e-5 * np.cos(np.linspace(0, 2 * np.pi, 101)), abs=1e-8)
 
 
 def test_above_the_critical_spin_it_grows() -> None:
-    """At 29: like exp(sqrt(841 - 720) t), tenfold in a fifth of a second."""
+    """The motion at 29 rad/s grows like exp(sqrt(841 - 720) t), tenfold in a fifth of a second."""
     rate = np.sqrt(29**2 - 720)
     found = spun(29, 1e-7, 1e-7 * rate, 0.6)
     assert np.log(found[-1] / found[0]) == pytest.approx(0.6 * 11, rel=1e-3)

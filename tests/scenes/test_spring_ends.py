@@ -159,7 +159,7 @@ def test_a_spring_along_its_guide_is_an_oscillator_on_either_side(axis: str, sid
 
 
 def test_the_force_changes_its_direction_where_the_ends_of_such_a_spring_pass_each_other() -> None:
-    """From 3 m, where it is stretched by 2 m: it presses at the wall, from either side, and is as long at the turn."""
+    """The spring starts 2 m too long, at 3 m: it presses at the wall, from either side, and is as long at the turn."""
     found = oscillator("[1, 0]", 3.0, 0)
     assert found["mass_s"].min() == pytest.approx(-3, abs=0.05)
     np.testing.assert_allclose(found["energy_total"], 400, rtol=1e-6)

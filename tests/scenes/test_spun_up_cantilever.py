@@ -38,7 +38,7 @@ def constant_speed(text: str) -> str:
 
 
 def test_it_is_close_to_a_nonlinear_beam_at_first() -> None:
-    """To 0.2 % of the largest deflection (0.574 m) for 2 s, 0.3 % for 3 s, 2 % for 4 s; 80 % off after 7 s."""
+    """Errors are 0.2 % of the largest deflection (0.574 m) for 2 s, 0.3 % for 3 s, 2 % for 4 s, and 80 % after 7 s."""
     made = of("spun_up_cantilever")
     rows = np.genfromtxt(ROOT / "scenes/spinup_cantilever.csv", delimiter=",", skip_header=1)
     found = made.run(rows[rows[:, 0] <= 7][:, 0])

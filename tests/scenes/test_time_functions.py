@@ -187,6 +187,6 @@ def test_breaks_depend_on_parameters() -> None:
 
 
 def test_a_smooth_step_has_its_integral() -> None:
-    """From 0 to 1 between 0.5 s and 1.5 s: 2 x'' = 6 step, and the integral of a step is half its width."""
+    """The step is from 0 to 1 between 0.5 s and 1.5 s: 2 x'' = 6 step; its integral is half of its width."""
     found = derive.simulate(parse(PUSHED.format(more="", force="6*step(t, 0.5, 1.5)")))
     np.testing.assert_allclose(found["block_sdot"][[0, 1, 3, 6]], [0, 0, 1.5, 6], atol=1e-10)

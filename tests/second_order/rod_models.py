@@ -101,7 +101,7 @@ class RodModel:
         return compiled_scene(self.scene)
 
     def struck(self, velocity: Legendre, times: np.ndarray, tolerance: float = 1e-8) -> Motion:
-        """As `ExactRod.struck`. Raises SimulationError where the model fails."""
+        """The motion after a strike, as `ExactRod.struck` returns it. Raises SimulationError where the model fails."""
         native, k = self.native, self.native.setup()
         q = initial_state(self.scene, native, k).q
         moved = [[self._marker(name, q, unit, k, 1)[1] for unit in np.eye(native.nv)] for name in POINTS]
@@ -112,7 +112,7 @@ class RodModel:
         return Motion(times, *self._points(found.q, found.v, k), energy)
 
     def at_rest(self, load: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """As `ExactRod.at_rest` with a load across the rod."""
+        """The state at rest under a load across the rod, as `ExactRod.at_rest` returns it."""
         k = self.native.setup([load])
         q = initial_state(replace(self.scene, start=EQUILIBRIUM), self.native, k).q[None]
         left, middle, right = self._points(q, 0 * q, k)

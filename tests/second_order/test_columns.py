@@ -116,7 +116,7 @@ def test_a_pinned_column_of_first_order_knows_the_load_by_its_number_of_beams_al
     ],
 )
 def test_the_column_of_beck_flutters(shapes: int, frame: Any, expected: float) -> None:
-    """At 20.0509 EI/l^2 by an exact theory: two polynomials are too coarse, five are exact to 1e-5."""
+    """The load is 20.0509 EI/l^2 by an exact theory: two polynomials are too coarse, five are exact to 1e-5."""
     found = critical_load(clamped(shapes, frame), 120.0 if shapes == 2 else 40.0)
     assert found == pytest.approx(expected, rel=1e-5)
     assert shapes < 5 or found == pytest.approx(BECK, rel=2e-5)

@@ -103,7 +103,7 @@ def test_the_rotating_cantilever_has_the_published_frequencies(
     ],
 )
 def test_first_order_is_lost_at_a_lower_spin_with_more_shapes(frame: Any, expected: dict[int, float]) -> None:
-    """In the mean frame never below 22.3733, the first natural frequency; elsewhere far below. In sqrt(EI/(m l^3)).
+    """The spin in sqrt(EI/(m l^3)) is never below 22.3733 in the mean frame, the first frequency; elsewhere far below.
 
     By eigenvalues of the compiled model, and as `build` mentions it.
     """

@@ -200,7 +200,7 @@ def test_what_has_no_place_in_a_modal_body() -> None:
 
 
 def test_second_moments_from_the_first_order_of_gr() -> None:
-    """Where Oe is constant; Gr_l has 2 C5_lk there."""
+    """The second moments follow from Gr where Oe is constant; Gr_l has 2 C5_lk there."""
     body = reduce(GIVEN)
     text = write(body)
     start, end = text.index("      Oe\n"), text.index("      end Oe\n")

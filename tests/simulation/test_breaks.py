@@ -51,7 +51,7 @@ def simulated(integrator: str, **more: object) -> derive.Trajectory:
 
 @pytest.mark.parametrize("integrator", ["adaptive", "dop853", "rk45", "ida", "rk4", "generalised-alpha", "c_ida"])
 def test_a_run_is_exact_between_breaks_and_ends_where_its_condition_is_met(integrator: str) -> None:
-    """To rounding errors; where a method steps across the break at 1.7 s, it is off by its tolerance, or by 1e-4 m."""
+    """Errors are of rounding; a method that steps across the break at 1.7 s errs by its tolerance, or by 1e-4 m."""
     reached: list[float] = []
     found = simulated(integrator, until="block_s > 2.5", progress=reached.append)
     np.testing.assert_allclose(found.t, [0, 0.5, 1, 1.5, END], rtol=0, atol=1e-12)

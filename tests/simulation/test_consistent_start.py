@@ -48,7 +48,7 @@ def test_the_change_of_velocities_is_the_smallest_in_the_metric_of_the_mass() ->
 
 
 def test_the_change_of_positions_is_the_smallest_for_a_guess_that_is_nearly_right() -> None:
-    """To second order: M dq is a combination of the rows of G, however different the masses are."""
+    """Correct to second order, M dq is a combination of the rows of G, however different the masses are."""
     model, q, v = four_bar()
     model.diagonal *= np.array([1, 1, 1, 100, 100, 100, 0.01, 0.01, 0.01])
     rest = []

@@ -107,8 +107,10 @@ def test_runge_kutta_is_stable_below_its_limit_alone() -> None:
 
 
 def test_drift_of_a_fixed_step_grows_and_projection_keeps_it_away() -> None:
-    """With the square of the time, 1.2e-8 m after one revolution, 3.0e-7 m after five with steps of 0.2 ms; and with
-    the fourth power of the step."""
+    """Drift grows with the square of the time and the fourth power of the step.
+
+    With steps of 0.2 ms it is 1.2e-8 m after one revolution, and 3.0e-7 m after five.
+    """
     made = crank_slider(1)
     start = made.start()
     drift = {}

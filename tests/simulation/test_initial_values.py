@@ -331,7 +331,7 @@ def test_a_joint_on_a_beam_of_second_order_begins_where_the_shortened_beam_is(fr
 
 
 def test_the_section_of_a_beam_that_bends_and_stretches_is_where_the_outputs_have_it() -> None:
-    """In any configuration, with the derivatives by its coordinates: a pin that turns and a guide that slides."""
+    """This holds in any configuration, with derivatives by coordinates: a pin that turns and a guide that slides."""
     more = 'order = 2\naxial = { ansatz = ["xi", "xi^2"], stiffness = 900 }'
     text = GROUND + FLEXIBLE.replace("{body}", more)
     for kind, end, key in (("revolute", "left", "angle"), ("translational", "right", "displacement")):

@@ -18,7 +18,7 @@ from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.spec.model.scene import Scene
 
 FORCE = 0.3
-"""Where a force acts, xi."""
+"""The place xi at which a force acts."""
 
 
 def pinned(ansatz: object, left: str = "revolute", **acting: dict[str, object]) -> Scene:
@@ -57,7 +57,7 @@ def angled(xi: Vector) -> Vector:
 
 
 def deflection(moment: Callable[[Vector], Vector]) -> Vector:
-    """From the chord, at `places`, of a beam with this bending moment."""
+    """The deflection from the chord, at `places`, of a beam with this bending moment."""
     xi = np.linspace(-1, 1, 4001)
     bent = cumulative_trapezoid(cumulative_trapezoid(moment(xi), xi / 2, initial=0), xi / 2, initial=0)
     return from_chord(np.interp(places(), xi, bent))

@@ -47,7 +47,7 @@ def test_unknown_columns_are_refused() -> None:
 
 
 def test_columns_of_a_state_are_computed_from_the_state_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the same result to the bit as from a whole row."""
+    """The result is to the bit that from a whole row."""
     calls: list[float] = []
     solve = NativeScene.solve
     monkeypatch.setattr(NativeScene, "solve", lambda self, t, *rest: (calls.append(t), solve(self, t, *rest))[1])

@@ -77,7 +77,7 @@ def test_frames_are_few_and_true() -> None:
 
 
 def shape(terms: list[list[float]], xi: float) -> float:
-    """As geometry.js evaluates a shape function."""
+    """The value of a shape function as geometry.js evaluates it."""
     return sum(
         xi**power * np.exp(growth * xi) * (cosine * np.cos(frequency * xi) + sine * np.sin(frequency * xi))
         for power, cosine, sine, growth, frequency in terms

@@ -1,4 +1,4 @@
-"""As much of JSON Schema as the schema of specifications uses; a word that is not known here is an error."""
+"""The part of JSON Schema that the schema of specifications uses; an unknown word is an error."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def test_arrays_of_python_and_of_archives(tmp_path) -> None:
 
 
 def test_matrices_below_each_other(tmp_path) -> None:
-    """As MatrixMarket has them, which knows two indices."""
+    """Matrices are stacked as in MatrixMarket files, which have two indices."""
     flat = {"modes": BODY["modes"].reshape(2, -1).T, "mass": BODY["mass"][:, None]}
     save_mtx(tmp_path, **without(MODAL_BODY, *flat), **flat)
     for name, array in K0.items():

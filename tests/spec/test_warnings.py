@@ -130,7 +130,7 @@ def test_orthogonal_shapes_in_the_mean_frame_have_a_diagonal_mass_matrix() -> No
 def test_build_prints_the_warning_on_the_condition(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With a limit that three shapes exceed, so that the model is small."""
+    """The limit is one that three shapes exceed, so that the model is small."""
     monkeypatch.setattr("derive.notes.conditioning.ILL_CONDITIONED", 10)
     assert main(["build", str(ROOT / "scenes/free_beam_point.toml"), "--out", str(tmp_path)]) == 0
     assert "warning: the mass matrix of free_beam_point has a condition number of 2e+01" in capsys.readouterr().out

@@ -136,7 +136,7 @@ def test_errors_that_vanish_are_drawn_at_the_lower_end() -> None:
 
 
 def test_one_headline_names_the_recommended_model_a_cheaper_one_in_doubt_and_the_next_better_one() -> None:
-    """In the chart, on the page, in the terminal and in the record alike."""
+    """The headline is the same in the chart, on the page, in the terminal and in the record."""
     chart = a_chart()
     sentences = {
         "Recommended": "1 beam, P2, P3, truncated, tolerance 0.0001: error 1 % (largest 2 %), 0.1 ms; "

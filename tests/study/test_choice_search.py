@@ -113,7 +113,7 @@ def converging(model: LadderModel, tolerance: float) -> dict[str, float]:
 
 
 def test_a_larger_error_needs_no_other_references() -> None:
-    """From dear to cheap; the first reference needs five models, two of one beam for what truncation leaves out."""
+    """The search goes from dear to cheap; the first reference needs five models, two of a beam for its truncation."""
     asked: dict[float, list[LadderModel]] = {}
     for error in (0.009, 0.01, 0.03, 0.1):
         runs = MadeUpRuns(chain(1), converging)
@@ -425,7 +425,7 @@ def test_code_that_is_not_optimised_has_the_same_bits() -> None:
 
 @pytest.mark.long
 def test_three_beams_of_which_one_bends() -> None:
-    """For real: the first and the last are fifty times as stiff; the claim is checked with a finer model than any."""
+    """The first and the last are fifty times as stiff; the claim is checked with a finer model than any."""
     scene = chain(3)
     stiff = tuple(
         replace(body, beam=replace(body.beam, bending_stiffness=Fraction(10 if body.name == "b1" else 500)))

@@ -1,4 +1,4 @@
-"""Where methods fail, each on a small case: estimates, ringing, dead centres, momentum, attitude, shapes."""
+"""Failures of methods, each on a small case: estimates, ringing, dead centres, momentum, attitude, shapes."""
 
 from __future__ import annotations
 

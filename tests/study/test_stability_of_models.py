@@ -115,7 +115,7 @@ def test_a_pinned_column_buckles_at_the_load_of_euler(model: LadderModel, expect
     ("model", "expected"), [(polynomials(5, SECOND, "tangent"), 20.0511), (polynomials(4, FIRST, "tangent"), None)]
 )
 def test_the_column_of_beck_flutters_with_foreshortening_alone(model: LadderModel, expected: float | None) -> None:
-    """At 20.0509 EI/l^2, where two frequencies meet."""
+    """The column loses its stability at 20.0509 EI/l^2, where two frequencies meet."""
     made = path(BECK, "P", 0, 40, model)
     assert made.loss == (None if expected is None else pytest.approx(expected, rel=1e-5))
     known = [p.eigenvalues.frequencies for p in made.points if p.eigenvalues is not None and p.value > 22]

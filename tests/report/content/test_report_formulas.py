@@ -87,7 +87,7 @@ def test_rows_in_integrals_are_those_derived(name: str) -> None:
 
 @pytest.mark.parametrize("name", [name for name in FLAT if name != "block"])
 def test_rows_written_out_are_the_same(name: str) -> None:
-    """With numbers of the state alone: in coordinates, rates, accelerations and parameters."""
+    """The rows are evaluated with numbers of coordinates, rates, accelerations and parameters alone."""
     equations, numbers = pages.built(name).equations, consistent(name)
     plain = {numbers.notation.formula(s) for c in equations.coefficients for s in (c.symbol,) if s != MASS}
     plain |= {numbers.notation.formula(d.symbol) for d in equations.definitions if d.section not in ("Q", "oo")}

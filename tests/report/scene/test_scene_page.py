@@ -79,7 +79,7 @@ def test_results_that_are_there_are_shown() -> None:
 
 
 def test_what_a_run_of_this_scene_warns_of_is_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the results; a record of another specification, or a file that is none, says nothing."""
+    """Warnings are shown with the results; a record of another specification, or a file that is none, is ignored."""
     monkeypatch.chdir(tmp_path)
     scene = tmp_path / "fast.toml"
     text = (
