@@ -56,7 +56,7 @@ def generated(spec: Specification) -> Generated:
 def generated_explicit(scene: Scene) -> Generated:
     """The model of a scene with the kernels that explicit integration calls, and its C, kept in the cache as well.
 
-    It is complete if the scene starts in equilibrium, which is found with the iteration matrix.
+    It is complete if the scene starts in equilibrium, which is computed with the iteration matrix.
     """
     if scene.start is not None:
         return generated(scene)

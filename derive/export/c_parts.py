@@ -51,7 +51,7 @@ def sample_values(model: HostModel) -> dict[str, object]:
         "coordinates": model.coordinates,
         "velocities": model.velocities,
         "states": model.states,
-        "inputs": list(zip(model.inputs, model.held_inputs, strict=True)),
+        "inputs": list(zip(model.inputs, model.constant_inputs, strict=True)),
         "parameters": model.parameters,
         "multipliers": model.multipliers,
         "event": len(model.velocities) - 1,

@@ -53,7 +53,7 @@ def cmake_files(model: HostModel) -> tuple[File, ...]:
         "integrators": [f"{part}.c" for part in INTEGRATOR],
         "q_text": c_numbers([x.start for x in model.coordinates]),
         "v_text": c_numbers([x.start for x in model.velocities]),
-        "u_text": c_numbers(model.held_inputs),
+        "u_text": c_numbers(model.constant_inputs),
     }
 
     def made(path: str, template: str) -> File:

@@ -48,7 +48,7 @@ def fortran_files(model: HostModel) -> tuple[File, ...]:
             ("q", _numbers(x.start for x in model.coordinates)),
             ("v", _numbers(x.start for x in model.velocities)),
         ],
-        "held": _numbers(model.held_inputs) if model.inputs else "",
+        "constant_inputs": _numbers(model.constant_inputs) if model.inputs else "",
         "nlambda": len(model.multipliers),
         "times": _numbers(motion.times),
         "rows": [_numbers(row) for row in motion.states],

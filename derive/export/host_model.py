@@ -70,8 +70,8 @@ class HostModel:
         return (*self.coordinates, *self.velocities)
 
     @property
-    def held_inputs(self) -> tuple[float, ...]:
-        """The inputs u (nu,) of a host that keeps their start values: the time derivatives of motions are zero."""
+    def constant_inputs(self) -> tuple[float, ...]:
+        """The inputs u (nu,), constant at their start values: the time derivatives of motions are zero."""
         return tuple(0.0 if u.derivative else u.start or 0.0 for u in self.inputs)
 
     @property

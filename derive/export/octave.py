@@ -47,7 +47,7 @@ def octave_files(model: HostModel) -> tuple[File, ...]:
         ],
         "nq": len(model.coordinates),
         "end": f"{motion.times[-1]:g}",
-        "held": _numbers(model.held_inputs),
+        "constant_inputs": _numbers(model.constant_inputs),
         "numbers": _numbers,
         "times": _numbers(motion.times),
         "rows": [_numbers(row) for row in motion.states],

@@ -38,7 +38,7 @@ def reference_motion(model: HostModel) -> ReferenceMotion:
     given = model.spec.simulation
     times = np.linspace(0.0, 0.1 * (given.duration if given is not None else DURATION), ROWS)
     native = load(model.files)
-    k = native.with_inputs(native.setup(), model.held_inputs)
+    k = native.with_inputs(native.setup(), model.constant_inputs)
     q, v = project(
         native, k, 0.0, *(np.array([x.start for x in part]) for part in (model.coordinates, model.velocities))
     )

@@ -69,7 +69,7 @@ def rust_files(model: HostModel) -> tuple[File, ...]:
         "methods": [_method(kernel) for kernel in model.model.kernels if kernel.name != "setup"],
         "q": _numbers(x.start for x in model.coordinates),
         "v": _numbers(x.start for x in model.velocities),
-        "u": _numbers(model.held_inputs),
+        "u": _numbers(model.constant_inputs),
         "times": _numbers(motion.times),
         "rows": [_numbers(row) for row in motion.states],
         "tolerances": _numbers(motion.tolerances),

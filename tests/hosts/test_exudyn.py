@@ -62,7 +62,7 @@ def test_user_functions_are_the_equations_of_the_model(name: str, exu: ModuleTyp
     native = derive.load(host.files)
     k = native.setup()
     if host.inputs:
-        k = native.with_inputs(k, host.held_inputs)
+        k = native.with_inputs(k, host.constant_inputs)
     _, body = added(exu, name, folder, q=q, v=v)
     xdot, t = native.rates(q, v, k), 0.2
     f, M = body._force(None, t, 0, q, xdot).copy(), body._mass(None, t, 0, q, xdot).copy()
@@ -116,7 +116,7 @@ def test_a_model_of_the_same_name_lends_no_functions(exu: ModuleType, tmp_path: 
         body = module.add(exu.SystemContainer().AddSystem(), library)
         native = derive.load(host.files)
         q, v = (np.array([x.start for x in part]) for part in (host.coordinates, host.velocities))
-        M = native.mass_pattern.dense(native.mass(q, native.with_inputs(native.setup(), host.held_inputs)))
+        M = native.mass_pattern.dense(native.mass(q, native.with_inputs(native.setup(), host.constant_inputs)))
         masses.append((body._mass(None, 0.0, 0, q, v).copy(), M))
         ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
     assert all(np.allclose(*pair, rtol=1e-14) for pair in masses) and not np.allclose(masses[0][1], masses[1][1])

@@ -26,7 +26,7 @@ def test_the_sample_has_the_motion_of_a_simulation(name: str, tmp_path: Path) ->
     assert f"{name}: largest difference from Tisserand:" in said
     native = derive.load(model.files)
     k = native.setup()
-    k = native.with_inputs(k, model.held_inputs) if model.inputs else k
+    k = native.with_inputs(k, model.constant_inputs) if model.inputs else k
     vdot = native.accel(0.0, *([x.start for x in part] for part in (model.coordinates, model.velocities)), k)
     (line,) = (line.split()[1:] for line in said.splitlines() if line.startswith("vdot "))
     assert list(map(float, line)) == vdot.tolist()

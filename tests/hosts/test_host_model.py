@@ -56,7 +56,7 @@ def test_a_prescribed_motion_has_two_derivatives_at_the_start() -> None:
     assert (angle.unit, rate.unit, acceleration.unit) == ("rad", "rad/s", "rad/s^2")
     assert [u.start for u in model.inputs] == [0.5, 2.0, 6.0, 0.0]
     assert [u.derivative for u in model.inputs] == [0, 1, 2, 0]
-    assert model.held_inputs == (0.5, 0.0, 0.0, 0.0)
+    assert model.constant_inputs == (0.5, 0.0, 0.0, 0.0)
 
 
 def test_the_start_state_follows_the_inputs() -> None:

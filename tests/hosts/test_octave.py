@@ -37,7 +37,7 @@ def test_the_sample_has_the_motion_of_a_simulation(built: Path) -> None:
     assert f"{name}: largest difference of ode45 from Tisserand:" in said
     model = prepared(MODELS[name])
     native = derive.load_scene(model.files)
-    k = native.with_inputs(native.setup(), model.held_inputs)
+    k = native.with_inputs(native.setup(), model.constant_inputs)
     vdot = native.accel(0.0, *([x.start for x in part] for part in (model.coordinates, model.velocities)), k)
     (line,) = (line.split()[1:] for line in said.splitlines() if line.startswith("vdot "))
     assert list(map(float, line)) == vdot.tolist()

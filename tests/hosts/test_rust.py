@@ -43,7 +43,7 @@ def test_the_motion_is_that_of_a_simulation(
     assert f"{name}: largest difference from Tisserand:" in said and "1 passed" in said
     native = derive.load(model.files)
     k = native.setup()
-    k = native.with_inputs(k, model.held_inputs) if model.inputs else k
+    k = native.with_inputs(k, model.constant_inputs) if model.inputs else k
     vdot = native.accel(0.0, *([x.start for x in part] for part in (model.coordinates, model.velocities)), k)
     (line,) = (line.removeprefix("vdot ") for line in said.splitlines() if line.startswith("vdot "))
     assert json.loads(line) == vdot.tolist()

@@ -81,12 +81,12 @@ def _values(model: Model) -> Iterator[int]:
 
 def _inputs(host: HostModel) -> Iterator[tuple[str, int, tuple[float, ...]]]:
     """The name of each input, the position of its first value in u, and its values in a host that keeps it constant."""
-    first, held = 0, host.held_inputs
-    while first < len(held):
+    first, inputs = 0, host.constant_inputs
+    while first < len(inputs):
         end = first + 1
-        while end < len(held) and host.inputs[end].derivative > 0:
+        while end < len(inputs) and host.inputs[end].derivative > 0:
             end += 1
-        yield host.inputs[first].name, first, held[first:end]
+        yield host.inputs[first].name, first, inputs[first:end]
         first = end
 
 

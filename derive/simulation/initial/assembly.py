@@ -38,7 +38,7 @@ ROUNDING = 1e-3
 EXACT = 1e-10
 """rad, and part of the size: differences below this are not worth a message."""
 FURTHER = (1.5, 3.0)
-"""rad: further changes of rotations, from which other ways of closing a mechanism are found."""
+"""rad: further changes of rotations, from which the assembly looks for other ways of closing a mechanism."""
 NEAR = 0.5
 """rad: a mechanism whose bodies have their guessed rotations up to this is closed in the way that is meant."""
 

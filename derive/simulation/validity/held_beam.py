@@ -1,7 +1,7 @@
 """The natural frequencies of a beam as the joints of its scene hold it, and the shapes of its vibrations.
 
 The beam deforms alone: all bodies move as far as the constraints admit in the initial state, with their masses; other
-beams are rigid. Gravity, springs and spin are left out, so that what is found is what the beam itself resists with.
+beams are rigid. Gravity, springs and spin are left out, so that frequencies are due to the stiffness of the beam alone.
 """
 
 from __future__ import annotations

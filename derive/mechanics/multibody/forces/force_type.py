@@ -40,7 +40,7 @@ class ForceType(ABC, Generic[F]):
     """A type of force. Subclasses are registered in `registry.FORCES`.
 
     section: the table of a specification that its elements are in: `forces`, at a marker; `torques`, at a marker, with
-    a reaction at a second one or without; `springs`, between two markers. doc: what tells it from others of its
+    a reaction at a second one or without; `springs`, between two markers. doc: what distinguishes it from others of its
     section, empty if its name does; keys: what its table has besides `kind` and the markers; lengths: keys whose values
     are not negative, where another type of the section allows both signs; intermediates: the labels of the definitions
     it makes, so that no other name of a scene meets them; along_line: whether it acts, and is drawn, along the line
