@@ -21,6 +21,7 @@ from derive.registry import Registry
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, SymbolicBody
 from derive.spec.model.scene import BeamBody, Scene, Specification, check_specification
+from derive.spec.model.simulation import InitialValues, SpatialStart
 from derive.spec.model.time_function import Spline, TimeFunction
 from derive.version import VERSION
 
@@ -54,9 +55,6 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
     return tuple(dataclasses.replace(file, text=file.text.replace(MODEL_HASH, digest)) for file in files)
 
 
-ALONE = ("simulation", "start", "plots")
-"""The fields of a single body that its model does not depend on."""
-
 UNWRITTEN = ("order", "ends", "masses", "axial")
 """The fields of a body that are left out where they have their defaults, those of the paper's beam."""
 
@@ -65,18 +63,18 @@ KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symb
 
 def specification(spec: Specification) -> dict[str, object]:
     """A specification as plain data, exact numbers as text; of the numbers of nodes their sizes and their SHA-256."""
-    fields = _fields(spec)
-    if isinstance(spec, NodalBody):
-        data = spec.data
-        modes = 0 if data.modes is None else len(data.modes)
-        hashes = {"sha256": data.sha256, "numbers_sha256": _numbers_sha256(data)}
-        fields["data"] = {"nodes": len(data.positions), "modes": modes, **hashes}
-    aside = ("simulation", "plots") if isinstance(spec, Scene) else ALONE  # what the model does not depend on
-    fields = {name: value for name, value in fields.items() if name not in aside}
-    if isinstance(spec, Scene):
-        fields = {name: value for name, value in fields.items() if value or name not in ("inputs", "outputs")}
+    fields = {name: value for name, value in _of_model(spec).items() if value or name not in ("inputs", "outputs")}
     plain = json.loads(json.dumps(fields, default=_exact))
     return {"kind": KINDS[type(spec)], **{key: value for key, value in plain.items() if value is not None}}
+
+
+def _of_model(spec: Specification) -> dict[str, Any]:
+    """The fields of a specification on which its model depends: not its simulation, plots and initial values."""
+    return {
+        name: value
+        for name, value in _fields(spec).items()
+        if name not in ("simulation", "plots") and not isinstance(value, InitialValues | SpatialStart)
+    }
 
 
 def _numbers_sha256(data: NodeData) -> str:
@@ -103,8 +101,11 @@ def _exact(value: object) -> object:
     if isinstance(value, DisplacementOrder):
         return value.value
     if isinstance(value, BeamBody):  # the model of a scene does not depend on the fields of a single beam
-        beam = {key: item for key, item in _fields(value.beam).items() if key not in ALONE}
-        return {**_fields(value), "beam": beam}
+        return {**_fields(value), "beam": _of_model(value.beam)}
+    if isinstance(value, NodeData):
+        modes = 0 if value.modes is None else len(value.modes)
+        hashes = {"sha256": value.sha256, "numbers_sha256": _numbers_sha256(value)}
+        return {"nodes": len(value.positions), "modes": modes, **hashes}
     if isinstance(value, Spline):
         numbers = repr((value.knots, value.coefficients)).encode()
         return {"name": value.name, "knots": len(value.knots), "sha256": hashlib.sha256(numbers).hexdigest()}

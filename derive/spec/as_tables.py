@@ -31,10 +31,8 @@ def specification_tables(spec: Specification) -> Data:
     """The tables of a whole specification."""
     if isinstance(spec, Scene):
         return scene_tables(spec)
-    kind = "beam" if isinstance(spec, PlanarBeam) else "body"
-    simulation, plots = (None, ()) if isinstance(spec, SymbolicBody) else (spec.simulation, spec.plots)
-    drawn = named("plots", plots) or None
-    return {"name": spec.name, kind: as_table(spec), **without_none(simulation=as_table(simulation), plots=drawn)}
+    others = without_none(simulation=as_table(spec.simulation), plots=named("plots", spec.plots) or None)
+    return {"name": spec.name, spec.section: as_table(spec), **others}
 
 
 def scene_tables(scene: Scene) -> Data:

@@ -45,6 +45,7 @@ Named = Mapping[str, Element | Table] | Sequence[Element]
 """The type of elements with names: a mapping from names to tables or typed values, or a sequence of typed values."""
 
 S = TypeVar("S", bound=Specification)
+Body = TypeVar("Body", PlanarBeam, NodalBody, SymbolicBody)
 Function = TypeVar("Function", bound=Callable[..., Specification])
 
 
@@ -85,9 +86,7 @@ def planar_beam(
     Numbers may be texts, such as "1/3"; a float is the decimal that it is printed as. Polynomials are texts, such as
     "xi^2 - 1/3", or tuples of coefficients.
     """
-    result = _single(planar_beam, "beam", locals())
-    assert isinstance(result, PlanarBeam)
-    return result
+    return _single(PlanarBeam, planar_beam, locals())
 
 
 @_documented(NodalBody)
@@ -113,9 +112,7 @@ def nodal_body(
     given = locals()
     if units is None and isinstance(nodes, NodeData):
         given["units"] = "SI"
-    result = _single(nodal_body, "body", given)
-    assert isinstance(result, NodalBody)
-    return result
+    return _single(NodalBody, nodal_body, given)
 
 
 @_documented(SymbolicBody)
@@ -129,12 +126,10 @@ def symbolic_body(
     lowering: Lowering = "auto",
 ) -> SymbolicBody:
     """A deformable body in space whose mass, shape integrals and stiffness are run-time parameters."""
-    result = _single(symbolic_body, "body", {**locals(), "integrals": "symbolic"})
-    assert isinstance(result, SymbolicBody)
-    return result
+    return _single(SymbolicBody, symbolic_body, {**locals(), "integrals": "symbolic"})
 
 
-def _single(function: Callable[..., Specification], kind: str, given: Mapping[str, Any]) -> Specification:
+def _single(of: type[Body], function: Callable[..., Body], given: Mapping[str, Any]) -> Body:
     """The specification of a single body from the arguments of a function, of which None are not given by default."""
     parameters = inspect.signature(function).parameters
     keys: Table = {
@@ -143,7 +138,9 @@ def _single(function: Callable[..., Specification], kind: str, given: Mapping[st
         if key != "name" and not (value is None and key in parameters and parameters[key].default is None)
         if (table := named(key, value) if key == "masses" else as_table(value)) != {} or isinstance(value, Mapping)
     }
-    return _validate({"name": given["name"], kind: keys})
+    result = _validate({"name": given["name"], of.section: keys})
+    assert isinstance(result, of)
+    return result
 
 
 def scene(
@@ -206,7 +203,7 @@ def validated_tables(spec: S, tables: Table) -> S:
     Numbers of reference curves are those of `spec`, whose files are not read again. Plots may show columns that there
     are with the replaced values alone: a simulation looks for them.
     """
-    curves = {plot.name: plot.reference.rows for plot in getattr(spec, "plots", ()) if plot.reference}
+    curves = {plot.name: plot.reference.rows for plot in spec.plots if plot.reference}
     result = _validate(tables, curves, columns=False)
     assert isinstance(result, type(spec))
     return result

@@ -156,7 +156,7 @@ def _constants(spec: Specification, tables: Mapping[str, Any]) -> set[KeyPath]:
     """The paths of the numbers that may be parameters."""
     if isinstance(spec, Scene):
         return {constant.path for constant in scene_constants(SceneData(tables))}
-    kind = "beam" if "beam" in tables else "body"
+    kind = spec.section
     of_beam = {constant.path for constant in beam_constants(("beam",), tables["beam"])} if kind == "beam" else set()
     return of_beam | {(kind, "gravity", i) for i in range(3)}
 

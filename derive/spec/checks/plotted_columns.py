@@ -26,7 +26,6 @@ def column_faults(spec: Specification) -> Iterator[Fault]:
     possible = possible_columns(spec)
     if possible is None:
         return
-    assert isinstance(spec, (Scene, PlanarBeam))
     yield from missing_columns(spec.plots, possible, f"columns may be {', '.join(possible)}")
     if spec.simulation is not None and spec.simulation.until is not None:
         try:

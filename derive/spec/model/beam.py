@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from derive.spec.model.beam_parts import (
     DEFAULT_ANSATZ,
@@ -157,6 +157,7 @@ class PlanarBeam:
             example='{ ansatz = ["xi"], stiffness = 1e6 }',
         ),
     ] = None
+    section: ClassVar[str] = "beam"
 
     @property
     def deflection(self) -> AssumedDeflection:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.plots import Plot
@@ -190,6 +190,7 @@ class NodalBody:
             optional=True,
         ),
     ] = DisplacementOrder.FIRST_ORDER
+    section: ClassVar[str] = "body"
 
     @property
     def second_order(self) -> bool:
@@ -216,3 +217,6 @@ class SymbolicBody:
     damping: Annotated[bool, key(KeyType.TRUTH, "Whether viscous damping is among the parameters.", default=False)]
     gravity: Annotated[Gravity | None, key(KeyType.ACCELERATION, GRAVITY, optional=True)]
     lowering: Annotated[Lowering, LOWERING]
+    section: ClassVar[str] = "body"
+    simulation: ClassVar[None] = None  # it has no numbers to simulate with
+    plots: ClassVar[tuple[Plot, ...]] = ()
