@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import assert_never
+
 from derive.backends.source_map import source_map
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import IndexedEquations
@@ -11,10 +14,16 @@ from derive.report.document.page import Block, Heading, Math, Page, Paragraph, T
 from derive.report.notation.expressions import Notation, notation
 from derive.report.sections.code import code_blocks, operation_blocks, targets
 from derive.report.sections.files import SpecificationText, calling_blocks, manifest_blocks, specification_blocks
-from derive.report.sections.frame import beam_subtitle, body_frame_blocks, frame_blocks, paper_numbers
+from derive.report.sections.frame import (
+    beam_subtitle,
+    frame_blocks,
+    mode_frame_blocks,
+    node_frame_blocks,
+    paper_numbers,
+)
 from derive.report.sections.frame_comparison import frames_blocks, variants
 from derive.report.sections.integrals import integral_blocks
-from derive.report.sections.kinematics import kinematics_blocks
+from derive.report.sections.kinematics import beam_kinematics_blocks, space_kinematics_blocks
 from derive.report.sections.mass_matrix import mass_blocks, mass_matrix
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
 from derive.report.sections.nomenclature import nomenclature_blocks
@@ -24,50 +33,75 @@ from derive.report.sections.term_lines import definition_lines, locate_terms
 from derive.report.sections.terms import row_blocks
 from derive.report.sections.zeros import vanished_blocks
 from derive.spec.model.beam import PlanarBeam
+from derive.spec.model.body import BodyFrame, NodalBody, SymbolicBody
 from derive.spec.model.scene import Scene
 
 
 def model_page(built: Built, specification: SpecificationText) -> Page:
     """The report of a body. Raises TypeError for a scene, which has a page of its own."""
-    spec, equations, model = built.spec, built.equations, built.model
-    if isinstance(spec, Scene):
-        raise TypeError("a scene has a page of its own")
+    equations, model = built.equations, built.model
     written = notation(equations)
     code = source_map(built.files, "c")
     terms = locate_terms(equations, code)
     families = moments(equations, written)
-    numbers = paper_numbers(spec) if isinstance(spec, PlanarBeam) else None
+    of_kind = _of_kind(built, written)
     matrix = mass_matrix(model, equations)
     blocks = (
         *specification_blocks(specification),
         *state_blocks(model, equations, written),
         *nomenclature_blocks(False, [equations.body.order] if equations.body else ()),
-        *kinematics_blocks(spec, equations, written),
-        *((*frame_blocks(spec), *stretching_blocks(spec)) if isinstance(spec, PlanarBeam) else body_frame_blocks(spec)),
+        *of_kind.kinematics,
+        *of_kind.frame,
         *integral_blocks(equations, written),
         *moment_blocks(families, written, definition_lines(code)),
         *_motion(equations),
-        *row_blocks(equations, terms, written, numbers.motion if numbers else ""),
+        *row_blocks(equations, terms, written, of_kind.number),
         *mass_blocks(equations, matrix, written),
         *vanished_blocks(equations, written),
-        *_frames(built, written),
+        *of_kind.comparison,
         *operation_blocks(equations, model),
         *code_blocks(code, targets(terms, moment_anchors(equations, families))),
         *calling_blocks(model),
         *manifest_blocks(built.files),
     )
-    return Page(model.name, _subtitle(built), blocks)
+    return Page(model.name, of_kind.subtitle, blocks)
 
 
-def _subtitle(built: Built) -> Text:
-    """The kind of the body, for a beam with its assumed modes as formulas."""
-    return beam_subtitle(built.spec) if isinstance(built.spec, PlanarBeam) else (built.model.doc,)
+@dataclass(frozen=True)
+class _OfKind:
+    """The parts of the page that depend on the kind of the body.
+
+    number: that of the equations of motion in the paper. comparison: the equations in other frames.
+    """
+
+    subtitle: Text
+    kinematics: tuple[Block, ...]
+    frame: tuple[Block, ...]
+    number: str = ""
+    comparison: tuple[Block, ...] = ()
 
 
-def _frames(built: Built, written: Notation) -> tuple[Block, ...]:
-    if not isinstance(built.spec, PlanarBeam) or not isinstance(built.equations, Equations):
-        return ()
-    return frames_blocks(variants(built.spec, built.equations, built.model), written)
+def _of_kind(built: Built, written: Notation) -> _OfKind:
+    spec, equations, model = built.spec, built.equations, built.model
+    match spec:
+        case PlanarBeam():
+            numbers = paper_numbers(spec)
+            return _OfKind(
+                beam_subtitle(spec),
+                beam_kinematics_blocks(spec, written),
+                (*frame_blocks(spec), *stretching_blocks(spec)),
+                numbers.motion if numbers else "",
+                frames_blocks(variants(spec, equations, model), written),
+            )
+        case NodalBody():
+            return _OfKind((model.doc,), space_kinematics_blocks(equations, written), node_frame_blocks(spec))
+        case SymbolicBody():
+            frame = mode_frame_blocks(BodyFrame(spec.frame))
+            return _OfKind((model.doc,), space_kinematics_blocks(equations, written), frame)
+        case Scene():
+            raise TypeError("a scene has a page of its own")
+        case _ as never:
+            assert_never(never)
 
 
 def _motion(equations: Equations) -> tuple[Block, ...]:

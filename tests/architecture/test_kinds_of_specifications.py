@@ -16,8 +16,22 @@ ASKING = {
     "simulation/linear/displaced.py": "the model of a beam alone has other names than that of its scene",
     "export/exudyn/floating_frame.py": "the interface is for bodies in space",
     "export/fmi/variables.py": "sizes of states are those of a scene",
+    "report/model_page.py": "a beam and a body in space have other kinematics, another frame and another subtitle",
+    "report/scene_page.py": "this page is for scenes",
+    "cli/report.py": "a scene has a page of its own, with the results of its runs",
+    "cli/specifications.py": "studies that need a scene refuse a body",
+    "cli/sid.py": "the command is for bodies of nodes",
+    "cli/build_notes.py": "notes on the modes of a body of nodes",
+    "cli/modes.py": "the state of a body alone is undeformed; a symbolic body has defaults alone",
+    "spec/as_tables.py": "a scene has several tables, a body has one",
+    "spec/construction.py": "tables of a scene are needed",
+    "spec/set_values.py": "which constants may be parameters, and which names are taken",
+    "spec/checks/validation.py": "functions of time are those of scenes; a symbolic body has no nodes",
+    "spec/checks/plotted_columns.py": "the columns of beams and scenes are known before the derivation",
 }
-"""The modules of `simulation`, `runtime` and `export` that ask, and why."""
+"""The modules of PARTS that ask, and why."""
+
+PARTS = ("simulation", "runtime", "export", "report", "backends", "cli", "spec")
 
 
 def questions(text: str) -> Iterator[int]:
@@ -35,6 +49,6 @@ def test_questions_are_noticed() -> None:
 
 
 def test_few_modules_ask_for_the_kind_of_a_specification() -> None:
-    modules = [path for part in ("simulation", "runtime", "export") for path in (ROOT / "derive" / part).rglob("*.py")]
+    modules = [path for part in PARTS for path in (ROOT / "derive" / part).rglob("*.py")]
     asking = {path.relative_to(ROOT / "derive").as_posix() for path in modules if any(questions(path.read_text()))}
     assert asking == ASKING.keys()

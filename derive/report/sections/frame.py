@@ -23,7 +23,7 @@ from derive.report.notation.expressions import join, number, row
 from derive.report.notation.formula_reader import equation, formula
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import Ends, FamilyKind, Polynomial, ShapeFamily
-from derive.spec.model.body import NodalBody, SymbolicBody
+from derive.spec.model.body import BodyFrame, NodalBody
 
 
 @dataclass(frozen=True)
@@ -242,11 +242,15 @@ MEAN_OF_MODES = "The frame follows the mean motion: no mode displaces the body o
 GIVEN_MODES = "The modes are used as they are given; no condition is imposed on them."
 
 
-def body_frame_blocks(spec: NodalBody | SymbolicBody) -> tuple[Block, ...]:
-    """The conditions on the modes and, for a body of nodes, by how much the given modes violated them."""
-    kind = spec.frame if isinstance(spec, SymbolicBody) else spec.frame.kind
+def node_frame_blocks(spec: NodalBody) -> tuple[Block, ...]:
+    """The conditions on the modes of a body of nodes, and by how much the given modes violated them."""
+    return (*mode_frame_blocks(spec.frame), *_residuals(spec), *_without_stiffness(spec))
+
+
+def mode_frame_blocks(frame: BodyFrame) -> tuple[Block, ...]:
+    """The conditions of a frame on the modes of a body in space."""
     results: list[Block] = [Heading("The frame and what it removes", "frame")]
-    if kind == "mean":
+    if frame.kind == "mean":
         results += [
             Paragraph((MEAN_OF_MODES,)),
             EquationBlock(
@@ -256,18 +260,14 @@ def body_frame_blocks(spec: NodalBody | SymbolicBody) -> tuple[Block, ...]:
                 )
             ),
         ]
-    elif kind == "point":
-        assert isinstance(spec, NodalBody)
+    elif frame.kind == "point":
         words = (
-            f"The frame is fixed to node {spec.frame.node}: no mode displaces it, nor turns it and its neighbours on "
+            f"The frame is fixed to node {frame.node}: no mode displaces it, nor turns it and its neighbours on "
             "average."
         )
         results += [Paragraph((words,)), EquationBlock((equation("Phi_i(P_c) = 0", number="16"),))]
     else:
         results.append(Paragraph((GIVEN_MODES,)))
-    if isinstance(spec, NodalBody):
-        results += _residuals(spec)
-        results += _without_stiffness(spec)
     return tuple(results)
 
 

@@ -25,10 +25,9 @@ from derive.report.document.page import Block, EquationBlock, Heading, Math, Par
 from derive.report.notation.expressions import Notation, base, row
 from derive.report.notation.formula_reader import equation, formula, marked_text
 from derive.report.notation.vector_form import DELTA_ALPHA, arrow, summands
-from derive.report.sections.second_order import second_order_blocks
+from derive.report.sections.second_order import beam_second_order_blocks, space_second_order_blocks
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import Specification
 
 MOTION = spatial_motion(0)
 AT = {R: arrow("r"), RDOT: arrow("rdot"), RDDOT: arrow("rddot"), PHI: arrow("Phi_i")}
@@ -54,10 +53,21 @@ def virtual_displacement() -> Equation:
     return Equation(formula("delta x"), summands(vector_at(MOTION, add(*fields), AT)), number="6")
 
 
-def kinematics_blocks(spec: Specification, equations: Equations, notation: Notation) -> tuple[Block, ...]:
-    """The kinematics of a material point, from its position to its acceleration and its virtual displacement."""
-    special = _beam(spec, notation) if isinstance(spec, PlanarBeam) else _space(equations, notation)
+def beam_kinematics_blocks(spec: PlanarBeam, notation: Notation) -> tuple[Block, ...]:
+    """The kinematics of a planar beam."""
+    origin = Paragraph(marked_text("$c$ is where the centre of the undeformed beam lies."))
+    return (*_kinematics(), *beam_second_order_blocks(spec), *_beam(spec, notation), origin)
+
+
+def space_kinematics_blocks(equations: Equations, notation: Notation) -> tuple[Block, ...]:
+    """The kinematics of a body in space."""
     order = equations.body.order if equations.body else DisplacementOrder.FIRST_ORDER
+    origin = (Paragraph((equations.frame_doc,)),) if equations.frame_doc else ()
+    return (*_kinematics(), *space_second_order_blocks(order), *_space(equations, notation), *origin)
+
+
+def _kinematics() -> tuple[Block, ...]:
+    """From the position of a material point to its acceleration and its virtual displacement."""
     return (
         Heading("Kinematics", "kinematics"),
         Paragraph(
@@ -76,17 +86,7 @@ def kinematics_blocks(spec: Specification, equations: Equations, notation: Notat
                 virtual_displacement(),
             )
         ),
-        *second_order_blocks(spec, order),
-        *special,
-        *_origin(spec, equations),
     )
-
-
-def _origin(spec: Specification, equations: Equations) -> tuple[Block, ...]:
-    """A sentence on the position c of the origin of the floating frame."""
-    if isinstance(spec, PlanarBeam):
-        return (Paragraph(marked_text("$c$ is where the centre of the undeformed beam lies.")),)
-    return (Paragraph((equations.frame_doc,)),) if equations.frame_doc else ()
 
 
 def _beam(spec: PlanarBeam, notation: Notation) -> tuple[Block, ...]:

@@ -11,22 +11,25 @@ from derive.report.notation.beam_functions import shape_name
 from derive.report.notation.formula_reader import equation, formula, marked_text
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import Frame
-from derive.spec.model.body import DisplacementOrder, NodalBody
-from derive.spec.model.scene import BeamBody, Scene, Specification
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.scene import BeamBody, Scene
 
 
-def second_order_blocks(spec: Specification, order: DisplacementOrder) -> tuple[Block, ...]:
-    """The displacement of second order, its derivative by an amplitude, and what the model keeps; marked as beyond
-    the paper. Empty at first order."""
+def beam_second_order_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
+    """The displacement of second order of a beam, its derivative by an amplitude, and what the model keeps; marked as
+    beyond the paper. Empty at first order."""
+    return _second_order(spec.order, True, _constants([spec.frame]))
+
+
+def space_second_order_blocks(order: DisplacementOrder) -> tuple[Block, ...]:
+    """The same of a body in space, whose fields of second order are those of its nodes."""
+    return _second_order(order, False, _geometric_stiffness())
+
+
+def _second_order(order: DisplacementOrder, beams: bool, fields: tuple[Block, ...]) -> tuple[Block, ...]:
     if order is DisplacementOrder.FIRST_ORDER:
         return ()
-    beam = spec if isinstance(spec, PlanarBeam) else None
-    return (
-        *_displacement("Beyond the paper: the displacement is", bool(beam)),
-        *(_constants([beam.frame]) if beam else ()),
-        *(_geometric_stiffness() if isinstance(spec, NodalBody) else ()),
-        *_kept("The model", order),
-    )
+    return (*_displacement("Beyond the paper: the displacement is", beams), *fields, *_kept("The model", order))
 
 
 def scene_second_order_blocks(spec: Scene) -> tuple[Block, ...]:
