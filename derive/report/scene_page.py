@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from derive.backends.source_map import source_map
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import IndexedEquations
-from derive.mechanics.multibody.bodies.beam import piece_name
+from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES
-from derive.mechanics.symbols import identity
 from derive.mechanics.terms import Reason
 from derive.pipeline import Built
-from derive.report.document.page import Block, Heading, Page, Paragraph, Picture
+from derive.report.document.page import Block, Content, Heading, Page, Paragraph, Picture, table
 from derive.report.notation.expressions import notation
 from derive.report.notation.labels import label, row_identities
+from derive.report.sections.alike_bodies import shown_once
 from derive.report.sections.code import code_blocks, targets
 from derive.report.sections.files import SpecificationText, manifest_blocks, specification_blocks
 from derive.report.sections.initial_state import initial_state_blocks
@@ -30,7 +29,7 @@ from derive.report.sections.term_lines import definition_lines, locate_terms
 from derive.report.sections.terms import row_blocks
 from derive.report.sections.zeros import vanished_blocks
 from derive.simulation.initial.initial_state import InitialState
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody
 
 
 @dataclass(frozen=True)
@@ -53,13 +52,14 @@ def scene_page(
     warnings: those of a run whose pictures are among the results, where a beam leaves the range of its model.
     Raises TypeError when what was built is a body.
     """
-    spec, equations, model = built.spec, built.equations, built.model
-    if not isinstance(spec, Scene) or isinstance(equations, IndexedEquations) or model.kkt is None:
+    mechanism, equations, model = built.derived, built.equations, built.model
+    if not isinstance(mechanism, Mechanism) or model.kkt is None:
         raise TypeError("this is no scene")
+    spec, once = mechanism.scene, shown_once(mechanism)
+    shown = once.equations
     written = notation(equations)
     code = source_map(built.files, "c")
     terms = locate_terms(equations, code)
-    shown = _of_first_pieces(spec, equations)
     families = moments(shown, written)
     visible = [p for p in terms if p.term.row in {row.name for row in shown.rows}]
     blocks = (
@@ -74,11 +74,11 @@ def scene_page(
         *nomenclature_blocks(True, {body.beam.order for body in spec.bodies if isinstance(body, BeamBody)}),
         *integral_blocks(equations, written),
         *moment_blocks(families, written, definition_lines(code)),
-        *_law(spec),
+        *_law(once.alike),
         *row_blocks(shown, visible, written),
         *constraint_blocks(equations, written),
-        *mass_blocks(equations, _matrix(spec, equations), written),
-        *vanished_blocks(shown, written),
+        *mass_blocks(equations, _matrix(mechanism, equations), written),
+        *vanished_blocks(equations, written),
         *kkt_blocks(model, model.kkt),
         *code_blocks(code, targets(visible, moment_anchors(shown, families))),
         *manifest_blocks(built.files),
@@ -86,36 +86,22 @@ def scene_page(
     return Page(model.name, (model.doc,), blocks)
 
 
-def _other_pieces(spec: Scene) -> tuple[str, ...]:
-    """The names of the pieces of rods after the first, which have the same equations."""
-    rods = (body for body in spec.bodies if isinstance(body, BeamBody))
-    return tuple(piece_name(rod, k) for rod in rods for k in range(1, rod.pieces))
-
-
-def _of_first_pieces(spec: Scene, equations: Equations) -> Equations:
-    """The equations without those of pieces that are like the first of their rod."""
-    others = _other_pieces(spec)
-    kept = tuple(row for row in equations.rows if identity(row.v).owner not in others)
-    names = {row.name for row in kept}
-    return replace(
-        equations,
-        rows=kept,
-        terms=tuple(term for term in equations.terms if term.row in names),
-        definitions=tuple(d for d in equations.definitions if identity(d.symbol).owner not in others),
-    )
-
-
-def _law(spec: Scene) -> tuple[Block, ...]:
-    cut = [f"{b.name}_1" for b in spec.bodies if isinstance(b, BeamBody) and b.pieces > 1]
-    alike = f" Of rods that are cut, the first piece is shown ({', '.join(cut)}); the others are alike." if cut else ""
+def _law(alike: Mapping[str, tuple[str, ...]]) -> tuple[Block, ...]:
     text = (
         "Each body has its rows of (15), in the coordinates that it keeps; what stands there is not zero, but what the "
-        f"joints exert: M(q) v̇ + h(t, q, v) = Gᵀ λ, with g(t, q) = 0.{alike}"
+        "joints exert: M(q) v̇ + h(t, q, v) = Gᵀ λ, with g(t, q) = 0."
     )
-    return (Heading("Equations of motion", "motion"), Paragraph((text,)))
+    if alike:
+        text += (
+            " Of bodies whose equations differ in names and constants alone, the first is shown; the damping between "
+            "the pieces of a rod does not count."
+        )
+    rows: list[list[Content]] = [[name, ", ".join(others)] for name, others in alike.items()]
+    same = (table("Bodies with the same equations", ("shown", "alike"), rows),) if alike else ()
+    return (Heading("Equations of motion", "motion"), Paragraph((text,)), *same)
 
 
-def _matrix(spec: Scene, equations: Equations) -> MassPattern:
+def _matrix(mechanism: Mechanism, equations: Equations) -> MassPattern:
     """The pattern of M, with the reasons of all of its zeros: within bodies those of the first piece, between bodies
     that they share no inertia."""
     rows = list(row_identities(equations).values())
@@ -123,8 +109,9 @@ def _matrix(spec: Scene, equations: Equations) -> MassPattern:
     mass = equations.mass
     entries = frozenset((i, j) for i in range(n) for j in range(n) if mass[i, j] != 0)
     known = {(rows[i], rows[j]): why for i, j, why in equations.mass_zeros}
-    firsts = dict(_firsts(spec))
-    alike = [replace(row, owner=firsts.get(row.owner, row.owner)) for row in rows]
+    groups: dict[str, str] = {}
+    first = {i.name: groups.setdefault(i.component.group, i.name) for i in mechanism.instances}
+    alike = [replace(row, owner=first[row.owner]) for row in rows]
     between = Reason(identity=BETWEEN_BODIES)
     reasons: dict[tuple[int, int], Reason] = {}
     for i in range(n):
@@ -134,13 +121,6 @@ def _matrix(spec: Scene, equations: Equations) -> MassPattern:
                 why = known.get((alike[i], alike[j]), between) if same else between
                 reasons[i, j] = reasons[j, i] = why
     return MassPattern(tuple(map(label, rows)), entries, reasons)
-
-
-def _firsts(spec: Scene) -> Iterator[tuple[str, str]]:
-    for rod in spec.bodies:
-        if isinstance(rod, BeamBody):
-            for k in range(1, rod.pieces):
-                yield piece_name(rod, k), piece_name(rod, 0)
 
 
 def _results(results: Sequence[ResultPicture], warnings: Sequence[str]) -> tuple[Block, ...]:

@@ -1,0 +1,81 @@
+"""Bodies of a scene whose equations of motion differ in names and constants alone: a page shows them once."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from derive.mechanics.equations import Equations
+from derive.mechanics.generic_forces import DAMPING_TERM
+from derive.mechanics.multibody.kinds import BodyInstance
+from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.symbols import Symbol, identity, owned
+from derive.mechanics.terms import Intermediate
+
+
+@dataclass(frozen=True)
+class EquationsShownOnce:
+    """The equations of a scene without those of bodies that are like an earlier one.
+
+    alike: the names of these bodies, by the name of the body whose equations are shown.
+    """
+
+    equations: Equations
+    alike: Mapping[str, tuple[str, ...]]
+
+
+def shown_once(mechanism: Mechanism) -> EquationsShownOnce:
+    """The equations of a mechanism, of bodies that are alike those of the first.
+
+    Bodies are alike if they are of one kind, keep the same coordinates, and bear the same forces. The damping between
+    the pieces of a rod, which is another in each, does not count.
+    """
+    equations = mechanism.expanded()
+    first: dict[Hashable, str] = {}
+    alike: dict[str, tuple[str, ...]] = {}
+    definitions: list[Intermediate] = []
+    defined: dict[str, set[Hashable]] = {}
+    owners = {instance.name: instance for instance in mechanism.instances if instance.moves}
+    damped = {name for damping in mechanism.dampings for name in damping.components}
+    shown = {name: first.setdefault(tuple(_form(of, equations, name in damped)), name) for name, of in owners.items()}
+    for name, same in shown.items():
+        alike[same] = (*alike.get(same, ()), *([name] if name != same else []))
+    for d in equations.definitions:
+        owner = identity(d.symbol).owner
+        if owner in shown:
+            form = _without_names(d.symbol, owners[owner]), _without_names(d.expr, owners[owner])
+            known = defined.setdefault(shown[owner], set())
+            if form in known:
+                continue
+            known.add(form)
+        definitions.append(d)
+    rows = tuple(row for row in equations.rows if identity(row.v).owner in alike)
+    names = {row.name for row in rows}
+    terms = tuple(term for term in equations.terms if term.row in names)
+    shorter = replace(equations, rows=rows, terms=terms, definitions=tuple(definitions))
+    return EquationsShownOnce(shorter, {name: others for name, others in alike.items() if others})
+
+
+def _form(instance: BodyInstance, equations: Equations, damped: bool) -> Iterator[Hashable]:
+    """All parts of the equations of an instance, without its name and that of its constants.
+
+    damped: whether its damping is that between the pieces of a rod, which is left out.
+    """
+    rows = {row.name: _without_names(row.v, instance) for row in instance.coordinates.rows}
+    yield instance.kind, tuple(rows.values())
+    for term in equations.terms:
+        if term.row in rows and not (damped and term.name == DAMPING_TERM.name):
+            yield rows[term.row], term.name, _without_names(term.expr, instance)
+    for d in equations.definitions:
+        known = identity(d.symbol)
+        if known.owner == instance.name and not known.point:
+            yield _without_names(d.symbol, instance), _without_names(d.expr, instance)
+
+
+def _without_names(expr: sp.Expr, instance: BodyInstance) -> sp.Expr:
+    """An expression in which the symbols of an instance have no owner."""
+    own = (instance.name, instance.component.group)
+    symbols = (s for s in expr.free_symbols if isinstance(s, Symbol) and s.identity.owner in own)
+    return expr.xreplace({symbol: owned(symbol, "") for symbol in symbols})
