@@ -1,7 +1,8 @@
 """The lines of the audit that hold, as trees, and the helpers by which tests evaluate them.
 
-So that the text shown, the correction told and the equation tested are one, every line of every row is taken as the
-tree that the page shows, evaluated, and compared with the transcription that the tests compare with the derivation.
+The text shown, the correction and the equation tested are one: every line of every row is taken as the tree that the
+page shows, and evaluated. The lines of the beam are what tests compare with the derivation (`printed`); the others are
+compared with the transcriptions that tests compare with it.
 """
 
 from __future__ import annotations
