@@ -25,7 +25,16 @@ from derive.lowering.instances.block_elimination import (
     packed,
 )
 from derive.lowering.instances.class_code import INSTANCE, ClassCode, LoopTarget, kept_values
-from derive.lowering.instances.context import InstanceContext, Part, Result, exact, kernel, state, whole
+from derive.lowering.instances.context import (
+    InstanceContext,
+    Part,
+    Result,
+    given_inputs,
+    kernel,
+    known_value,
+    state,
+    whole,
+)
 from derive.lowering.instances.local_system import LocalSystem, Right, local_system
 from derive.lowering.instances.places import Place
 from derive.lowering.model_functions import ModelFunction
@@ -47,7 +56,7 @@ def _system(
 ) -> _Solution:
     """The loops of a class: the compliance of its markers, and its unknowns from the reactions."""
     ctx = of.context
-    given = (*(ctx.q if name == "q" else ctx.v for name in names), ctx.lam)
+    given = (*given_inputs(of, *names), ctx.lam)
     symbols = ctx.symbols(*given)
     system = local_system(of, symbols, right(of))
     unknowns, kept, values = kept_values(symbols, system.unknowns, symbols.values_of(ctx.forces), system.inverses)
@@ -210,11 +219,12 @@ def _known_bias(context: InstanceContext) -> list[Statement]:
     result: list[Statement] = []
     if system is None:
         return result
-    for joint, of in enumerate(context.known):
+    for joint, of in enumerate(context.known.constraints):
         for k, c in enumerate(of):
-            if c.bias != 0:
+            value = known_value("bias", c, -1)
+            if value is not None:
                 index = system.size * system.position[joint] + k
-                result.append(StoreElement(Element(RIGHT, constant(index)), exact(-c.bias)))
+                result.append(StoreElement(Element(RIGHT, constant(index)), value))
     return result
 
 
@@ -226,13 +236,13 @@ def _forces(of: ClassCode) -> Right:
 def accel(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of vdot alone, for integrators of first-order equations."""
     results = {"vdot": Result(tuple(str(row.a) for row in context.mechanism.rows))}
-    return _solved(context, function, results, _forces, ("q", "v"), "vdot", _known_bias(context))
+    return _solved(context, function, results, _forces, ("t", "q", "v"), "vdot", _known_bias(context))
 
 
 def solve(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of vdot and lambda."""
     results = {"vdot": Result(tuple(str(row.a) for row in context.mechanism.rows)), "lam": Result(context.multipliers)}
-    return _solved(context, function, results, _forces, ("q", "v"), "vdot", _known_bias(context))
+    return _solved(context, function, results, _forces, ("t", "q", "v"), "vdot", _known_bias(context))
 
 
 def project_velocity(context: InstanceContext, function: ModelFunction) -> Kernel:
@@ -252,4 +262,4 @@ def project_velocity(context: InstanceContext, function: ModelFunction) -> Kerne
             given.append(ForEach(INSTANCE, constant(0), constant(len(joints)), (*_entry(to), *_entry(of), *body)))
     argument = whole("r", len(context.multipliers), "prescribed change of gdot")
     results = {"dv": Result(tuple(str(row.v) for row in context.mechanism.rows))}
-    return _solved(context, function, results, nothing, ("q",), "dv", given, {"r": argument})
+    return _solved(context, function, results, nothing, ("t", "q"), "dv", given, {"r": argument})

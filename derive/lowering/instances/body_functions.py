@@ -54,7 +54,7 @@ def _force_result(context: InstanceContext) -> Result:
 
 def force(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the forces h(t, q, v)."""
-    loops = loops_of(context, _force_items, "q", "v")
+    loops = loops_of(context, _force_items, "t", "q", "v")
     return kernel(
         context,
         function,
@@ -76,7 +76,12 @@ def mass_force(context: InstanceContext, function: ModelFunction) -> Kernel:
         context,
         function,
         results,
-        ("M and h", "(15)", "factors of the accelerations, and all other terms", loops_of(context, both, "q", "v")),
+        (
+            "M and h",
+            "(15)",
+            "factors of the accelerations, all other terms",
+            loops_of(context, both, "t", "q", "v"),
+        ),
     )
 
 
@@ -158,10 +163,16 @@ def poses(context: InstanceContext, function: ModelFunction) -> Kernel:
         place = of.place("pose", [3 * m.number for m in of.of.members])
         return [*stores("pose", values)], {"pose": of.target("pose", place)}
 
+    known = [
+        StoreElement(Element("pose", constant(3 * n + k)), value)
+        for n, instance in enumerate(context.mechanism.instances)
+        if not instance.moves
+        for k, value in enumerate(context.known.pose(instance.name))
+    ]
     labels = tuple(f"{i.name}.{what}" for i in context.mechanism.instances for what in ("c1", "c2", "phi"))
     return kernel(
         context,
         function,
         {"pose": Result(labels)},
-        ("poses", "(1)", "bodies in the order of the specification", loops_of(context, items, "q")),
+        ("poses", "(1)", "bodies in the order of the specification", [*known, *loops_of(context, items, "t", "q")]),
     )

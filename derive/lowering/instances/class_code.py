@@ -12,12 +12,13 @@ import sympy as sp
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef, walk
 from derive.ir.indices import ElementIndex, IndexTerm
-from derive.ir.model import ConstantArray
+from derive.ir.model import Argument, ConstantArray
 from derive.ir.operator_functions import ARITHMETIC, LIBRARY
 from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Store, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input
 from derive.lowering.flat.schedule import Step
+from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.class_equations import ClassEquations
 from derive.lowering.instances.classes import BodyClass, Member
 from derive.lowering.instances.places import Place, Places
@@ -44,14 +45,20 @@ Loaded = tuple[str, Place, Input]
 class ClassCode:
     """The code of a class of bodies: its context of straight-line code, and the places of its instances."""
 
-    def __init__(self, of: BodyClass, equations: ClassEquations, places: Places) -> None:
+    def __init__(self, of: BodyClass, equations: ClassEquations, places: Places, constants: Constants) -> None:
         self.of, self.rows, self.places = of, equations.rows, places
-        self.own = equations.own
         self.context = Context(_with_differences(of, equations))
+        constants.coefficients |= self.context.constants.coefficients
+        self.context.constants = constants
+        self.given = Input(Argument("known", tuple(map(str, equations.given)), "what is known"), equations.given)
         self.count = len(of.members)
+        self.differing = frozenset(
+            str(c.symbol) for c in self.context.equations.coefficients if c.value == sp.Symbol(str(c.symbol))
+        )
         self._values = [
-            {str(c.symbol): value for c, value in zip(equations.equations.coefficients, _values(m), strict=True)}
+            dict(zip((str(c.symbol) for c in equations.equations.coefficients), _values(m), strict=False))
             for m in of.members
+            if self.differing
         ]
         self._columns: dict[str, int] = {}
         self.coordinate = self.place("coordinate", [m.coordinate for m in of.members])
@@ -91,7 +98,7 @@ class ClassCode:
             names = [(k, name) for k, name in enumerate(given.elements) if name in used]
             loads += [Let(name, Element(array, place.at(k))) for k, name in names]
             entries += _entries(place) if names else ()
-        loads += [Let(name, self._constant(name)) for name in sorted(used & self._constants())]
+        loads += [Let(name, self._constant(name)) for name in sorted(used) if self._differs(name)]
         body: list[InstanceItem] = []
         for statement in statements:
             if isinstance(statement, Store):
@@ -107,8 +114,12 @@ class ClassCode:
 
     # ---- numbers that differ from instance to instance ----
 
-    def _constants(self) -> set[str]:
-        return {*self.context.constants.coefficients, *self.context.constants.hoisted.values()}
+    def _differs(self, name: str) -> bool:
+        """Whether a constant differs from instance to instance."""
+        if name in self.differing:
+            return True
+        expr = next((e for e, known in self.context.constants.hoisted.items() if known == name), None)
+        return expr is not None and any(isinstance(p, ScalarRef) and self._differs(p.name) for p in walk(expr))
 
     def _constant(self, name: str) -> Element:
         """The element of the constant array of the class that holds a constant."""
@@ -140,13 +151,17 @@ def _values(member: Member) -> list[Fraction]:
 
 def _with_differences(of: BodyClass, equations: ClassEquations) -> Equations:
     """The equations with symbols as the values of the constants in which the members differ."""
+    if equations.equations.parameters:
+        return equations.equations  # then members have equal constants
     every = [_values(member) for member in of.members]
-    same = [all(values[k] == every[0][k] for values in every) for k in range(len(every[0]))]
-    coefficients = tuple(
-        c if equal else replace(c, value=sp.Symbol(str(c.symbol)))
-        for c, equal in zip(equations.equations.coefficients, same, strict=True)
-    )
-    return replace(equations.equations, coefficients=coefficients)
+    same = [all(values[k] == every[0][k] for values in every) for k in range(equations.constants)]
+    own, others = (equations.equations.coefficients[part] for part in _parts(equations.constants))
+    changed = (c if equal else replace(c, value=sp.Symbol(str(c.symbol))) for c, equal in zip(own, same, strict=True))
+    return replace(equations.equations, coefficients=(*changed, *others))
+
+
+def _parts(count: int) -> tuple[slice, slice]:
+    return slice(count), slice(count, None)
 
 
 def _evaluated(name: str, values: Mapping[str, Fraction], hoisted: Mapping[str, Expr]) -> Fraction:

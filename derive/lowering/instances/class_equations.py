@@ -1,7 +1,7 @@
 """The equations of a class of bodies: those of its first member with what it contributes to its joints.
 
 Constraints are linear in the displacement and the rotation between the two markers of a joint, so that g, gdot and
-gamma are sums of what each body contributes, and of the contribution of points whose motion is known.
+gamma are sums of what each body contributes, and of the contribution of what is known.
 """
 
 from __future__ import annotations
@@ -11,17 +11,19 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from derive.lowering.instances.classes import BodyClass, Handle
+from derive.lowering.instances.known_motion import STILL, KnownMotion, known_constraints
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import mass_matrix
 from derive.mechanics.multibody.constraints import constraints
+from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
-from derive.mechanics.multibody.kinds import JointInstance
-from derive.mechanics.multibody.mechanism import Mechanism
-from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
-from derive.mechanics.terms import Constraint, Eliminated, Intermediate, Pose
-from derive.spec.model.markers import GROUND
-
-STILL = fixed_point(sp.Matrix([0, 0]))
+from derive.mechanics.multibody.kinds import ForceInstance, JointInstance
+from derive.mechanics.multibody.mechanism import Mechanism, pose
+from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
+from derive.mechanics.multibody.ports import input_symbols
+from derive.mechanics.symbols import t
+from derive.mechanics.terms import Constraint, Eliminated, InputSymbol, Intermediate, ModelConstant
+from derive.spec.model.markers import MarkerRef
 
 
 @dataclass(frozen=True)
@@ -29,26 +31,42 @@ class ClassEquations:
     """The equations of the first member of a class.
 
     Its `constraints` are what it contributes to those of its joints, one joint after the other; `rows` are their
-    numbers for each of its handles.
+    numbers for each of its handles. given: the symbols of what is known that the equations contain; constants: those of
+    the body itself, whose values may differ from member to member, first among the coefficients.
     """
 
     equations: Equations
     rows: tuple[tuple[int, ...], ...]
-    own: InstanceEquations
+    given: tuple[sp.Symbol, ...]
+    constants: int
 
 
-def class_equations(mechanism: Mechanism, of: BodyClass) -> ClassEquations:
+def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> ClassEquations:
     """The equations of the first member of a class, in its symbols."""
     instance = of.first.instance
     own = instance_equations(instance, mechanism.kinds[instance.kind], False)
-    definitions, conditions, rows = list(own.definitions), list[Constraint](), []
+    forces = [_force(force, instance.name, own, known) for force in of.first.forces]
+    definitions = [d for d in own.definitions if d.symbol not in known.symbols]
+    definitions += [d for force in forces for d in force.definitions]
+    conditions, rows = list[Constraint](), []
     for handle in of.first.handles:
         joint = mechanism.joints[handle.joint]
         defined, contributed = _contribution(joint, handle, own)
         definitions += defined
         rows.append(tuple(range(len(conditions), len(conditions) + len(contributed))))
         conditions += contributed
+    terms = (*own.terms, *(term for force in forces for term in force.terms))
     number = {row.name: i for i, row in enumerate(own.rows)}
+    inputs = input_symbols(mechanism.scene)
+    moving = _moving(tuple(definitions), inputs, known)
+
+    def still(expr: sp.Expr) -> sp.Expr:
+        """An expression, or 0 if it depends on the time, which energies and momenta do not know."""
+        return sp.S.Zero if expr.free_symbols & moving else expr
+
+    energies = [still(e) for e in own.energies]
+    of_body = tuple(c for c in own.coefficients)
+    more = tuple(c for c in mechanism.constants if c.symbol not in {o.symbol for o in of_body})
     equations = Equations(
         name=mechanism.scene.name,
         doc="",
@@ -56,24 +74,26 @@ def class_equations(mechanism: Mechanism, of: BodyClass) -> ClassEquations:
         coordinates=own.coordinates,
         rows=own.rows,
         rates=tuple(row.v for row in own.rows),
-        parameters=(),
-        coefficients=own.coefficients,
+        parameters=mechanism.parameters,
+        coefficients=_canonical((*of_body, *more), mechanism),
         definitions=tuple(definitions),
-        terms=own.terms,
+        terms=terms,
         vanished=own.vanished,
-        mass=mass_matrix(own.rows, own.terms),
+        mass=mass_matrix(own.rows, terms),
         mass_zeros=tuple((number[i], number[j], why) for i, j, why in own.mass_zeros),
-        kinetic_energy=own.energies[0],
-        strain_energy=own.energies[1],
-        weight_energy=own.energies[2] if mechanism.scene.gravity else None,
-        linear_momentum=own.linear,
-        angular_momentum=own.angular,
+        kinetic_energy=energies[0],
+        strain_energy=energies[1] + sp.Add(*(still(force.potential) for force in forces)),
+        weight_energy=energies[2] if mechanism.scene.gravity else None,
+        linear_momentum=tuple(map(still, own.linear)),
+        angular_momentum=tuple(map(still, own.angular)),
         markers=own.markers,
         constraints=tuple(conditions),
-        poses=(Pose(instance.name, (own.coordinates[0].q, own.coordinates[1].q), own.coordinates[2].q),),
-        eliminated=(Eliminated(GROUND, "it does not move"),),
+        inputs=inputs,
+        poses=(pose(instance.name, own),),
+        eliminated=_carried(instance.name, own, moving),
+        splines=known.context.equations.splines,
     )
-    return ClassEquations(equations, tuple(rows), own)
+    return ClassEquations(equations, tuple(rows), _given(equations, known), len(of_body))
 
 
 def _contribution(
@@ -82,15 +102,71 @@ def _contribution(
     """The definitions and the parts of the constraints of a joint that depend on one of its bodies."""
     point = own.points[handle.marker]
     relative = RelativeMotion(point, STILL) if handle.is_first else RelativeMotion(STILL, point)
+    still = replace(joint, drive=None)
     definitions, conditions = constraints(joint.joint, joint.type, relative, None, own.rows)
-    offsets = known_constraints(joint, STILL, STILL)
-    return definitions, tuple(
+    offsets = known_constraints(still, STILL, STILL)
+    contributed = [
         replace(c, position=sp.expand(c.position - offset.position))
         for c, offset in zip(conditions, offsets, strict=True)
-    )
+    ]
+    if joint.drive is not None:
+        contributed.append(_driven(joint, relative, own))
+    return definitions, tuple(contributed)
 
 
-def known_constraints(joint: JointInstance, first: PointMotion, second: PointMotion) -> tuple[Constraint, ...]:
-    """The constraints of a joint between two points whose motion is known; a body with coordinates is at rest in 0."""
-    _, conditions = constraints(joint.joint, joint.type, RelativeMotion(first, second), joint.drive, ())
-    return conditions
+def _driven(joint: JointInstance, relative: RelativeMotion, own: InstanceEquations) -> Constraint:
+    """The part of the constraint of a drive that depends on one body: the relative motion that it prescribes."""
+    assert joint.drive is not None
+    at_rest = replace(joint.drive, motion=(sp.S.Zero, sp.S.Zero, sp.S.Zero))
+    _, conditions = constraints(joint.joint, joint.type, relative, at_rest, own.rows)
+    _, offsets = constraints(joint.joint, joint.type, RelativeMotion(STILL, STILL), at_rest, ())
+    return replace(conditions[-1], position=sp.expand(conditions[-1].position - offsets[-1].position))
+
+
+def _force(force: ForceInstance, body: str, own: InstanceEquations, known: KnownMotion) -> GeneralisedForce:
+    """The terms of a force on one body, whose other markers have a known motion."""
+
+    def at(marker: MarkerRef) -> PointMotion:
+        return own.points[marker.marker] if marker.body == body else known.point(marker)
+
+    return force.type.generalised_force(force.element, tuple(map(at, force.markers)), force.values, own.rows)
+
+
+def _canonical(constants: tuple[ModelConstant, ...], mechanism: Mechanism) -> tuple[ModelConstant, ...]:
+    """The constants with one symbol for each parameter, whatever its assumptions."""
+    canonical = {p.symbol.name: p.symbol for p in mechanism.parameters}
+
+    def value(c: ModelConstant) -> sp.Expr:
+        return c.value.xreplace({s: canonical[s.name] for s in c.value.free_symbols if s.name in canonical})
+
+    return tuple(replace(c, value=value(c)) for c in constants)
+
+
+def _moving(
+    definitions: tuple[Intermediate, ...], inputs: tuple[InputSymbol, ...], known: KnownMotion
+) -> frozenset[sp.Symbol]:
+    """The symbols that depend on the time or on inputs."""
+    moving = {t, *(given.symbol for given in inputs), *known.symbols}
+    for d in definitions:
+        if d.expr.free_symbols & moving:
+            moving.add(d.symbol)
+    return frozenset(moving)
+
+
+def _carried(name: str, own: InstanceEquations, moving: frozenset[sp.Symbol]) -> tuple[Eliminated, ...]:
+    every = (*own.energies, *own.linear, *own.angular)
+    if not any(e.free_symbols & moving for e in every):
+        return ()
+    reason = "a drive carries it along, and these functions know no time"
+    return (Eliminated(f"{name} in energy, momentum and markers", reason),)
+
+
+def _given(equations: Equations, known: KnownMotion) -> tuple[sp.Symbol, ...]:
+    """The symbols of what is known in the equations of a class, in the order of their definitions."""
+    parts = [d.expr for d in equations.definitions]
+    parts += [term.expr for term in equations.terms]
+    parts += [e for pose_of in equations.poses for e in (*pose_of.position, pose_of.rotation_angle)]
+    for c in equations.constraints:
+        parts += [c.position, c.rate, c.bias, *(factor for _, factor in c.jacobian)]
+    present = frozenset().union(*(part.free_symbols for part in parts))
+    return tuple(d.symbol for d in known.definitions if d.symbol in present)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import accumulate
 
 import sympy as sp
 
 from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.mechanics.multibody.joints.relative_rows import Axes
-from derive.mechanics.multibody.kinds import BodyInstance, JointInstance
+from derive.mechanics.multibody.kinds import BodyInstance, ForceInstance, JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.markers import GROUND, MarkerRef
@@ -27,11 +27,12 @@ class Handle:
 
 @dataclass(frozen=True)
 class Member:
-    """A body of a class: its number in the mechanism, its joints, and the indices of its first coordinate and row."""
+    """A body of a class: its number in the mechanism, its joints, the forces on it, and its first coordinate."""
 
     number: int
     instance: BodyInstance
     handles: tuple[Handle, ...]
+    forces: tuple[ForceInstance, ...]
     coordinate: int
 
     @property
@@ -60,22 +61,25 @@ class BodyClass:
 
 def obstacle(mechanism: Mechanism) -> str:
     """The reason why a mechanism cannot be lowered to loops over its instances; empty if it can be."""
-    if mechanism.parameters:
-        return "it has parameters"
-    if mechanism.forces or mechanism.dampings:
-        return "it has forces, springs or damping between pieces"
-    if mechanism.outputs or mechanism.scene.inputs:
-        return "it has inputs or outputs"
-    if any(not instance.moves or instance.coordinates.definitions for instance in mechanism.instances):
-        return "the motion of a body is prescribed"
-    if any(instance.coordinates.reason for instance in mechanism.instances):
-        return "a joint eliminates coordinates"
+    if mechanism.dampings:
+        return "it has damping between the pieces of a beam"
+    if mechanism.outputs:
+        return "it has outputs"
+    for force in mechanism.forces:
+        if len(_moving_bodies(mechanism, force)) > 1:
+            return f"{force.element.name} acts between two bodies"
     for joint in mechanism.joints:
-        if joint.type.axes is not Axes.INERTIAL or not set(joint.type.removes) <= set(joint.type.axes.rows):
+        axes, first = joint.type.axes, joint.joint.first
+        if axes is not Axes.INERTIAL and first.body != GROUND:
             return f"the axes of joint {joint.joint.name} move"
-        if joint.drive is not None:
-            return f"drive {joint.drive.name} acts between bodies"
+        if not set(joint.type.removes) <= set(axes.rows):
+            return f"joint {joint.joint.name} removes a function of several relative motions"
     return ""
+
+
+def _moving_bodies(mechanism: Mechanism, force: ForceInstance) -> tuple[str, ...]:
+    """The bodies with coordinates that a force acts on."""
+    return tuple({m.body: None for m in force.markers if m.body != GROUND and mechanism.instance(m.body).moves})
 
 
 def body_classes(mechanism: Mechanism) -> tuple[BodyClass, ...]:
@@ -85,21 +89,43 @@ def body_classes(mechanism: Mechanism) -> tuple[BodyClass, ...]:
         for marker, is_first in ((joint.joint.first, True), (joint.joint.second, False)):
             if marker.body != GROUND:
                 handles[marker.body].append(Handle(number, is_first, marker.marker))
-    sizes = [len(instance.coordinates.rows) for instance in mechanism.instances]
-    firsts = [0, *accumulate(sizes)]
+    forces: dict[str, list[ForceInstance]] = {instance.name: [] for instance in mechanism.instances}
+    for force in mechanism.forces:
+        for body in _moving_bodies(mechanism, force):
+            forces[body].append(force)
+    firsts = accumulate((len(instance.coordinates.rows) for instance in mechanism.instances), initial=0)
     classes: dict[Hashable, list[Member]] = {}
-    for number, instance in enumerate(mechanism.instances):
-        member = Member(number, instance, tuple(handles[instance.name]), firsts[number])
-        classes.setdefault(_key(member, mechanism.joints), []).append(member)
+    for number, (instance, first) in enumerate(zip(mechanism.instances, firsts, strict=False)):
+        if instance.moves:
+            name = instance.name
+            member = Member(number, instance, tuple(handles[name]), tuple(forces[name]), first)
+            classes.setdefault(_key(member, mechanism), []).append(member)
     return tuple(BodyClass(tuple(members)) for members in classes.values())
 
 
-def _key(member: Member, joints: tuple[JointInstance, ...]) -> Hashable:
+def _key(member: Member, mechanism: Mechanism) -> Hashable:
     """All that the code of a body depends on, besides numbers."""
-    component = member.instance.component
+    instance, joints = member.instance, mechanism.joints
+    component, coordinates = instance.component, instance.coordinates
+    if coordinates.reason:
+        return instance.name  # what it follows is known, and is written out for this body
     sections = tuple((name, _without_values(section)) for name, section in component.sections.items())
     at = tuple((h.is_first, h.marker, joints[h.joint].type, _plain(joints[h.joint])) for h in member.handles)
-    return member.instance.kind, component.markers, sections, at
+    values = tuple(c.value for c in member.constants) if mechanism.parameters else ()
+    return instance.kind, component.markers, sections, at, tuple(map(_force_key, member.forces)), values
+
+
+def _force_key(force: ForceInstance) -> Hashable:
+    """All that the code of a force depends on; the names of bodies with coordinates do not matter."""
+    markers = tuple((marker.body if marker.body == GROUND else "", marker.marker) for marker in force.markers)
+    values = tuple((k, v.as_immutable() if isinstance(v, sp.MatrixBase) else v) for k, v in force.values.items())
+    own = ((f.name, getattr(force.element, f.name)) for f in fields(force.element) if f.name not in force.values)
+    plain = tuple((name, value) for name, value in own if name != "name" and not _is_marker(value))
+    return type(force.type), markers, values, plain
+
+
+def _is_marker(value: object) -> bool:
+    return isinstance(value, MarkerRef) or (isinstance(value, tuple) and any(map(_is_marker, value)))
 
 
 def _plain(joint: JointInstance) -> Hashable:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from derive.ir.expressions import Element, Operator
-from derive.ir.indices import ElementIndex, IndexTerm, constant
+from derive.ir.indices import constant
 from derive.ir.model import Kernel
 from derive.ir.patterns import Pattern, pattern
-from derive.ir.statements import ForEach, Statement, StoreElement
+from derive.ir.statements import Clear, Statement, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries, jacobian_pattern
 from derive.lowering.flat.context import stores
 from derive.lowering.flat.schedule import StepItem
 from derive.lowering.instances.class_code import ClassCode, LoopTarget
-from derive.lowering.instances.context import ZERO, InstanceContext, Result, exact, kernel, loops_of, merged, scatter
+from derive.lowering.instances.context import InstanceContext, Result, kernel, known_value, loops_of, merged, scatter
 from derive.lowering.model_functions import ModelFunction
 
 
@@ -20,30 +20,20 @@ def _constraint_sums(
     context: InstanceContext, output: str, part: str, *names: str, bias_sign: int = 1
 ) -> list[Statement]:
     """An output with an element for each constraint: what is known, then what each body adds."""
-    known = [getattr(c, part) for of in context.known for c in of]
-    given: list[Statement] = [
-        StoreElement(Element(output, constant(k)), exact(bias_sign * value)) for k, value in enumerate(known)
-    ]
-    if all(value == 0 for value in known):
-        given = [
-            ForEach(
-                "row",
-                constant(0),
-                constant(len(known)),
-                (StoreElement(Element(output, ElementIndex(0, (IndexTerm(1, "row"),))), ZERO),),
-            )
-        ]
+    known = ((k, known_value(part, c, bias_sign)) for k, c in enumerate(context.conditions))
+    given = [StoreElement(Element(output, constant(k)), value) for k, value in known if value is not None]
 
     def items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
         values = [bias_sign * symbols(getattr(c, part)) for c in of.context.equations.constraints]
         return [*stores(output, values)], {output: merged(of, output, context.rows_of(of), Operator.ADD)}
 
-    return [*given, *loops_of(context, items, *names)] if known else []
+    count = len(context.multipliers)
+    return [Clear(output, count), *given, *loops_of(context, items, *names)] if count else []
 
 
 def constraints(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the constraints g(t, q)."""
-    body = _constraint_sums(context, "g", "position", "q")
+    body = _constraint_sums(context, "g", "position", "t", "q")
     return kernel(
         context,
         function,
@@ -54,7 +44,7 @@ def constraints(context: InstanceContext, function: ModelFunction) -> Kernel:
 
 def constraint_rates(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the time derivatives gdot = G v + dg/dt of the constraints."""
-    body = _constraint_sums(context, "gdot", "rate", "q", "v")
+    body = _constraint_sums(context, "gdot", "rate", "t", "q", "v")
     return kernel(
         context,
         function,
@@ -65,7 +55,7 @@ def constraint_rates(context: InstanceContext, function: ModelFunction) -> Kerne
 
 def constraint_bias(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the right-hand side gamma of the constraints on accelerations, G vdot = gamma."""
-    body = _constraint_sums(context, "gamma", "bias", "q", "v", bias_sign=-1)
+    body = _constraint_sums(context, "gamma", "bias", "t", "q", "v", bias_sign=-1)
     return kernel(
         context,
         function,

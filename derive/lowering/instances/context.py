@@ -7,26 +7,27 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate
 
-import sympy as sp
-
-from derive.ir.expressions import Number, Operator
+from derive.ir.analysis import reads
+from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.model import Argument, Kernel, Output, Section, View
 from derive.ir.patterns import Pattern
 from derive.ir.statements import ForEach, Statement
 from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.context import Input
 from derive.lowering.flat.schedule import Step, StepItem
+from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.block_elimination import (
     Blocks,
     blocks,
 )
 from derive.lowering.instances.class_code import ClassCode, Loaded, LoopTarget
-from derive.lowering.instances.class_equations import STILL, class_equations, known_constraints
+from derive.lowering.instances.class_equations import class_equations
 from derive.lowering.instances.classes import body_classes
+from derive.lowering.instances.known_motion import KnownMotion, known_symbol
 from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.multibody.mechanism import Mechanism
-from derive.mechanics.multibody.point_motion import PointMotion
-from derive.spec.model.markers import GROUND, MarkerRef
+from derive.mechanics.terms import Constraint
 
 ZERO = Number(Fraction(0))
 
@@ -36,21 +37,26 @@ class InstanceContext:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        self.places = Places()
-        self.classes = [ClassCode(c, class_equations(mechanism, c), self.places) for c in body_classes(mechanism)]
+        self.places, self.constants = Places(), Constants(frozenset())
+        self.known = KnownMotion(mechanism)
+        self.constants.coefficients |= self.known.context.constants.coefficients
+        self.known.context.constants = self.constants
+        self.classes = [
+            ClassCode(of, class_equations(mechanism, of, self.known), self.places, self.constants)
+            for of in body_classes(mechanism)
+        ]
         rows = [joint.multipliers for joint in mechanism.joints]
         self.first_rows = [0, *accumulate(rows)]
         cliques = [[h.joint for h in m.handles] for c in self.classes for m in c.of.members]
         self.blocks: Blocks | None = blocks(rows, cliques) if rows else None
         self.names = tuple(str(c.q) for c in mechanism.coordinates)
         self.rows = tuple(row.name for row in mechanism.rows)
-        self.known = [
-            known_constraints(j, self._known(j.joint.first), self._known(j.joint.second)) for j in mechanism.joints
-        ]
-        self.multipliers = tuple(c.name for of in self.known for c in of)
+        self.multipliers = tuple(c.name for c in self.conditions)
 
-    def _known(self, marker: MarkerRef) -> PointMotion:
-        return self.mechanism.ground[marker.marker] if marker.body == GROUND else STILL
+    @property
+    def conditions(self) -> tuple[Constraint, ...]:
+        """What is known of all constraints, one joint after the other."""
+        return tuple(c for of in self.known.constraints for c in of)
 
     def rows_of(self, of: ClassCode) -> list[Place]:
         """For each handle of a class the place of the first constraint of its joint."""
@@ -100,23 +106,28 @@ def kernel(
     *sections: Part,
     inputs: Mapping[str, Argument] | None = None,
 ) -> Kernel:
-    """The kernel of a function from its sections."""
+    """The kernel of a function from its sections, with what is known computed before."""
     n = len(context.rows)
     arguments = {
         "t": Argument("t", (), "time", scalar=True),
         "q": whole("q", n, "generalised coordinates"),
         "v": whole("v", n, "generalised velocities"),
+        "u": context.known.context.u.argument,
         "k": Argument("k", (), "constants from setup"),
         **(inputs or {}),
     }
     outputs = tuple(results[name].output(name, doc) for name, doc in function.outputs.items())
-    made = tuple(Section(name, equation, text, tuple(body)) for name, equation, text, body in sections)
+    made = [Section(name, equation, text, tuple(body)) for name, equation, text, body in sections]
+    used = {name for section in made for statement in section.body for name in reads(statement)}
+    names = used & {str(symbol) for symbol in context.known.symbols}
+    assert not names or "t" in function.arguments, f"{function.name} knows no time, on which {names} depend"
+    known = Section("known", "(1)", "the ground, prescribed motions and drives", context.known.statements(names))
     return Kernel(
         function.name,
         function.doc,
         tuple(arguments[name] for name in function.arguments),
         outputs,
-        tuple(section for section in made if section.body),
+        tuple(section for section in (known, *made) if section.body),
     )
 
 
@@ -134,7 +145,15 @@ def scatter(of: ClassCode, what: str, array: str, positions: list[list[int]], op
 
 def state(of: ClassCode, *names: str) -> list[Loaded]:
     """Where the coordinates and velocities of a body of a class are."""
-    return [(name, of.coordinate, of.context.q if name == "q" else of.context.v) for name in names]
+    given = {"q": of.context.q, "v": of.context.v}
+    return [(name, of.coordinate, given[name]) for name in names if name in given]
+
+
+def given_inputs(of: ClassCode, *names: str) -> tuple[Input, ...]:
+    """The arguments of these names of a body of a class, and what is known, which functions of the time have."""
+    context = of.context
+    inputs = {"t": context.t, "q": context.q, "v": context.v}
+    return (*(inputs[name] for name in names), *((of.given,) if "t" in names else ()))
 
 
 def loops_of(
@@ -142,17 +161,22 @@ def loops_of(
     of_class: Callable[[ClassCode, Symbols], tuple[list[StepItem], dict[str, LoopTarget]]],
     *names: str,
 ) -> list[ForEach]:
-    """A loop over each class with the items that it computes from the state."""
+    """A loop over each class with the items that it computes from the state, and from the time if `names` have t."""
     loops = []
     for of in context.classes:
-        symbols = of.context.symbols(*(of.context.q if name == "q" else of.context.v for name in names))
+        symbols = of.context.symbols(*given_inputs(of, *names))
         items, targets = of_class(of, symbols)
         if items:
             loops.append(of.loop(symbols, [Step(of.name, "", "", tuple(items))], state(of, *names), targets))
     return loops
 
 
-def exact(value: sp.Expr) -> Number:
-    """An exact number."""
-    number = sp.Rational(value)
-    return Number(Fraction(int(number.p), int(number.q)))
+def known_value(part: str, constraint: Constraint, sign: int = 1) -> Expr | None:
+    """The known part of a constraint, with a sign; None if it is zero."""
+    value = getattr(constraint, part)
+    if value == 0:
+        return None
+    if value.is_Rational:
+        return Number(sign * Fraction(int(value.p), int(value.q)))
+    name = ScalarRef(str(known_symbol(part, constraint)))
+    return name if sign > 0 else Operation(Operator.NEG, (name,))

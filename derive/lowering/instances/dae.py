@@ -16,7 +16,7 @@ from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.dae import residual_rows, states
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.class_code import ClassCode, Loaded
-from derive.lowering.instances.context import InstanceContext, Result, exact, kernel, scatter, whole
+from derive.lowering.instances.context import InstanceContext, Result, kernel, known_value, scatter, whole
 from derive.lowering.model_functions import ModelFunction
 
 PARTS = {"": ("position",), "ggl": ("rate", "position"), "index1": ("bias",)}
@@ -80,13 +80,11 @@ def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
     body: list[Statement] = [Clear("F", form.size)]
     for b, part in enumerate(PARTS[form.form]):
         first = 2 * form.coordinates + b * form.constraints
-        known = (getattr(c, part) for of in context.known for c in of)
-        body += [
-            StoreElement(Element("F", constant(first + k)), exact(value)) for k, value in enumerate(known) if value != 0
-        ]
+        known = ((k, known_value(part, c)) for k, c in enumerate(context.conditions))
+        body += [StoreElement(Element("F", constant(first + k)), value) for k, value in known if value is not None]
     for of in context.classes:
         y, ydot = states(of.context, form.form)
-        symbols = of.context.symbols(of.context.t, y, ydot)
+        symbols = of.context.symbols(of.context.t, of.given, y, ydot)
         rows = residual_rows(of.context, form.form, symbols)
         target = scatter(of, f"state_{form.form}", "F", form.positions(of), Operator.ADD)
         loads = (*form.loads(of, "y", y, f"state_{form.form}"), *form.loads(of, "ydot", ydot, f"state_{form.form}"))
@@ -103,7 +101,7 @@ def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
     local = []
     for of in context.classes:
         y, ydot = states(of.context, form.form)
-        symbols = of.context.symbols(of.context.t, y, ydot, of.context.cj)
+        symbols = of.context.symbols(of.context.t, of.given, y, ydot, of.context.cj)
         rows = ca.vertcat(*residual_rows(of.context, form.form, symbols))
         by_y, by_ydot = (ca.jacobian(rows, ca.vertcat(*symbols.values_of(a.symbols))) for a in (y, ydot))
         (cj,) = symbols.values_of(of.context.cj.symbols)

@@ -59,7 +59,7 @@ def _diagonal(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
     """The system of a body whose coordinates are independent of each other."""
     context = of.context
     eq, rows = context.equations, context.rows
-    numbers = {c.symbol: c.value for c in eq.coefficients}
+    numbers = {c.symbol: c.value for c in eq.coefficients if c.value.is_Rational}
     state = {*(c.q for c in eq.coordinates), *(d.symbol for d in eq.definitions)}
     shape = context.mass_pattern()
     factors = factorise(shape, {entry: symbols(eq.mass[entry]) for entry in shape.entries})

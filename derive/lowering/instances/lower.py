@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from derive.ir.model import Argument, ConstantArray, Kernel, Model, Output, Variable, Zero
+from derive.ir.model import ConstantArray, Kernel, Model, Variable, Zero
+from derive.lowering.flat.casadi_symbols import table_name
+from derive.lowering.flat.context import Context
+from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.instances import accelerations, body_functions, constraints, dae
 from derive.lowering.instances.classes import obstacle
 from derive.lowering.instances.context import InstanceContext
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
-from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.mechanism import Mechanism, refuse_equal_names, refuse_idle
 from derive.mechanics.multibody.mechanism_text import frame_doc, mechanism_doc
 
 FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kernel]] = {
@@ -48,44 +51,75 @@ def instances_reason(mechanism: Mechanism) -> str:
 def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = False) -> Model:
     """The model of a mechanism in loops over its instances."""
     context = InstanceContext(mechanism)
-    first = context.classes[0].context.equations
-    named = replace(first, markers=(), outputs=())
-    functions = functions_of(named, explicit=explicit)
+    _check(context)
+    equations = context.classes[0].context.equations
+    functions = functions_of(replace(equations, markers=()), explicit=explicit)
     kernels = tuple(FUNCTIONS[function.kind](context, function) for function in functions)
     for of in context.classes:
         of.add_numbers()
-    arrays = context.places.arrays
-    setup = Kernel(
-        "setup",
-        "Constants k from the parameters p: there are none.",
-        (Argument("p", (), "parameters"),),
-        (Output("k", (), "constants"),),
-        (),
-    )
-    made = (setup, *(_with_constants(kernel, arrays) for kernel in kernels))
-    flat = tuple(c for of in context.known for c in of)
-    scene = mechanism.scene
+    setup, constants = _setup(context, kernels)
+    scene, conditions = mechanism.scene, context.conditions
     return Model(
         name=scene.name,
-        doc=mechanism_doc(scene, mechanism.coordinates, flat),
+        doc=mechanism_doc(scene, mechanism.coordinates, conditions),
         frame_doc=frame_doc(mechanism.instances, scene),
         coordinates=tuple(Variable(str(c.q), c.doc, c.unit, role=c.role) for c in mechanism.coordinates),
         velocities=tuple(Variable(str(row.v), row.doc, row.unit) for row in mechanism.rows),
         equations=tuple(Variable(row.name, f"row of delta {row.name}", row.force_unit) for row in mechanism.rows),
-        parameters=(),
-        constants=(),
-        kernels=made,
+        parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in mechanism.parameters),
+        constants=constants,
+        kernels=(setup, *(_with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
         markers=(),
         zeros=(),
         vanished=(),
         lowering="instances",
         choice=choice,
-        multipliers=tuple(Variable(c.name, c.doc, c.force_unit) for c in flat),
+        multipliers=tuple(Variable(c.name, c.doc, c.force_unit) for c in conditions),
+        splines=tuple(replace(s, name=table_name(scene.name, s.name)) for s in equations.splines),
         bodies=tuple(instance.name for instance in mechanism.instances),
-        eliminated=tuple(Zero(out.what, out.reason) for out in mechanism.eliminated),
+        inputs=tuple(Variable(given.name, given.doc, given.unit) for given in equations.inputs),
+        eliminated=tuple(
+            Zero(out.what, out.reason)
+            for out in (*mechanism.eliminated, *(o for c in context.classes for o in c.context.equations.eliminated))
+        ),
     )
 
 
-def _with_constants(kernel: Kernel, arrays: Mapping[str, ConstantArray]) -> Kernel:
-    used = kernel.used
-    return replace(kernel, constants=tuple(array for name, array in arrays.items() if name in used))
+def _check(context: InstanceContext) -> None:
+    """Raise SpecError where a constraint has no coordinate that could meet it, or where two names meet."""
+    met = {
+        (m.handles[h].joint, k)
+        for of in context.classes
+        for h, rows in enumerate(of.rows)
+        for k, row in enumerate(rows)
+        if of.context.equations.constraints[row].jacobian
+        for m in of.of.members
+    }
+    every = enumerate(context.known.constraints)
+    refuse_idle(tuple(c for joint, of in every for k, c in enumerate(of) if (joint, k) not in met))
+    equations = [of.context.equations for of in context.classes]
+    refuse_equal_names(
+        context.mechanism.rows,
+        context.conditions,
+        tuple({c.symbol: c for eq in equations for c in eq.coefficients}.values()),
+        (*context.known.definitions, *(d for eq in equations for d in eq.definitions)),
+    )
+
+
+def _setup(context: InstanceContext, kernels: tuple[Kernel, ...]) -> tuple[Kernel, tuple[Variable, ...]]:
+    """The kernel that computes the constants k from the parameters, and these constants."""
+    contexts = (context.known.context, *(of.context for of in context.classes))
+    with_parameters = contexts if context.mechanism.parameters else ()
+    coefficients = {c.symbol: c for of in with_parameters for c in of.coefficients}
+    equations = replace(context.known.context.equations, definitions=(), coefficients=tuple(coefficients.values()))
+    whole = Context(equations)
+    whole.constants = context.constants
+    return setup_kernel(whole, kernels)
+
+
+def _with_constants(kernel: Kernel, constants: tuple[Variable, ...], arrays: Mapping[str, ConstantArray]) -> Kernel:
+    """A kernel with the constant arrays that it reads, and with the names of the constants in its argument k."""
+    used, names = kernel.used, tuple(c.name for c in constants)
+    arguments = tuple(replace(a, elements=names) if a.name == "k" else a for a in kernel.arguments)
+    own = tuple(array for name, array in arrays.items() if name in used)
+    return replace(kernel, arguments=arguments, constants=own)

@@ -128,7 +128,7 @@ def _expanded(mechanism: Mechanism) -> Equations:
         for j in mechanism.joints
     ]
     conditions = tuple(c for _, of_joint in joints for c in of_joint)
-    _refuse_idle(conditions)
+    refuse_idle(conditions)
     forces = [f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows) for f in mechanism.forces]
     in_order = [instances[name].definitions for name in mechanism.order]
     dampings = [_damping(damping, instances) for damping in mechanism.dampings]
@@ -173,7 +173,7 @@ def _damping(damping: ComponentDamping, instances: Instances) -> GeneralisedForc
     return GeneralisedForce(terms, dissipation=-power)
 
 
-def _refuse_idle(conditions: tuple[Constraint, ...]) -> None:
+def refuse_idle(conditions: tuple[Constraint, ...]) -> None:
     """Raise SpecError for the constraints that no coordinate takes part in."""
     prescribed = (
         "no coordinate can meet it, since the motion of both bodies is prescribed; leave out a drive or a joint"
@@ -192,7 +192,7 @@ def _gathered(mechanism: Mechanism, parts: SceneMechanics, definitions: tuple[In
     moving = _moving(definitions, inputs)
     outputs, of_outputs = output_equations(mechanism.outputs, parts)
     coefficients = (*_coefficients(mechanism, bodies), *of_outputs)
-    _distinct(rows, conditions, coefficients, definitions)
+    refuse_equal_names(rows, conditions, coefficients, definitions)
 
     def summed(of: Iterable[sp.Expr]) -> sp.Expr:
         """The sum of the expressions without explicit time dependence; a prescribed motion supplies energy."""
@@ -210,7 +210,7 @@ def _gathered(mechanism: Mechanism, parts: SceneMechanics, definitions: tuple[In
         rows=rows,
         rates=tuple(row.v for row in rows),
         parameters=mechanism.parameters,
-        splines=splines(_functions(mechanism.scene)),
+        splines=splines(functions_of_time(mechanism.scene)),
         coefficients=coefficients,
         definitions=definitions,
         terms=terms,
@@ -226,12 +226,12 @@ def _gathered(mechanism: Mechanism, parts: SceneMechanics, definitions: tuple[In
         constraints=conditions,
         inputs=inputs,
         outputs=outputs,
-        poses=tuple(_pose(name, instance) for name, instance in instances.items()),
+        poses=tuple(pose(name, instance) for name, instance in instances.items()),
         eliminated=(*mechanism.eliminated, *_carried(instances, moving)),
     )
 
 
-def _functions(scene: Scene) -> Iterator[TimeFunction]:
+def functions_of_time(scene: Scene) -> Iterator[TimeFunction]:
     """The functions of time that the equations contain: those that are written, and the integrals of speeds."""
     yield from (function for _, function in time_functions(scene))
     yield from map(drive_motion, scene.drives)
@@ -255,7 +255,7 @@ def _coefficients(mechanism: Mechanism, bodies: list[InstanceEquations]) -> tupl
     return tuple(result.values())
 
 
-def _pose(name: str, instance: InstanceEquations) -> Pose:
+def pose(name: str, instance: InstanceEquations) -> Pose:
     """Position and rotation of the body frame."""
     if BODY_FRAME in instance.points:
         frame = instance.points[BODY_FRAME]
@@ -264,7 +264,7 @@ def _pose(name: str, instance: InstanceEquations) -> Pose:
     return Pose(name, (c1, c2), phi)
 
 
-def _distinct(
+def refuse_equal_names(
     rows: tuple[EquationOfMotion, ...],
     conditions: tuple[Constraint, ...],
     coefficients: tuple[ModelConstant, ...],

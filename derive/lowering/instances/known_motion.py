@@ -1,0 +1,151 @@
+"""What is known of the motion of a mechanism: the ground, bodies whose motion is prescribed, and drives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from fractions import Fraction
+from functools import cached_property
+
+import sympy as sp
+
+from derive.ir.expressions import Expr, Number, ScalarRef
+from derive.ir.statements import Let, Statement, Store
+from derive.lowering.flat.context import Context
+from derive.lowering.flat.schedule import OutputValue, Step
+from derive.mechanics.equations import Equations
+from derive.mechanics.multibody.constraints import constraints
+from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
+from derive.mechanics.multibody.kinds import JointInstance
+from derive.mechanics.multibody.mechanism import Mechanism, functions_of_time, pose
+from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
+from derive.mechanics.multibody.ports import input_symbols
+from derive.mechanics.symbols import local
+from derive.mechanics.terms import Constraint, Intermediate
+from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.scene_functions import splines
+
+STILL = fixed_point(sp.Matrix([0, 0]))
+PARTS = ("position", "rate", "bias")
+
+
+class KnownMotion:
+    """The motions that are functions of the time and of inputs, with the code that computes them.
+
+    bodies: the equations of the bodies without coordinates; constraints: what is known of the constraints of each
+    joint, where bodies with coordinates are at rest in 0; moving: all symbols that depend on the time.
+    """
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        by_name = {instance.name: instance for instance in mechanism.instances if not instance.moves}
+        self.bodies: Mapping[str, InstanceEquations] = {
+            name: instance_equations(by_name[name], mechanism.kinds[by_name[name].kind], False)
+            for name in mechanism.order
+            if name in by_name
+        }
+        definitions = [*mechanism.definitions, *(d for body in self.bodies.values() for d in body.definitions)]
+        self.constraints: list[tuple[Constraint, ...]] = []
+        for joint in mechanism.joints:
+            conditions = known_constraints(joint, self.point(joint.joint.first), self.point(joint.joint.second))
+            self.constraints.append(conditions)
+            definitions += _named(conditions)
+        for name, body in self.bodies.items():
+            definitions += [d for d in _pose_definitions(name, body) if not d.expr.is_Rational]
+        self.definitions = tuple(definitions)
+
+    def point(self, marker: MarkerRef) -> PointMotion:
+        """The motion of a marker if it is known, else that of a point at rest in 0."""
+        if marker.body == GROUND:
+            return self.mechanism.ground[marker.marker]
+        return self.bodies[marker.body].points[marker.marker] if marker.body in self.bodies else STILL
+
+    def pose(self, body: str) -> tuple[Expr, Expr, Expr]:
+        """The position and the rotation of the frame of a body without coordinates, as numbers or known symbols."""
+        first, second, third = (_value(d) for d in _pose_definitions(body, self.bodies[body]))
+        return first, second, third
+
+    @cached_property
+    def symbols(self) -> frozenset[sp.Symbol]:
+        """The symbols that the definitions define."""
+        return frozenset(d.symbol for d in self.definitions)
+
+    @cached_property
+    def context(self) -> Context:
+        """The context of the code that computes what is known."""
+        of_bodies = (c for body in self.bodies.values() for c in body.coefficients)
+        coefficients = {c.symbol: c for c in (*self.mechanism.constants, *of_bodies)}
+        return Context(
+            Equations(
+                name=self.mechanism.scene.name,
+                doc="",
+                frame_doc="",
+                coordinates=(),
+                rows=(),
+                rates=(),
+                parameters=self.mechanism.parameters,
+                coefficients=tuple(coefficients.values()),
+                definitions=self.definitions,
+                terms=(),
+                vanished=(),
+                kinetic_energy=sp.S.Zero,
+                strain_energy=sp.S.Zero,
+                weight_energy=None,
+                linear_momentum=(),
+                angular_momentum=(),
+                markers=(),
+                inputs=input_symbols(self.mechanism.scene),
+                splines=splines(functions_of_time(self.mechanism.scene)),
+            )
+        )
+
+    def statements(self, names: Iterable[str]) -> tuple[Statement, ...]:
+        """The statements that compute some of the definitions, by their names."""
+        wanted = sorted(set(names))
+        if not wanted:
+            return ()
+        symbols = self.context.symbols(self.context.t)
+        values = {str(symbol): symbols.values[symbol] for symbol in self.symbols if symbol in symbols.values}
+        items = tuple(OutputValue("known", k, values[name]) for k, name in enumerate(wanted))
+        result: list[Statement] = []
+        for section in self.context.sections(symbols, Step("known", "", "", items)):
+            for statement in section.body:
+                if not isinstance(statement, Store):
+                    result.append(statement)
+                elif statement.expr != ScalarRef(wanted[statement.index]):
+                    result.append(Let(wanted[statement.index], statement.expr))
+        return tuple(result)
+
+
+def known_constraints(joint: JointInstance, first: PointMotion, second: PointMotion) -> tuple[Constraint, ...]:
+    """The constraints of a joint and of its drive between two points whose motion is known."""
+    _, conditions = constraints(joint.joint, joint.type, RelativeMotion(first, second), joint.drive, ())
+    return conditions
+
+
+def known_symbol(part: str, constraint: Constraint) -> sp.Symbol:
+    """The symbol of a known part of a constraint that varies."""
+    return local(f"known_{part}_{constraint.name}")
+
+
+def _pose_definitions(name: str, body: InstanceEquations) -> list[Intermediate]:
+    """The definitions of the pose of a body without coordinates."""
+    known = pose(name, body)
+    parts = zip(("c1", "c2", "phi"), (*known.position, known.rotation_angle), strict=True)
+    return [Intermediate(local(f"pose_{name}_{what}"), e, name, "(1)", f"{what} of {name}") for what, e in parts]
+
+
+def _value(d: Intermediate) -> Expr:
+    number = d.expr
+    return Number(Fraction(int(number.p), int(number.q))) if number.is_Rational else ScalarRef(str(d.symbol))
+
+
+def _named(conditions: Iterable[Constraint]) -> list[Intermediate]:
+    """The definitions of the known parts of constraints that are no numbers."""
+    result = []
+    for condition in conditions:
+        for part in PARTS:
+            value = getattr(condition, part)
+            if not value.is_Rational:
+                symbol = known_symbol(part, condition)
+                result.append(Intermediate(symbol, value, condition.of, "(1)", f"known {part} of {condition.name}"))
+    return result
