@@ -29,6 +29,8 @@ from derive.lowering.instances.context import (
     InstanceContext,
     Part,
     Result,
+    applied_forces,
+    applied_sums,
     given_inputs,
     kernel,
     known_value,
@@ -52,13 +54,18 @@ class _Solution:
 
 
 def _system(
-    context: InstanceContext, of: ClassCode, right: Callable[[ClassCode], Right], names: tuple[str, ...], output: str
+    context: InstanceContext,
+    of: ClassCode,
+    right: Callable[[InstanceContext, ClassCode], Right],
+    names: tuple[str, ...],
+    output: str,
 ) -> _Solution:
     """The loops of a class: the compliance of its markers, and its unknowns from the reactions."""
     ctx = of.context
-    given = (*given_inputs(of, *names), ctx.lam)
+    side = right(context, of)
+    given = (*given_inputs(of, *names), *(given for _, _, given in side.inputs), ctx.lam)
     symbols = ctx.symbols(*given)
-    system = local_system(of, symbols, right(of))
+    system = local_system(of, symbols, side)
     unknowns, kept, values = kept_values(symbols, system.unknowns, symbols.values_of(ctx.forces), system.inverses)
     items: list[StepItem] = [*system.checks]
     targets: dict[str, LoopTarget] = {}
@@ -70,7 +77,7 @@ def _system(
     if work:
         items += stores("kept", values)
         targets["kept"] = of.target(work.array, place)
-    before = of.loop(symbols, [Step(of.name, "", "", tuple(items))], state(of, *names), targets)
+    before = of.loop(symbols, [Step(of.name, "", "", tuple(items))], [*state(of, *names), *side.inputs], targets)
     later = symbols.copy()
     inputs = state(of, *names)
     if work:
@@ -167,7 +174,7 @@ def _solved(
     context: InstanceContext,
     function: ModelFunction,
     results: Mapping[str, Result],
-    right: Callable[[ClassCode], Right],
+    right: Callable[[InstanceContext, ClassCode], Right],
     names: tuple[str, ...],
     unknown: str,
     given: Iterable[Statement] = (),
@@ -176,12 +183,13 @@ def _solved(
     """A kernel that solves the system of bodies and joints."""
     systems = [_system(context, of, right, names, unknown) for of in context.classes]
     works = [s.work for s in systems if s.work]
+    applied = applied_sums(context) if right is _forces else ()
     steps: list[Part] = [
         (
             "bodies",
             "(15)",
             "the compliance of the markers of each body, and its motion without reactions",
-            [*works, *(s.before for s in systems)],
+            [*works, *applied, *(s.before for s in systems)],
         )
     ]
     if context.blocks:
@@ -228,9 +236,11 @@ def _known_bias(context: InstanceContext) -> list[Statement]:
     return result
 
 
-def _forces(of: ClassCode) -> Right:
+def _forces(context: InstanceContext, of: ClassCode) -> Right:
     eq = of.context.equations
-    return Right([-h for h in eq.force], [-c.bias for c in eq.constraints])
+    applied = applied_forces(context, of)
+    own = (*(applied[0][2].symbols if applied else [sp.S.Zero] * len(eq.rows)),)
+    return Right([-h - more for h, more in zip(eq.force, own, strict=True)], [-c.bias for c in eq.constraints], applied)
 
 
 def accel(context: InstanceContext, function: ModelFunction) -> Kernel:
@@ -248,7 +258,7 @@ def solve(context: InstanceContext, function: ModelFunction) -> Kernel:
 def project_velocity(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the smallest dv, in the metric of M, with G dv = r."""
 
-    def nothing(of: ClassCode) -> Right:
+    def nothing(_: InstanceContext, of: ClassCode) -> Right:
         return Right([sp.S.Zero for _ in of.context.rows], [sp.S.Zero for _ in of.context.multipliers])
 
     given: list[Statement] = []

@@ -8,12 +8,12 @@ from derive.ir.expressions import Element, Operator
 from derive.ir.indices import constant
 from derive.ir.model import Kernel
 from derive.ir.patterns import Pattern, pattern
-from derive.ir.statements import Statement, StoreElement
+from derive.ir.statements import ForEach, Statement, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import stores
-from derive.lowering.flat.schedule import StepItem
+from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.instances.class_code import ClassCode, LoopTarget
-from derive.lowering.instances.context import ZERO, InstanceContext, Result, kernel, loops_of
+from derive.lowering.instances.context import ZERO, InstanceContext, Result, force_loops, kernel, loads, loops_of
 from derive.lowering.model_functions import ModelFunction
 
 
@@ -54,7 +54,7 @@ def _force_result(context: InstanceContext) -> Result:
 
 def force(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the forces h(t, q, v)."""
-    loops = loops_of(context, _force_items, "t", "q", "v")
+    loops = [*loops_of(context, _force_items, "t", "q", "v"), *force_loops(context, "h")]
     return kernel(
         context,
         function,
@@ -72,17 +72,8 @@ def mass_force(context: InstanceContext, function: ModelFunction) -> Kernel:
         return [*mass, *force], {**to_mass, **to_force}
 
     results = {"M": Result(pattern=shape), "h": _force_result(context)}
-    return kernel(
-        context,
-        function,
-        results,
-        (
-            "M and h",
-            "(15)",
-            "factors of the accelerations, all other terms",
-            loops_of(context, both, "t", "q", "v"),
-        ),
-    )
+    loops = [*loops_of(context, both, "t", "q", "v"), *force_loops(context, "h")]
+    return kernel(context, function, results, ("M and h", "(15)", "factors of the accelerations, and the rest", loops))
 
 
 def _sums(name: str, count: int) -> list[Statement]:
@@ -107,9 +98,23 @@ def energy(context: InstanceContext, function: ModelFunction) -> Kernel:
             "energy",
             "(22)",
             "1/2 int rho xdot . xdot and the strain energy",
-            [*_sums("energy", len(labels)), *loops_of(context, items, "q", "v")],
+            [*_sums("energy", len(labels)), *loops_of(context, items, "q", "v"), *_potentials(context)],
         ),
     )
+
+
+def _potentials(context: InstanceContext) -> list[ForEach]:
+    """The loops that add the energies of springs between bodies to the strain energy."""
+    result = []
+    for group in context.forces:
+        of, ctx = group.code, group.code.context
+        potential = ctx.equations.strain_energy
+        if potential != 0 and not potential.free_symbols & set(ctx.t.symbols + ctx.u.symbols + of.given.symbols):
+            symbols = ctx.symbols(ctx.q, ctx.v)
+            items, targets = _added("energy", [(1, symbols(potential))])
+            inputs = [*loads(of, "q", ctx.q, group.coordinates), *loads(of, "v", ctx.v, group.coordinates)]
+            result.append(of.loop(symbols, [Step(of.name, "(22)", "", tuple(items))], inputs, targets))
+    return result
 
 
 def _added(output: str, values: list[tuple[int, ca.SX]]) -> tuple[list[StepItem], dict[str, LoopTarget]]:

@@ -21,6 +21,8 @@ from derive.lowering.flat.schedule import Step
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.class_equations import ClassEquations
 from derive.lowering.instances.classes import BodyClass, Member
+from derive.lowering.instances.groups import Element as GroupElement
+from derive.lowering.instances.groups import Group
 from derive.lowering.instances.places import Place, Places
 from derive.mechanics.equations import Equations
 
@@ -42,11 +44,11 @@ Loaded = tuple[str, Place, Input]
 """An array, the place of the elements of an instance in it, and their names."""
 
 
-class ClassCode:
-    """The code of a class of bodies: its context of straight-line code, and the places of its instances."""
+class LoopCode:
+    """The code of a class of bodies or of a group: its context of straight-line code, and places of its instances."""
 
-    def __init__(self, of: BodyClass, equations: ClassEquations, places: Places, constants: Constants) -> None:
-        self.of, self.rows, self.places = of, equations.rows, places
+    def __init__(self, of: BodyClass | Group, equations: ClassEquations, places: Places, constants: Constants) -> None:
+        self.name, self.places = of.name, places
         self.context = Context(_with_differences(of, equations))
         constants.coefficients |= self.context.constants.coefficients
         self.context.constants = constants
@@ -61,12 +63,6 @@ class ClassCode:
             if self.differing
         ]
         self._columns: dict[str, int] = {}
-        self.coordinate = self.place("coordinate", [m.coordinate for m in of.members])
-
-    @property
-    def name(self) -> str:
-        """The name of the class."""
-        return self.of.name
 
     def place(self, what: str, firsts: Sequence[int]) -> Place:
         """The place of the first of some elements of each instance."""
@@ -141,19 +137,27 @@ class ClassCode:
         self.places.numbers(ConstantArray(self._array, tuple(columns), False))
 
 
+class ClassCode(LoopCode):
+    """The code of a class of bodies; `rows` are the numbers of its constraints for each of its handles."""
+
+    def __init__(self, of: BodyClass, equations: ClassEquations, places: Places, constants: Constants) -> None:
+        super().__init__(of, equations, places, constants)
+        self.of, self.rows = of, equations.rows
+        self.coordinate = self.place("coordinate", [m.coordinate for m in of.members])
+
+
 def _entries(place: Place) -> tuple[Entry, ...]:
     return () if place.entry is None else (place.entry,)
 
 
-def _values(member: Member) -> list[Fraction]:
-    return [Fraction(int(c.value.p), int(c.value.q)) for c in member.constants]
+def _values(member: Member | GroupElement) -> list[Fraction]:
+    """The constants of a member as numbers; those that setup computes do not differ."""
+    return [Fraction(int(c.value.p), int(c.value.q)) if c.value.is_Rational else Fraction(0) for c in member.constants]
 
 
-def _with_differences(of: BodyClass, equations: ClassEquations) -> Equations:
+def _with_differences(of: BodyClass | Group, equations: ClassEquations) -> Equations:
     """The equations with symbols as the values of the constants in which the members differ."""
-    if equations.equations.parameters:
-        return equations.equations  # then members have equal constants
-    every = [_values(member) for member in of.members]
+    every = [[c.value for c in member.constants] for member in of.members]
     same = [all(values[k] == every[0][k] for values in every) for k in range(equations.constants)]
     own, others = (equations.equations.coefficients[part] for part in _parts(equations.constants))
     changed = (c if equal else replace(c, value=sp.Symbol(str(c.symbol))) for c, equal in zip(own, same, strict=True))

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from derive.lowering.instances.classes import BodyClass, Handle
-from derive.lowering.instances.known_motion import STILL, KnownMotion, known_constraints
+from derive.lowering.instances.known_motion import STILL, KnownMotion, canonical, known_constraints
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import mass_matrix
 from derive.mechanics.multibody.constraints import constraints
@@ -22,7 +22,7 @@ from derive.mechanics.multibody.mechanism import Mechanism, pose
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.symbols import t
-from derive.mechanics.terms import Constraint, Eliminated, InputSymbol, Intermediate, ModelConstant
+from derive.mechanics.terms import Constraint, Eliminated, InputSymbol, Intermediate
 from derive.spec.model.markers import MarkerRef
 
 
@@ -66,7 +66,8 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
 
     energies = [still(e) for e in own.energies]
     of_body = tuple(c for c in own.coefficients)
-    more = tuple(c for c in mechanism.constants if c.symbol not in {o.symbol for o in of_body})
+    present = {c.symbol for c in of_body}
+    more = tuple(c for c in known.context.equations.coefficients if c.symbol not in present)
     equations = Equations(
         name=mechanism.scene.name,
         doc="",
@@ -75,7 +76,7 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
         rows=own.rows,
         rates=tuple(row.v for row in own.rows),
         parameters=mechanism.parameters,
-        coefficients=_canonical((*of_body, *more), mechanism),
+        coefficients=canonical((*of_body, *more), mechanism),
         definitions=tuple(definitions),
         terms=terms,
         vanished=own.vanished,
@@ -93,7 +94,7 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
         eliminated=_carried(instance.name, own, moving),
         splines=known.context.equations.splines,
     )
-    return ClassEquations(equations, tuple(rows), _given(equations, known), len(of_body))
+    return ClassEquations(equations, tuple(rows), given_symbols(equations, known), len(of_body))
 
 
 def _contribution(
@@ -132,16 +133,6 @@ def _force(force: ForceInstance, body: str, own: InstanceEquations, known: Known
     return force.type.generalised_force(force.element, tuple(map(at, force.markers)), force.values, own.rows)
 
 
-def _canonical(constants: tuple[ModelConstant, ...], mechanism: Mechanism) -> tuple[ModelConstant, ...]:
-    """The constants with one symbol for each parameter, whatever its assumptions."""
-    canonical = {p.symbol.name: p.symbol for p in mechanism.parameters}
-
-    def value(c: ModelConstant) -> sp.Expr:
-        return c.value.xreplace({s: canonical[s.name] for s in c.value.free_symbols if s.name in canonical})
-
-    return tuple(replace(c, value=value(c)) for c in constants)
-
-
 def _moving(
     definitions: tuple[Intermediate, ...], inputs: tuple[InputSymbol, ...], known: KnownMotion
 ) -> frozenset[sp.Symbol]:
@@ -161,10 +152,11 @@ def _carried(name: str, own: InstanceEquations, moving: frozenset[sp.Symbol]) ->
     return (Eliminated(f"{name} in energy, momentum and markers", reason),)
 
 
-def _given(equations: Equations, known: KnownMotion) -> tuple[sp.Symbol, ...]:
-    """The symbols of what is known in the equations of a class, in the order of their definitions."""
+def given_symbols(equations: Equations, known: KnownMotion) -> tuple[sp.Symbol, ...]:
+    """The symbols of what is known in some equations, in the order of their definitions."""
     parts = [d.expr for d in equations.definitions]
-    parts += [term.expr for term in equations.terms]
+    parts += [*(term.expr for term in equations.terms), *(out.expr for out in equations.outputs)]
+    parts += [equations.strain_energy]
     parts += [e for pose_of in equations.poses for e in (*pose_of.position, pose_of.rotation_angle)]
     for c in equations.constraints:
         parts += [c.position, c.rate, c.bias, *(factor for _, factor in c.jacobian)]

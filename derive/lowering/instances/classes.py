@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, fields, replace
 from itertools import accumulate
 
@@ -61,13 +61,9 @@ class BodyClass:
 
 def obstacle(mechanism: Mechanism) -> str:
     """The reason why a mechanism cannot be lowered to loops over its instances; empty if it can be."""
-    if mechanism.dampings:
-        return "it has damping between the pieces of a beam"
-    if mechanism.outputs:
-        return "it has outputs"
     for force in mechanism.forces:
-        if len(_moving_bodies(mechanism, force)) > 1:
-            return f"{force.element.name} acts between two bodies"
+        if not moving_bodies(mechanism, force):
+            return f"{force.element.name} acts where all motion is known"
     for joint in mechanism.joints:
         axes, first = joint.type.axes, joint.joint.first
         if axes is not Axes.INERTIAL and first.body != GROUND:
@@ -77,7 +73,7 @@ def obstacle(mechanism: Mechanism) -> str:
     return ""
 
 
-def _moving_bodies(mechanism: Mechanism, force: ForceInstance) -> tuple[str, ...]:
+def moving_bodies(mechanism: Mechanism, force: ForceInstance) -> tuple[str, ...]:
     """The bodies with coordinates that a force acts on."""
     return tuple({m.body: None for m in force.markers if m.body != GROUND and mechanism.instance(m.body).moves})
 
@@ -91,8 +87,9 @@ def body_classes(mechanism: Mechanism) -> tuple[BodyClass, ...]:
                 handles[marker.body].append(Handle(number, is_first, marker.marker))
     forces: dict[str, list[ForceInstance]] = {instance.name: [] for instance in mechanism.instances}
     for force in mechanism.forces:
-        for body in _moving_bodies(mechanism, force):
-            forces[body].append(force)
+        bodies = moving_bodies(mechanism, force)
+        if len(bodies) == 1:
+            forces[bodies[0]].append(force)
     firsts = accumulate((len(instance.coordinates.rows) for instance in mechanism.instances), initial=0)
     classes: dict[Hashable, list[Member]] = {}
     for number, (instance, first) in enumerate(zip(mechanism.instances, firsts, strict=False)):
@@ -111,11 +108,17 @@ def _key(member: Member, mechanism: Mechanism) -> Hashable:
         return instance.name  # what it follows is known, and is written out for this body
     sections = tuple((name, _without_values(section)) for name, section in component.sections.items())
     at = tuple((h.is_first, h.marker, joints[h.joint].type, _plain(joints[h.joint])) for h in member.handles)
-    values = tuple(c.value for c in member.constants) if mechanism.parameters else ()
-    return instance.kind, component.markers, sections, at, tuple(map(_force_key, member.forces)), values
+    forces = tuple(map(force_key, member.forces))
+    return instance.kind, component.markers, sections, at, forces, fixed_values(member.constants, mechanism)
 
 
-def _force_key(force: ForceInstance) -> Hashable:
+def fixed_values(constants: Iterable[ModelConstant], mechanism: Mechanism) -> tuple[sp.Expr | None, ...]:
+    """The values of constants that setup computes, in which the members of a class do not differ."""
+    in_setup = bool(mechanism.parameters)
+    return tuple(c.value if in_setup or not c.value.is_Rational else None for c in constants)
+
+
+def force_key(force: ForceInstance) -> Hashable:
     """All that the code of a force depends on; the names of bodies with coordinates do not matter."""
     markers = tuple((marker.body if marker.body == GROUND else "", marker.marker) for marker in force.markers)
     values = tuple((k, v.as_immutable() if isinstance(v, sp.MatrixBase) else v) for k, v in force.values.items())

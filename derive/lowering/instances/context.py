@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import accumulate
 
@@ -11,23 +11,33 @@ from derive.ir.analysis import reads
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.model import Argument, Kernel, Output, Section, View
 from derive.ir.patterns import Pattern
-from derive.ir.statements import ForEach, Statement
+from derive.ir.statements import ForEach, Statement, Work
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.context import Input
+from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.block_elimination import (
     Blocks,
     blocks,
 )
-from derive.lowering.instances.class_code import ClassCode, Loaded, LoopTarget
-from derive.lowering.instances.class_equations import class_equations
+from derive.lowering.instances.class_code import ClassCode, Loaded, LoopCode, LoopTarget
+from derive.lowering.instances.class_equations import ClassEquations, class_equations, given_symbols
 from derive.lowering.instances.classes import body_classes
+from derive.lowering.instances.groups import (
+    Bodies,
+    Group,
+    force_equations,
+    force_groups,
+    output_groups,
+)
+from derive.lowering.instances.groups import Element as GroupElement
 from derive.lowering.instances.known_motion import KnownMotion, known_symbol
 from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
+from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.mechanism import Mechanism
-from derive.mechanics.terms import Constraint
+from derive.mechanics.symbols import local
+from derive.mechanics.terms import Constraint, OutputEquation
 
 ZERO = Number(Fraction(0))
 
@@ -45,6 +55,10 @@ class InstanceContext:
             ClassCode(of, class_equations(mechanism, of, self.known), self.places, self.constants)
             for of in body_classes(mechanism)
         ]
+        bodies = Bodies(mechanism, [of.of for of in self.classes], self.known)
+        self.forces = [self._group(group, force_equations(bodies, group)) for group in force_groups(bodies)]
+        self.outputs = [self._group(group, equations) for group, equations in output_groups(bodies)]
+        self.loaded = {m.number for group in self.forces for e in group.elements for m in e.bodies}
         rows = [joint.multipliers for joint in mechanism.joints]
         self.first_rows = [0, *accumulate(rows)]
         cliques = [[h.joint for h in m.handles] for c in self.classes for m in c.of.members]
@@ -52,6 +66,28 @@ class InstanceContext:
         self.names = tuple(str(c.q) for c in mechanism.coordinates)
         self.rows = tuple(row.name for row in mechanism.rows)
         self.multipliers = tuple(c.name for c in self.conditions)
+
+    def _group(self, group: Group, equations: Equations) -> GroupCode:
+        constants = sum(len(m.constants) for m in group.first.bodies)
+        local_of = ClassEquations(equations, (), given_symbols(equations, self.known), constants)
+        return GroupCode(LoopCode(group, local_of, self.places, self.constants), group.members)
+
+    def is_loaded(self, of: ClassCode) -> bool:
+        """Whether a force that acts between bodies acts on a body of a class."""
+        return any(m.number in self.loaded for m in of.of.members)
+
+    @property
+    def output_components(self) -> tuple[OutputEquation, ...]:
+        """The components of all outputs in the order of the specification, with the text of the first of a group."""
+        named: dict[int, OutputEquation] = {}
+        for group in self.outputs:
+            for element in group.elements:
+                own = self.mechanism.outputs[element.number]
+                for k, (label, of) in enumerate(
+                    zip(own.type.labels, group.code.context.equations.outputs, strict=True)
+                ):
+                    named[element.first + k] = replace(of, name=f"{own.name}_{label}" if label else own.name)
+        return tuple(named[k] for k in sorted(named))
 
     @property
     def conditions(self) -> tuple[Constraint, ...]:
@@ -72,6 +108,49 @@ def merged(of: ClassCode, array: str, rows: Iterable[Place], operator: Operator 
     index = [place.at(k) for place, own in zip(places, of.rows, strict=True) for k in range(len(own))]
     entries = tuple(place.entry for place in places if place.entry)
     return LoopTarget(array, index.__getitem__, operator, entries)
+
+
+@dataclass(frozen=True)
+class GroupCode:
+    """The code of a group of elements, each with several bodies."""
+
+    code: LoopCode
+    elements: tuple[GroupElement, ...]
+
+    @property
+    def coordinates(self) -> list[list[int]]:
+        """For each element the indices of the coordinates of its bodies."""
+        return [list(element.coordinates) for element in self.elements]
+
+    def reactions(self, first_rows: Sequence[int]) -> list[list[int]]:
+        """For each element the indices of the multipliers of the joints of its bodies."""
+        return [[k for j in e.joints for k in range(first_rows[j], first_rows[j + 1])] for e in self.elements]
+
+
+def loads(of: LoopCode, array: str, given: Input, positions: list[list[int]]) -> list[Loaded]:
+    """The elements of an array at given positions for each member, which are named as those of an argument."""
+    return [
+        (array, of.place(f"{array}_{start}", [own[start] for own in positions]), array_input(array, symbols, ""))
+        for start, stop in _runs(positions)
+        if (symbols := given.symbols[start:stop])
+    ]
+
+
+def spread(of: LoopCode, array: str, positions: list[list[int]], operator: Operator | None) -> LoopTarget:
+    """The target of outputs at given positions for each member."""
+    places: dict[int, tuple[Place, int]] = {}
+    for start, stop in _runs(positions):
+        place = of.place(f"{array}_{start}", [own[start] for own in positions])
+        places |= {k: (place, k - start) for k in range(start, stop)}
+    entries = tuple(dict.fromkeys(place.entry for place, _ in places.values() if place.entry))
+    return LoopTarget(array, lambda k: places[k][0].at(places[k][1]), operator, entries)
+
+
+def _runs(positions: list[list[int]]) -> list[tuple[int, int]]:
+    """The ranges of elements that follow each other for all members."""
+    count = len(positions[0])
+    breaks = [k for k in range(1, count) if any(own[k] != own[k - 1] + 1 for own in positions)]
+    return list(zip([0, *breaks], [*breaks, count], strict=True)) if count else []
 
 
 # ---- kernels ----
@@ -131,7 +210,7 @@ def kernel(
     )
 
 
-def scatter(of: ClassCode, what: str, array: str, positions: list[list[int]], operator: Operator | None) -> LoopTarget:
+def scatter(of: LoopCode, what: str, array: str, positions: list[list[int]], operator: Operator | None) -> LoopTarget:
     """The target of outputs at given positions for each member, from one first position if all are spaced alike."""
     spaced = [[p - own[0] for p in own] for own in positions if own]
     if all(own == spaced[0] for own in spaced):
@@ -149,7 +228,7 @@ def state(of: ClassCode, *names: str) -> list[Loaded]:
     return [(name, of.coordinate, given[name]) for name in names if name in given]
 
 
-def given_inputs(of: ClassCode, *names: str) -> tuple[Input, ...]:
+def given_inputs(of: LoopCode, *names: str) -> tuple[Input, ...]:
     """The arguments of these names of a body of a class, and what is known, which functions of the time have."""
     context = of.context
     inputs = {"t": context.t, "q": context.q, "v": context.v}
@@ -169,6 +248,37 @@ def loops_of(
         if items:
             loops.append(of.loop(symbols, [Step(of.name, "", "", tuple(items))], state(of, *names), targets))
     return loops
+
+
+def force_loops(context: InstanceContext, array: str, sign: int = 1) -> list[ForEach]:
+    """The loops that add what forces between bodies contribute to the rows of these, with a sign."""
+    result = []
+    for group in context.forces:
+        of, ctx = group.code, group.code.context
+        symbols = ctx.symbols(*given_inputs(of, "t", "q", "v"))
+        inputs = [*loads(of, "q", ctx.q, group.coordinates), *loads(of, "v", ctx.v, group.coordinates)]
+        items = stores(array, [sign * symbols(ctx.equations.sum_of(row.name)) for row in ctx.equations.rows])
+        target = spread(of, array, group.coordinates, Operator.ADD)
+        result.append(of.loop(symbols, [Step(of.name, "(10)", "", items)], inputs, {array: target}))
+    return result
+
+
+APPLIED = "applied"
+"""The local array of the forces between bodies, one for each row."""
+
+
+def applied_sums(context: InstanceContext) -> list[Statement]:
+    """The sums of the forces between bodies, which the bodies then read."""
+    loops = force_loops(context, APPLIED)
+    return [Work(APPLIED, len(context.rows), cleared=True), *loops] if loops else []
+
+
+def applied_forces(context: InstanceContext, of: ClassCode) -> tuple[Loaded, ...]:
+    """Where these sums are for a body of a class; empty if no such force acts on it."""
+    if not context.is_loaded(of):
+        return ()
+    symbols = (local(f"{APPLIED}_{name}") for name in of.context.rows)
+    return ((APPLIED, of.coordinate, array_input(APPLIED, symbols, "")),)
 
 
 def known_value(part: str, constraint: Constraint, sign: int = 1) -> Expr | None:

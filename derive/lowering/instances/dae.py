@@ -16,7 +16,18 @@ from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.dae import residual_rows, states
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.class_code import ClassCode, Loaded
-from derive.lowering.instances.context import InstanceContext, Result, kernel, known_value, scatter, whole
+from derive.lowering.instances.context import (
+    GroupCode,
+    InstanceContext,
+    Result,
+    given_inputs,
+    kernel,
+    known_value,
+    loads,
+    scatter,
+    spread,
+    whole,
+)
 from derive.lowering.model_functions import ModelFunction
 
 PARTS = {"": ("position",), "ggl": ("rate", "position"), "index1": ("bias",)}
@@ -49,11 +60,15 @@ class _Form:
             )
         return result
 
-    def loads(self, of: ClassCode, array: str, given: Input, what: str) -> Iterator[Loaded]:
+    def reads(self, of: ClassCode, array: str, given: Input, what: str) -> Iterator[Loaded]:
         """The elements of an array of the size of y that one body has."""
         positions = self.positions(of)
         for k, symbol in enumerate(given.symbols):
             yield array, of.place(f"{what}_{k}", [own[k] for own in positions]), array_input(array, (symbol,), "")
+
+    def velocities(self, group: GroupCode) -> list[list[int]]:
+        """For each element of a group the indices in y of the velocities of its bodies."""
+        return [[self.coordinates + k for k in own] for own in group.coordinates]
 
     @cached_property
     def labels(self) -> tuple[str, ...]:
@@ -87,18 +102,32 @@ def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
         symbols = of.context.symbols(of.context.t, of.given, y, ydot)
         rows = residual_rows(of.context, form.form, symbols)
         target = scatter(of, f"state_{form.form}", "F", form.positions(of), Operator.ADD)
-        loads = (*form.loads(of, "y", y, f"state_{form.form}"), *form.loads(of, "ydot", ydot, f"state_{form.form}"))
-        body.append(of.loop(symbols, [Step(of.name, "", "", stores("F", rows))], loads, {"F": target}))
+        given = (*form.reads(of, "y", y, f"state_{form.form}"), *form.reads(of, "ydot", ydot, f"state_{form.form}"))
+        body.append(of.loop(symbols, [Step(of.name, "", "", stores("F", rows))], given, {"F": target}))
+    body += _between_bodies(context, form)
     text = "kinematics, equations of motion, constraints"
     results = {"F": Result(form.labels)}
     return kernel(context, function, results, ("residual", "(15)", text, body), inputs=form.arguments)
+
+
+def _between_bodies(context: InstanceContext, form: _Form) -> list[Statement]:
+    """The loops that add the forces between bodies to F."""
+    result: list[Statement] = []
+    for group in context.forces:
+        code, ctx = group.code, group.code.context
+        symbols = ctx.symbols(*given_inputs(code, "t", "q", "v"))
+        inputs = [*loads(code, "y", ctx.q, group.coordinates), *loads(code, "y", ctx.v, form.velocities(group))]
+        items = stores("F", [symbols(ctx.equations.sum_of(row.name)) for row in ctx.equations.rows])
+        target = spread(code, "F", form.velocities(group), Operator.ADD)
+        result.append(code.loop(symbols, [Step(code.name, "(10)", "", items)], inputs, {"F": target}))
+    return result
 
 
 def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the iteration matrix dF/dy + cj dF/dydot."""
     form = _Form(context, function.variant)
     entries = {(i, i) for i in range(form.size)}
-    local = []
+    local, between = [], []
     for of in context.classes:
         y, ydot = states(of.context, form.form)
         symbols = of.context.symbols(of.context.t, of.given, y, ydot, of.context.cj)
@@ -110,13 +139,30 @@ def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
         positions = [[(at[i], at[j]) for i, j in own] for at in form.positions(of)]
         entries |= {entry for member in positions for entry in member}
         local.append((of, symbols, (y, ydot), [matrix[i, j] for i, j in own], positions))
+    for group in context.forces:
+        code, ctx = group.code, group.code.context
+        symbols = ctx.symbols(*given_inputs(code, "t", "q", "v"))
+        rows = ca.vertcat(*(symbols(ctx.equations.sum_of(row.name)) for row in ctx.equations.rows))
+        matrix = ca.jacobian(rows, ca.vertcat(*symbols.values_of(ctx.q.symbols + ctx.v.symbols)))
+        own = sorted(zip(*matrix.sparsity().get_triplet(), strict=True), key=lambda entry: (entry[1], entry[0]))
+        positions = [
+            [(form.coordinates + at[i], [*at, *(form.coordinates + k for k in at)][j]) for i, j in own]
+            for at in group.coordinates
+        ]
+        entries |= {entry for member in positions for entry in member}
+        between.append((group, symbols, [matrix[i, j] for i, j in own], positions))
     shape = pattern(form.size, form.size, entries)
     number = {entry: k for k, entry in enumerate(shape.entries)}
     body: list[Statement] = [Clear("jac", len(number))]
     for of, symbols, (y, ydot), values, positions in local:
         target = scatter(of, f"iteration_{form.form}", "jac", [[number[e] for e in m] for m in positions], None)
-        loads = (*form.loads(of, "y", y, f"state_{form.form}"), *form.loads(of, "ydot", ydot, f"state_{form.form}"))
-        body.append(of.loop(symbols, [Step(of.name, "", "", stores("jac", values))], loads, {"jac": target}))
+        given = (*form.reads(of, "y", y, f"state_{form.form}"), *form.reads(of, "ydot", ydot, f"state_{form.form}"))
+        body.append(of.loop(symbols, [Step(of.name, "", "", stores("jac", values))], given, {"jac": target}))
+    for group, symbols, values, positions in between:
+        code, ctx = group.code, group.code.context
+        inputs = [*loads(code, "y", ctx.q, group.coordinates), *loads(code, "y", ctx.v, form.velocities(group))]
+        target = scatter(code, f"force_{form.form}", "jac", [[number[e] for e in m] for m in positions], Operator.ADD)
+        body.append(code.loop(symbols, [Step(code.name, "", "", stores("jac", values))], inputs, {"jac": target}))
     results = {"jac": Result(pattern=shape)}
     text = "derivatives of the residual"
     return kernel(context, function, results, ("jacobian", "(15)", text, body), inputs=form.arguments)

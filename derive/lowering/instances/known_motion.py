@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -20,7 +21,7 @@ from derive.mechanics.multibody.mechanism import Mechanism, functions_of_time, p
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.symbols import local
-from derive.mechanics.terms import Constraint, Intermediate
+from derive.mechanics.terms import Constraint, Intermediate, ModelConstant
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene_functions import splines
 
@@ -83,7 +84,7 @@ class KnownMotion:
                 rows=(),
                 rates=(),
                 parameters=self.mechanism.parameters,
-                coefficients=tuple(coefficients.values()),
+                coefficients=canonical(tuple(coefficients.values()), self.mechanism),
                 definitions=self.definitions,
                 terms=(),
                 vanished=(),
@@ -149,3 +150,13 @@ def _named(conditions: Iterable[Constraint]) -> list[Intermediate]:
                 symbol = known_symbol(part, condition)
                 result.append(Intermediate(symbol, value, condition.of, "(1)", f"known {part} of {condition.name}"))
     return result
+
+
+def canonical(constants: tuple[ModelConstant, ...], mechanism: Mechanism) -> tuple[ModelConstant, ...]:
+    """The constants with one symbol for each parameter, whatever its assumptions."""
+    symbols = {p.symbol.name: p.symbol for p in mechanism.parameters}
+
+    def value(c: ModelConstant) -> sp.Expr:
+        return c.value.xreplace({s: symbols[s.name] for s in c.value.free_symbols if s.name in symbols})
+
+    return tuple(replace(c, value=value(c)) for c in constants)

@@ -18,17 +18,18 @@ from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries
 from derive.lowering.flat.schedule import NamedValue, StepItem
-from derive.lowering.instances.class_code import ClassCode
+from derive.lowering.instances.class_code import ClassCode, Loaded
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.mechanics.symbols import local
 
 
 @dataclass(frozen=True)
 class Right:
-    """The right-hand side of a body: f for each coordinate, and gamma for each of its constraints."""
+    """The right-hand side of a body: f for each coordinate, gamma for each of its constraints, and what they read."""
 
     forces: list[sp.Expr]
     bias: list[sp.Expr]
+    inputs: tuple[Loaded, ...] = ()
 
 
 @dataclass(frozen=True)

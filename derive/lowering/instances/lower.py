@@ -9,7 +9,7 @@ from derive.ir.model import ConstantArray, Kernel, Model, Variable, Zero
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
-from derive.lowering.instances import accelerations, body_functions, constraints, dae
+from derive.lowering.instances import accelerations, body_functions, constraints, dae, outputs
 from derive.lowering.instances.classes import obstacle
 from derive.lowering.instances.context import InstanceContext
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
@@ -31,6 +31,8 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kern
     FunctionKind.SOLVE: accelerations.solve,
     FunctionKind.PROJECT_VELOCITY: accelerations.project_velocity,
     FunctionKind.POSES: body_functions.poses,
+    FunctionKind.OUTPUTS: outputs.outputs,
+    FunctionKind.OUTPUTS_JACOBIAN: outputs.outputs_jacobian,
     FunctionKind.RESIDUAL: dae.residual,
     FunctionKind.JACOBIAN: dae.jacobian,
 }
@@ -53,7 +55,7 @@ def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = Fal
     context = InstanceContext(mechanism)
     _check(context)
     equations = context.classes[0].context.equations
-    functions = functions_of(replace(equations, markers=()), explicit=explicit)
+    functions = functions_of(replace(equations, markers=(), outputs=context.output_components), explicit=explicit)
     kernels = tuple(FUNCTIONS[function.kind](context, function) for function in functions)
     for of in context.classes:
         of.add_numbers()
@@ -78,6 +80,7 @@ def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = Fal
         splines=tuple(replace(s, name=table_name(scene.name, s.name)) for s in equations.splines),
         bodies=tuple(instance.name for instance in mechanism.instances),
         inputs=tuple(Variable(given.name, given.doc, given.unit) for given in equations.inputs),
+        outputs=tuple(Variable(o.name, o.doc, o.unit) for o in context.output_components),
         eliminated=tuple(
             Zero(out.what, out.reason)
             for out in (*mechanism.eliminated, *(o for c in context.classes for o in c.context.equations.eliminated))
@@ -108,9 +111,9 @@ def _check(context: InstanceContext) -> None:
 
 def _setup(context: InstanceContext, kernels: tuple[Kernel, ...]) -> tuple[Kernel, tuple[Variable, ...]]:
     """The kernel that computes the constants k from the parameters, and these constants."""
-    contexts = (context.known.context, *(of.context for of in context.classes))
-    with_parameters = contexts if context.mechanism.parameters else ()
-    coefficients = {c.symbol: c for of in with_parameters for c in of.coefficients}
+    codes = (*context.classes, *(group.code for group in (*context.forces, *context.outputs)))
+    coefficients = {c.symbol: c for c in context.known.context.coefficients}
+    coefficients |= {c.symbol: c for of in codes for c in of.context.coefficients if str(c.symbol) not in of.differing}
     equations = replace(context.known.context.equations, definitions=(), coefficients=tuple(coefficients.values()))
     whole = Context(equations)
     whole.constants = context.constants

@@ -131,7 +131,7 @@ def _expanded(mechanism: Mechanism) -> Equations:
     refuse_idle(conditions)
     forces = [f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows) for f in mechanism.forces]
     in_order = [instances[name].definitions for name in mechanism.order]
-    dampings = [_damping(damping, instances) for damping in mechanism.dampings]
+    dampings = [damping_force(damping, instances) for damping in mechanism.dampings]
     definitions = tuple(
         chain(mechanism.definitions, *in_order, *(own for own, _ in joints), *(f.definitions for f in forces))
     )
@@ -158,7 +158,7 @@ def _instances(mechanism: Mechanism) -> Instances:
     return result
 
 
-def _damping(damping: ComponentDamping, instances: Instances) -> GeneralisedForce:
+def damping_force(damping: ComponentDamping, instances: Instances) -> GeneralisedForce:
     """The damping forces B alphadot on the amplitudes of the components of a body, and their power."""
     rows = [row for name in damping.components for row in instances[name].rows[RIGID:]]
     forces: dict[str, list[sp.Expr]] = {}

@@ -1,0 +1,101 @@
+"""The outputs of a mechanism and their derivatives, in a loop over the elements of each group."""
+
+from __future__ import annotations
+
+from itertools import accumulate
+
+import casadi as ca
+
+from derive.ir.model import Argument, Kernel
+from derive.ir.patterns import pattern
+from derive.ir.statements import Statement
+from derive.lowering.flat.context import Context, Input, stores
+from derive.lowering.flat.schedule import Step
+from derive.lowering.instances.class_code import Loaded
+from derive.lowering.instances.context import (
+    GroupCode,
+    InstanceContext,
+    Result,
+    given_inputs,
+    kernel,
+    loads,
+    scatter,
+    spread,
+    whole,
+)
+from derive.lowering.model_functions import ModelFunction
+
+
+def outputs(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the outputs."""
+    body: list[Statement] = []
+    for group in context.outputs:
+        code, ctx = group.code, group.code.context
+        symbols = ctx.symbols(*given_inputs(code, "t", "q", "v"), ctx.vdot, ctx.lam)
+        items = stores("out", [symbols(output.expr) for output in ctx.equations.outputs])
+        target = spread(code, "out", _components(group), None)
+        body.append(code.loop(symbols, [Step(code.name, "", "", items)], _reads(context, group), {"out": target}))
+    results = {"out": Result(tuple(output.name for output in context.output_components))}
+    text = "outputs in groups that have one code"
+    return kernel(context, function, results, ("outputs", "", text, body), inputs=_arguments(context))
+
+
+def outputs_jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
+    """The kernel of the derivatives of the outputs with respect to q, v, vdot, lambda and u."""
+    sizes = [len(context.rows)] * 3 + [len(context.multipliers), len(context.known.context.u.symbols)]
+    firsts = [0, *accumulate(sizes)]
+    entries, parts = set[tuple[int, int]](), []
+    for group in context.outputs:
+        code, ctx = group.code, group.code.context
+        symbols = ctx.symbols(*given_inputs(code, "t", "q", "v"), ctx.vdot, ctx.lam)
+        values = ca.vertcat(*(symbols(output.expr) for output in ctx.equations.outputs))
+        columns = [symbol for argument in _differentiated(ctx) for symbol in argument.symbols]
+        matrix = ca.jacobian(values, ca.vertcat(*symbols.values_of(columns)))
+        own = sorted(zip(*matrix.sparsity().get_triplet(), strict=True), key=lambda entry: (entry[1], entry[0]))
+        positions = []
+        for rows, at, lam in zip(
+            _components(group), group.coordinates, group.reactions(context.first_rows), strict=True
+        ):
+            places = [first + k for first in firsts[:3] for k in at]
+            places += [*(firsts[3] + k for k in lam), *range(firsts[4], firsts[5])]
+            positions.append([(rows[i], places[j]) for i, j in own])
+        entries |= {entry for member in positions for entry in member}
+        parts.append((group, symbols, [matrix[i, j] for i, j in own], positions))
+    shape = pattern(len(context.output_components), firsts[-1], entries)
+    number = {entry: k for k, entry in enumerate(shape.entries)}
+    body: list[Statement] = []
+    for group, symbols, derivatives, positions in parts:
+        code = group.code
+        target = scatter(code, "derivative", "jac", [[number[e] for e in m] for m in positions], None)
+        step = Step(code.name, "", "", stores("jac", derivatives))
+        if derivatives:
+            body.append(code.loop(symbols, [step], _reads(context, group), {"jac": target}))
+    results = {"jac": Result(pattern=shape)}
+    text = "derivatives of the outputs"
+    return kernel(context, function, results, ("jacobian", "", text, body), inputs=_arguments(context))
+
+
+def _differentiated(ctx: Context) -> tuple[Input, ...]:
+    """The arguments with respect to which outputs are differentiated."""
+    return ctx.q, ctx.v, ctx.vdot, ctx.lam, ctx.u
+
+
+def _components(group: GroupCode) -> list[list[int]]:
+    """For each element of a group the indices of the components of its output."""
+    count = len(group.code.context.equations.outputs)
+    return [[element.first + k for k in range(count)] for element in group.elements]
+
+
+def _reads(context: InstanceContext, group: GroupCode) -> list[Loaded]:
+    """Where the state, the accelerations and the reactions of the bodies of an output are."""
+    code, ctx, at = group.code, group.code.context, group.coordinates
+    named = (("q", ctx.q), ("v", ctx.v), ("vdot", ctx.vdot))
+    states = (entry for name, given in named for entry in loads(code, name, given, at))
+    return [*states, *loads(code, "lam", ctx.lam, group.reactions(context.first_rows))]
+
+
+def _arguments(context: InstanceContext) -> dict[str, Argument]:
+    return {
+        "vdot": whole("vdot", len(context.rows), "accelerations, as from solve"),
+        "lam": whole("lam", len(context.multipliers), "constraint reactions on body 2 of each joint, as from solve"),
+    }
