@@ -426,7 +426,7 @@ SLIDE = "[joints.slide]\nkind = 'translational'\nbetween = ['rod.left', 'bar.b']
         ),
         (
             "\n".join(f"[forces.f{n}]" for n in range(MAX_NAMED + 1)),
-            "14: forces: there are 101 forces, and 0 to 100 are allowed",
+            f"14: forces: there are {MAX_NAMED + 1} forces, and 0 to {MAX_NAMED} are allowed",
         ),
         (
             "[beam]",
@@ -561,14 +561,16 @@ def test_what_is_taken_away_from_a_scene_never_crashes():
 
 def test_bodies_that_are_too_many_are_counted_and_not_called_unknown():
     assert errors(small(more="\n".join(f"[bodies.b{n}]\nlength = 1" for n in range(MAX_NAMED)))) == [
-        "4: bodies: there are 102 bodies, and 0 to 100 are allowed"
+        f"4: bodies: there are {MAX_NAMED + 2} bodies, and 0 to {MAX_NAMED} are allowed"
     ]
 
 
 def test_joints_that_are_too_many_are_counted_and_not_called_missing():
     weightless = ("mass = 1\ninertia = 1\n", "\n")
     pins = "\n".join(f"[joints.j{n}]\nkind = 'weld'\nbetween = ['rod.left', 'bar.b']" for n in range(MAX_NAMED))
-    assert errors(small(weightless, more=pins)) == ["10: joints: there are 101 joints, and 0 to 100 are allowed"]
+    assert errors(small(weightless, more=pins)) == [
+        f"10: joints: there are {MAX_NAMED + 1} joints, and 0 to {MAX_NAMED} are allowed"
+    ]
 
 
 def test_the_small_scene_is_right():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from heapq import heappop, heappush
 from itertools import chain
 from typing import Any
 
@@ -110,11 +111,18 @@ class _Assembly:
     # ---- bodies ----
 
     def _eliminate(self) -> None:
-        """Eliminate coordinates of bodies that joints connect to known motions, as long as there are any."""
-        waiting = list(self.scene.bodies)
-        while step := next(filter(None, (self._supported(b, j) for b in waiting for j in self.joints)), None):
-            body, joint, component, coordinates = step
-            waiting.remove(body)
+        """Eliminate coordinates of bodies that joints connect to known motions, as long as there are any.
+
+        The first body of the specification that a joint supports is next, and of its joints the first.
+        """
+        by_other_end = self._by_other_end()
+        ready = list(by_other_end[GROUND])
+        while ready:
+            number, of_joint = heappop(ready)
+            body, joint = self.scene.bodies[number], self.joints[of_joint]
+            if body.name in self.instances or (step := self._supported(body, joint)) is None:
+                continue
+            component, coordinates = step
             own, known = self._ends(body, joint)
             drive = self.drives.get(joint.name)
             self.eliminated_joints[joint.name] = EliminatedJoint(joint, JOINTS[joint.kind], drive, own, known)
@@ -122,11 +130,25 @@ class _Assembly:
             if coordinates.rows:
                 self._complete(body)
             self._add(component, coordinates)
+            if body.name in self.known:
+                for pair in by_other_end[body.name]:
+                    heappush(ready, pair)
 
-    def _supported(self, body: SceneBody, joint: Joint) -> tuple[SceneBody, Joint, Component, CoordinateMap] | None:
+    def _by_other_end(self) -> dict[str, list[tuple[int, int]]]:
+        """The numbers of bodies and of their joints, in order, by the body or the ground at the other end."""
+        numbers = {body.name: number for number, body in enumerate(self.scene.bodies)}
+        result: dict[str, list[tuple[int, int]]] = {name: [] for name in (GROUND, *numbers)}
+        for of_joint, joint in enumerate(self.joints):
+            ends = joint.first.body, joint.second.body
+            for own, other in (ends, ends[::-1]):
+                if own in numbers and other in result:
+                    result[other].append((numbers[own], of_joint))
+        return {name: sorted(pairs) for name, pairs in result.items()}
+
+    def _supported(self, body: SceneBody, joint: Joint) -> tuple[Component, CoordinateMap] | None:
         """The reduction of a body by a joint to a marker whose motion is known; None if it eliminates nothing."""
         own, other = self._ends(body, joint)
-        if joint.name in self.eliminated_joints or own.body != body.name or other.body not in self.known:
+        if joint.name in self.eliminated_joints:
             return None
         component = body_type(body).about(body, own.marker, self.gravity)
         if component is None:
@@ -140,7 +162,7 @@ class _Assembly:
             drive=self.drives.get(joint.name),
         )
         coordinates = minimal_coordinates(JOINTS[joint.kind], joint, support)
-        return None if coordinates is None else (body, joint, component, coordinates)
+        return None if coordinates is None else (component, coordinates)
 
     def _ends(self, body: SceneBody, joint: Joint) -> tuple[MarkerRef, MarkerRef]:
         """The marker of a joint on a body, and the other one."""

@@ -114,15 +114,15 @@ class BodyKinds:
 
     def __init__(self) -> None:
         self.kinds: list[BodyKind] = []
+        self._numbers: dict[Body, int] = {}
 
     def number(self, body: Body) -> int:
         """The number of the kind of a body; a new kind is derived and added."""
         form = _without_values(body)
-        for number, kind in enumerate(self.kinds):
-            if kind.body == form:
-                return number
-        self.kinds.append(_kind(form))
-        return len(self.kinds) - 1
+        if (number := self._numbers.get(form)) is None:
+            number = self._numbers[form] = len(self.kinds)
+            self.kinds.append(_kind(form))
+        return number
 
 
 @lru_cache(KEPT)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
@@ -44,7 +45,7 @@ class SceneData:
         """The bodies by their names."""
         return self.tables["bodies"]
 
-    @property
+    @cached_property
     def names_of_bodies(self) -> list[str]:
         """The names of all bodies, including those whose values are not tables."""
         bodies = self.data.get("bodies")

@@ -6,6 +6,7 @@ Coefficients are exact: 0.1 is 1/10. Only a number may stand after a /.
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import lru_cache
 from typing import ClassVar, NoReturn
 
 from derive.errors import quoted
@@ -15,12 +16,15 @@ from derive.spec.parsing.parser import MAX_DIGITS, MAX_LENGTH, MAX_POWER, Expres
 __all__ = ["MAX_DEGREE", "MAX_DIGITS", "MAX_LENGTH", "ExpressionError", "load_text", "parse_number", "polynomial"]
 
 MAX_DEGREE = MAX_POWER
+KEPT = 256
+"""The number of polynomials that are kept, since many beams of a scene have the same ones."""
 
 ZERO: Polynomial = ()
 ONE: Polynomial = (Fraction(1),)
 XI: Polynomial = (Fraction(0), Fraction(1))
 
 
+@lru_cache(KEPT)
 def polynomial(text: str) -> Polynomial:
     """The polynomial in xi that `text` denotes, such as "xi^2 - 1/3"."""
     return _Polynomials(text).parse()

@@ -26,7 +26,7 @@ from derive.spec.parsing.names import PATTERN as NAME_PATTERN
 from derive.spec.parsing.polynomial import MAX_LENGTH
 
 MAX_MARKERS = 64
-MAX_NAMED = 100
+MAX_NAMED = 10_000
 
 
 class TomlTable(BaseModel):

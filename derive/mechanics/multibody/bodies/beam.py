@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
+from functools import lru_cache
 
 import sympy as sp
 
@@ -13,10 +14,12 @@ from derive.mechanics.bodies.beam import AXIAL_DOCS, beam_body, beam_point, sect
 from derive.mechanics.bodies.beam_damping import DAMPING_DOCS, damping_constants
 from derive.mechanics.bodies.displacement_fields import stretching_shapes
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
+from derive.mechanics.body import Body
 from derive.mechanics.multibody.bodies.beam_loads import load_forces, load_points
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, ComponentDamping, Constant, CrossSection
 from derive.mechanics.symbols import owned
 from derive.mechanics.terms import ModelConstant
+from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import AttachedMass, Marker, ShapeFamily
 from derive.spec.model.forces import Force
 from derive.spec.model.markers import MarkerRef
@@ -30,6 +33,9 @@ WHOLE_BEAM = (
     "cuts; leave `pieces` out, or take polynomials without `ends`"
 )
 """The message that a beam cannot be cut."""
+
+KEPT = 32
+"""The number of pieces that are kept, since many bodies of a scene may be equal but for their names."""
 
 
 class Beam(BodyType[BeamBody]):
@@ -46,19 +52,15 @@ class Beam(BodyType[BeamBody]):
         result = []
         for k in range(n):
             masses = masses_of_piece(body, k)
-            piece = replace(beam_body(replace(body.beam, markers=(), masses=masses), n), gravity=gravity)
-            own = [Marker(m.name, place_in_piece(m.at, n)) for m in body.beam.markers if piece_of(m.at, n) == k]
+            own = tuple(Marker(m.name, place_in_piece(m.at, n)) for m in body.beam.markers if piece_of(m.at, n) == k)
             ends = [Marker(CUT[0], Fraction(-1))] if k else []
             ends += [Marker(CUT[1], Fraction(1))] if k < n - 1 else []
-            sections = {
-                m.name: CrossSection(beam_point(m, body.beam, n), section_rotations(m, body.beam, n))
-                for m in (*own, *ends)
-            }
-            sections |= load_points(body, k)
+            piece, sections = _piece(replace(body.beam, name="", markers=(*own, *ends), masses=masses), n, gravity)
             name = piece_name(body, k)
             # The pieces without masses share their constants.
             group = name if masses else body.name
-            result.append(Component(name, group, piece, sections, tuple(m.name for m in own), body.name))
+            every = {**sections, **load_points(body, k)}
+            result.append(Component(name, group, piece, every, tuple(m.name for m in own), body.name))
         return tuple(result)
 
     def constants(self, body: BeamBody) -> Iterator[Constant]:
@@ -116,6 +118,15 @@ class Beam(BodyType[BeamBody]):
             return text
         stretch = " + ".join(f"alpha{k} ({shape.text})" for k, shape in enumerate(along, len(shapes) + 1))
         return f"{text} Stretching, along its e1: {stretch}."
+
+
+@lru_cache(KEPT)
+def _piece(
+    beam: PlanarBeam, pieces: int, gravity: tuple[ModelConstant, ...]
+) -> tuple[Body, Mapping[str, CrossSection]]:
+    """One of the equal pieces of a beam, with the markers and masses of the piece, and its cross-sections there."""
+    sections = {m.name: CrossSection(beam_point(m, beam, pieces), section_rotations(m, beam, pieces)) for m in beam.markers}
+    return replace(beam_body(replace(beam, markers=()), pieces), gravity=gravity), sections
 
 
 def piece_name(rod: BeamBody, k: int) -> str:
