@@ -15,6 +15,8 @@ from typing import Any
 
 import sympy as sp
 
+from derive.spec.model.instances import identifier
+
 
 class Index(Enum):
     """The generic indices of shapes, which sums run over."""
@@ -169,7 +171,7 @@ class Identity:
                 parts = [self.family.stem, f"{self.label}{DOTS[self.derivative]}"]
             case Kind.CHOSEN | Kind.LOCAL:
                 parts = [self.label, *shapes, components]
-        return "_".join(filter(None, (self.owner, *parts))) + ("_" if self.parameter else "")
+        return identifier(self.owner, *parts) + ("_" if self.parameter else "")
 
     @property
     def indexed(self) -> bool:

@@ -35,7 +35,7 @@ from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import breaks
 from derive.spec.parsing.condition import Row
-from derive.spec.parsing.faults import path_text
+from derive.spec.parsing.faults import names_text, path_text
 
 NO_INPUTS = "a body in space has no run-time inputs; make it part of a scene, or leave `inputs` out"
 """The message of the error for run-time inputs of a body."""
@@ -161,5 +161,5 @@ def _repeated(names: Iterable[str]) -> Iterator[Problem]:
 
 def plots_of_nothing(plots: Iterable[Plot], known: tuple[str, ...]) -> Iterator[Problem]:
     """The problems of plots of columns that a motion does not have; known: the columns that it has."""
-    for path, message in missing_columns(plots, known, f"the columns are {', '.join(known)}"):
+    for path, message in missing_columns(plots, known, f"the columns are {names_text(known)}"):
         yield Problem(path_text(path), message)

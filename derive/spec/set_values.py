@@ -17,6 +17,7 @@ from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
 from derive.spec.checks.scene_parameters import beam_constants, scene_constants
 from derive.spec.construction import validated_tables
+from derive.spec.model.instances import identifier
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing.faults import KeyPath, did_you_mean, path_text, readable
@@ -170,7 +171,7 @@ def _as_parameter(path: KeyPath, old: Any, new: Any, taken: set[str]) -> Any:
     """The parameter with the new default, or the new value itself where the path gives no valid name."""
     if isinstance(old, Mapping):
         return {**old, "default": new}
-    name = "_".join(str(part + 1 if isinstance(part, int) else part) for part in path[1:])
+    name = identifier(*(str(part + 1 if isinstance(part, int) else part) for part in path[1:]))
     symbol = next((free for free in (name, f"{name}_value") if free.lower() not in taken), name)
     if isinstance(new, str) and readable(number, new) is None:
         return new  # a function of t, which is no default of a parameter

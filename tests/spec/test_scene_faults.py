@@ -35,7 +35,7 @@ NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ ar
             "mass = 1",
             "mass = 1\ncolour = 1",
             "6: bodies.bar.colour: unknown key; the keys of a rigid body are mass, inertia, centre, markers, start, "
-            "keep_coordinates",
+            "keep_coordinates, count",
         ),
         ("mass = 1", "mass = 1\nlenght = 1", '6: bodies.bar.lenght: unknown key; did you mean "length"?'),
         (

@@ -25,6 +25,7 @@ from derive.mechanics.terms import (
     Term,
     Vanished,
 )
+from derive.spec.model.instances import identifier
 
 Symbols = dict[sp.Basic, sp.Basic]
 
@@ -220,7 +221,7 @@ def _marker(instance: BodyInstance, kind: BodyKind, name: str, change: _Change) 
 
     return replace(
         free,
-        name=f"{component.specified}_{name}",
+        name=identifier(component.specified, name),
         doc=f"{free.doc} of {component.name}",
         definitions=tuple(own.definitions),
         position=free.position.applyfunc(own),

@@ -8,6 +8,7 @@ from derive.mechanics.multibody.outputs.output_type import OutputInstance
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.symbols import DOTS, run_time_input
 from derive.mechanics.terms import InputSymbol, ModelConstant, OutputEquation
+from derive.spec.model.instances import identifier
 from derive.spec.model.scene import Scene
 
 
@@ -32,7 +33,6 @@ def output_equations(
     for output in instances:
         made = output.type.components(output.name, output.values, parts)
         for part in made.components:
-            name = f"{output.name}_{part.label}" if part.label else output.name
-            equations.append(OutputEquation(name, part.unit, part.doc, part.expr))
+            equations.append(OutputEquation(identifier(output.name, part.label), part.unit, part.doc, part.expr))
         constants += made.constants
     return tuple(equations), tuple(constants)

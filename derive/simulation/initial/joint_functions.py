@@ -18,6 +18,7 @@ from derive.simulation.initial.kinematics import Kinematics, Linear
 from derive.simulation.observables.beams import fields_of, half_length
 from derive.simulation.observables.motion import body_coordinates, si_value
 from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import BeamBody, CustomJoint, Joint, Scene
@@ -102,7 +103,7 @@ def _on_beam(beam: BeamBody, marker: str, native: NativeScene) -> Callable[[Kine
     gradients = np.zeros((2, native.nq))  # of du/dx and dv/dx
     for field, column in zip(fields, columns, strict=True):
         gradients[field.axis - 1, column] = float(field.of.derivative().at(place)) / half_length(beam)
-    name, at_rest = f"{beam.name}_{marker}", np.zeros(native.nv)
+    name, at_rest = identifier(beam.name, marker), np.zeros(native.nv)
     second_order = beam.beam.order is not DisplacementOrder.FIRST_ORDER
 
     def function(kinematics: Kinematics) -> tuple[Linear, ...]:

@@ -11,6 +11,7 @@ from derive.mechanics.multibody.outputs.marker_motion import MARKER
 from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS, output_type
 from derive.roles import Role
 from derive.simulation.trajectory import energy_names
+from derive.spec.model.instances import identifier
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import Scene
@@ -66,7 +67,7 @@ def _free_name(output: SceneOutput, scene: Scene) -> str:
     """The name of an output's plot: its own, or one like it if a plot of something else has that, in any case."""
     names = [plot.name for plot in scene.plots] + [other.name for other in scene.outputs if other != output]
     taken = {name.lower() for name in names}
-    name = output.name
+    name = identifier(output.name)
     while name.lower() in taken:
         name += "_output"
     return name
@@ -75,7 +76,7 @@ def _free_name(output: SceneOutput, scene: Scene) -> str:
 def output_columns(output: SceneOutput) -> tuple[str, ...]:
     """The names of the columns of an output of a scene, or of one that monitors a model."""
     labels = {**OUTPUTS, **MONITORS}[output.kind].labels
-    return tuple(f"{output.name}_{label}" if label else output.name for label in labels)
+    return tuple(identifier(output.name, label) for label in labels)
 
 
 def _plot(name: str, columns: Sequence[str]) -> Plot:

@@ -14,6 +14,7 @@ from derive.mechanics.multibody.outputs.deflection import distance_from_line
 from derive.mechanics.prescribed_motion import drive_motion
 from derive.runtime.native_scene import NativeScene
 from derive.spec.files.splines import cubic_spline
+from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef, PointMarker
 from derive.spec.model.plots import Deflection, ReferenceCurve
 from derive.spec.model.quantity import Parameter, Quantity
@@ -98,7 +99,7 @@ def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
     body = next(b for b in motion.scene.bodies if b.name == marker.body)
     if isinstance(body, RigidBody):
         return transformed(motion.pose(body.name), body_coordinates(motion.scene, marker))
-    return native.marker_positions(f"{marker.body}_{marker.marker}", motion.q, motion.v, motion.k)
+    return native.marker_positions(identifier(marker.body, marker.marker), motion.q, motion.v, motion.k)
 
 
 def transformed(pose: Array, x: Array) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 
 from derive.simulation.observables.beams import beam_bodies, piece_names
 from derive.simulation.validity.loaded_sections import held_ends, loaded_sections
+from derive.spec.model.instances import identifier
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
@@ -35,7 +36,7 @@ def monitored_pieces(scene: Scene) -> tuple[MonitoredPiece, ...]:
     for beam in beam_bodies(scene):
         kinds = ("axial_load", "axial_load_linear", "axial_load_quadratic")[: 3 if beam.pieces == 1 else 1]
         for piece in _watched(beam):
-            outputs = tuple(SceneOutput(_name(f"{k}_{piece}", taken), k, {"component": piece}) for k in kinds)
+            outputs = tuple(SceneOutput(_name(identifier(k, piece), taken), k, {"component": piece}) for k in kinds)
             result.append(MonitoredPiece(beam.name, piece, outputs))
     return tuple(result)
 
@@ -54,7 +55,7 @@ def monitored_sections(scene: Scene) -> dict[tuple[str, Fraction, str], SceneOut
         ends = [marker for marker in loaded if abs(marker.at) == 1]
         for kind, markers in ((MOMENT_GAP, (*held_ends(scene, beam), *within)), (SHEAR_GAP, ends)):
             for marker in markers:
-                name = _name(f"{kind}_{beam.name}_{marker.name}", taken)
+                name = _name(identifier(kind, beam.name, marker.name), taken)
                 section = {"section": MarkerRef(beam.name, marker.name)}
                 result[beam.name, marker.at, kind] = SceneOutput(name, kind, section)
     return result

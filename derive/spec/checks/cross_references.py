@@ -17,7 +17,7 @@ from derive.spec.checks.scene_parameters import parameter_faults
 from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene import NAMED
-from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean
+from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
 from derive.spec.tables.scene_bodies import RIGID
 
 
@@ -46,7 +46,7 @@ def _markers(view: SceneData) -> Iterator[Fault]:
     """Faults of references to markers that do not exist."""
     for path, marker in view.marker_refs():
         if marker.body != GROUND and marker.body not in view.names_of_bodies:
-            bodies = f"the bodies are {', '.join(view.names_of_bodies)}, and there is the ground"
+            bodies = f"the bodies are {names_text(view.names_of_bodies)}, and there is the ground"
             hint = did_you_mean(marker.body, (*view.names_of_bodies, GROUND), bodies)
             yield Fault(path, f"there is no body {quoted(marker.body)}{hint}")
             continue
@@ -97,7 +97,7 @@ def _drives(view: SceneData) -> Iterator[Fault]:
         path: KeyPath = ("drives", name, "joint")
         if joint not in joints:
             known_names = (
-                f"the joints are {', '.join(map(str, joints))}" if joints else "write one, such as [joints.bearing]"
+                f"the joints are {names_text(map(str, joints))}" if joints else "write one, such as [joints.bearing]"
             )
             yield Fault(path, f"there is no joint {quoted(joint)}{did_you_mean(joint, map(str, joints), known_names)}")
             continue
@@ -184,13 +184,13 @@ def _outputs(view: SceneData) -> Iterator[Fault]:
                 body = value.partition(".")[0]
                 if body in view.bodies and not view.is_beam(body):
                     beams = [name for name in view.bodies if view.is_beam(name)]
-                    known = f"the beams are {', '.join(beams)}" if beams else "the scene has no beam"
+                    known = f"the beams are {names_text(beams)}" if beams else "the scene has no beam"
                     text = f"the body {body} is no beam, and has no such sections; {known}"
                     yield Fault(("outputs", name, key.name), text)
             if section is None or not isinstance(value, str) or value in view.tables[section]:
                 continue
             noun, others = NAMED[section], [*view.tables[section]]
-            known = f"the {section} are {', '.join(others)}" if others else f"the scene has no {section}"
+            known = f"the {section} are {names_text(others)}" if others else f"the scene has no {section}"
             text = f"there is no {noun} {quoted(value)}{did_you_mean(value, others, known)}"
             yield Fault(("outputs", name, key.name), text)
 
@@ -217,7 +217,7 @@ def _plots(view: SceneData) -> Iterator[Fault]:
             )
         beams = [body for body in view.bodies if view.is_beam(body)]
         if isinstance(cut, str) and cut not in beams:
-            known_names = f"the beams are {', '.join(beams)}" if beams else "leave `cut` and `pieces` out"
+            known_names = f"the beams are {names_text(beams)}" if beams else "leave `cut` and `pieces` out"
             if cut in view.bodies:
                 text = f"the body {cut} is rigid, and beams alone are cut into pieces; {known_names}"
             else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -21,12 +21,31 @@ from derive.spec.tables.specification import GROUND_TABLE, SCENE, SCENE_TABLE, s
 MAX_FAULTS = 100
 
 
-def key_faults(error: ValidationError, data: Mapping[str, object]) -> list[Fault]:
-    """The faults of single keys; of very many faults only the first are given."""
-    details = error.errors(include_url=False)
-    faults = [_fault(detail, data) for detail in details[:MAX_FAULTS]]
-    if len(details) > MAX_FAULTS:
-        faults.append(Fault((), f"{len(details) - MAX_FAULTS} more problems are not shown"))
+def key_faults(
+    error: ValidationError, data: Mapping[str, object], written: Callable[[KeyPath], KeyPath] = lambda path: path
+) -> list[Fault]:
+    """The faults of single keys; of very many faults only the first are given.
+
+    written: the path as it is written, for the path of a key of an instance.
+    """
+    faults: list[Fault] = []
+    paths: set[KeyPath] = set()
+    known: dict[object, Fault] = {}  # equal ones of other instances, since a fault takes long to describe
+    left_out = 0
+    for detail in error.errors(include_url=False):
+        location = written(detail["loc"])
+        if location not in paths and len(paths) == MAX_FAULTS:
+            left_out += 1
+            continue
+        paths.add(location)
+        alike = location, detail["type"], str(detail.get("ctx", {}).get("error")), kind_of(detail["input"])
+        if alike not in known:
+            known[alike] = _fault(detail, data)
+        fault = known[alike]
+        in_instance = location != detail["loc"]
+        faults.append(fault._replace(path=(*detail["loc"][:2], *fault.path[2:])) if in_instance else fault)
+    if left_out:
+        faults.append(Fault((), f"{left_out} more problems are not shown"))
     return faults
 
 

@@ -14,12 +14,13 @@ from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.beam_parts import DEFAULT_ANSATZ
+from derive.spec.model.instances import identifier
 from derive.spec.model.keys import quantities
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import NAMED
 from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
-from derive.spec.parsing.names import name_problem
+from derive.spec.parsing.names import element_name_problem, name_problem
 from derive.spec.tables.value_types import MAX_SHAPES
 
 RESERVED = {"t": "it is the time", "pi": "it is the number pi"}
@@ -76,7 +77,7 @@ def column_faults(view: SceneData) -> Iterator[Fault]:
     for name, table in _named(view, "outputs"):
         output_type = OUTPUTS.get(str(table.get("kind")))
         for label in output_type.labels if output_type else ():
-            column = f"{name}_{label}" if label else name
+            column = identifier(name, label)
             why = columns.setdefault(column.lower(), f"it is a component of the output {name}")
             if why != f"it is a component of the output {name}":
                 yield Fault(("outputs", name), f"{quoted(column)} is taken: {why}; choose another name")
@@ -111,15 +112,20 @@ def made_names(view: SceneData) -> Iterator[Made]:
             for k in range(1, count + 1):
                 yield from _coordinates(path, f"{name}_{k}", shapes, f"piece {k} of the body {name}")
                 for weld in JOINTS["weld"].removes:
-                    yield path, f"{name}_cut_{k}_{weld.label}", f"a multiplier of cut {k} of the body {name}"
+                    yield (
+                        path,
+                        identifier(name, "cut", str(k), weld.label),
+                        f"a multiplier of cut {k} of the body {name}",
+                    )
     for name, _ in _named(view, "inputs"):
         for rate in RATES:
             yield ("inputs", name), f"u_{name}{rate}", f"the input {name}{' or its rate' if rate else ''}"
     for kind in ("joints", "forces", "torques", "springs", "drives"):
+        labels = _labels(kind)
         for name, _ in _named(view, kind):
             what = "the multiplier" if kind == "drives" else "a name"
-            for end in _labels(kind):
-                yield (kind, name), f"{name}{end}", f"{what} of the {NAMED[kind]} {name}"
+            for end in labels:
+                yield (kind, name), identifier(f"{name}{end}"), f"{what} of the {NAMED[kind]} {name}"
 
 
 def _shape_count(ansatz: object) -> int:
@@ -137,7 +143,7 @@ def _coordinates(path: KeyPath, name: str, shapes: int, of: str) -> Iterator[Mad
 
 def coordinate_names(body: str, shapes: int) -> list[str]:
     """The names that the coordinates of a body with so many shape functions may have."""
-    return [f"{body}_{end}" for end in ("c1", "c2", "phi", "s", *(f"alpha{i}" for i in range(1, shapes + 1)))]
+    return [identifier(body, end) for end in ("c1", "c2", "phi", "s", *(f"alpha{i}" for i in range(1, shapes + 1)))]
 
 
 def piece_counts(view: SceneData, name: str, body: Raw) -> list[int]:
@@ -153,7 +159,7 @@ def piece_counts(view: SceneData, name: str, body: Raw) -> list[int]:
 
 def _named(view: SceneData, kind: str) -> Iterator[tuple[str, Raw]]:
     for name, table in view.tables[kind].items():
-        if not name_problem(name):
+        if not element_name_problem(name):
             yield name, table
 
 
@@ -175,17 +181,19 @@ def _markers(view: SceneData) -> Iterator[Fault]:
     for body in (GROUND, *view.bodies):
         for marker in view.markers(body) or ():
             path: KeyPath = (GROUND, "markers", marker) if body == GROUND else ("bodies", body, "markers", marker)
-            if name_problem(marker) or (body != GROUND and name_problem(body)):
+            if name_problem(marker) or (body != GROUND and element_name_problem(body)):
                 continue
             if body != GROUND and marker.lower() in OWN_MARKERS:
                 text = f"{quoted(marker)} is taken: it is what a point of every body is called"
                 yield Fault(path, f"{text}; choose another name")
-            other = first.setdefault(f"{body}_{marker}".lower(), (body, marker))
+            other = first.setdefault(identifier(body, marker).lower(), (body, marker))
             if other == (body, marker):
                 continue
             if other[0] == body:
                 text = f"there is a marker {quoted(other[1])}; names must differ in more than case"
                 yield Fault(path, f"{quoted(marker)} is taken: {text}")
             else:
-                text = f"{body}_{marker} would be this marker and the marker {other[1]} of the body {other[0]}"
+                text = (
+                    f"{identifier(body, marker)} would be this marker and the marker {other[1]} of the body {other[0]}"
+                )
                 yield Fault(path, f"{text}; choose another name")

@@ -14,10 +14,11 @@ from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.name_clashes import RATES, coordinate_names
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import ShapeFamily
+from derive.spec.model.instances import identifier
 from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.scene import BeamBody, RigidBody, Scene, Specification
 from derive.spec.parsing.condition import condition
-from derive.spec.parsing.faults import Fault, did_you_mean
+from derive.spec.parsing.faults import Fault, did_you_mean, names_text
 from derive.spec.parsing.parser import ExpressionError
 
 
@@ -26,7 +27,7 @@ def column_faults(spec: Specification) -> Iterator[Fault]:
     possible = possible_columns(spec)
     if possible is None:
         return
-    yield from missing_columns(spec.plots, possible, f"columns may be {', '.join(possible)}")
+    yield from missing_columns(spec.plots, possible, f"columns may be {names_text(possible)}")
     if spec.simulation is not None and spec.simulation.until is not None:
         try:
             condition(spec.simulation.until, possible)
@@ -58,18 +59,16 @@ def possible_columns(spec: Specification) -> tuple[str, ...] | None:
             counts = {body.pieces, *(n for plot in spec.plots if plot.cut == body.name for n in plot.pieces)}
             coordinates += _of_beam(body.name, body.beam, counts)
             cuts = range(1, max(counts))
-            multipliers += (f"{body.name}_cut_{k}_{weld.label}" for k in cuts for weld in JOINTS["weld"].removes)
+            multipliers += (
+                identifier(body.name, "cut", str(k), weld.label) for k in cuts for weld in JOINTS["weld"].removes
+            )
         else:
             coordinates += coordinate_names(body.name, 0)
     for joint in spec.joints:
-        multipliers += (f"{joint.name}_{multiplier.label}" for multiplier in JOINTS[joint.kind].removes)
+        multipliers += (identifier(joint.name, multiplier.label) for multiplier in JOINTS[joint.kind].removes)
     drives = [drive.name for drive in spec.drives]
     inputs = (f"u_{each.name}{rate}" for each in spec.inputs for rate in RATES)
-    outputs = (
-        f"{output.name}_{label}" if label else output.name
-        for output in spec.outputs
-        for label in OUTPUTS[output.kind].labels
-    )
+    outputs = (identifier(output.name, label) for output in spec.outputs for label in OUTPUTS[output.kind].labels)
     reactions = (f"lambda_{name}" for name in (*multipliers, *drives))
     return ("t", *drives, *_of_states(coordinates), *reactions, *inputs, *outputs)
 

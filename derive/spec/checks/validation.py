@@ -25,6 +25,7 @@ from derive.spec.model.scene import Scene, Specification
 from derive.spec.parsing.faults import Fault, KeyPath, line_of, path_text
 from derive.spec.parsing.names import name_problem
 from derive.spec.tables.body import kind_of_body, nodal_body
+from derive.spec.tables.instance_tables import instance_tables
 from derive.spec.tables.shared import MAX_MARKERS, TomlTable
 from derive.spec.tables.specification import SCENE, plots, scene, specification_table
 
@@ -59,12 +60,14 @@ def validate(
 def _checked(data: Mapping[str, object], folder: Path, known: Curves, columns: bool) -> Specification | list[Fault]:
     """The specification that `data` describe, with other files relative to `folder`; or all faults."""
     specification = None
+    instances = instance_tables(data)
+    data = instances.data
     names, faults_of_names = known_functions(data, folder)
     faults: list[Fault] = []
     try:
         specification = specification_table().model_validate(data, context=names)
     except ValidationError as error:
-        faults = key_faults(error, data)
+        faults = key_faults(error, data, instances.written)
     kinds = _kinds(data)
     if len(kinds) > 1:
         return [_mixed(kinds)]  # what else there is follows from this
@@ -77,15 +80,16 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves, columns: b
     nodes, node_faults = _nodes(data, specification, folder)
     curves, curve_faults = references(data, folder, known)
     faults += node_faults + curve_faults + faults_of_names
-    if any(key in data for key in SCENE):
+    if any(key in data for key in SCENE) and instances.counts_are_known:
         faults += scene_faults(data)
     faults += [*_simulated_without_numbers(data), *_plots_of_a_body(data)]
+    faults = instances.merged(faults)
     if specification is None or faults:
         return faults
     result = _specified(specification, nodes, curves)
     faults += function_faults(result, data) if isinstance(result, Scene) else ()
     faults += column_faults(result) if columns else ()
-    return faults or result
+    return instances.merged(faults) or result
 
 
 def _simulated_without_numbers(data: Mapping[str, object]) -> Iterator[Fault]:

@@ -56,6 +56,7 @@ class KeyType(Enum):
     LOAD_PAIR = "two components that are polynomials in xi"
     ORDER = "1 or 2"
     COUNT = "a whole number"
+    INSTANCE_COUNT = "a number of instances"
     COUNTS = "whole numbers"
     MODE_COUNT = "a number of modes"
     COORDINATES = "two coordinates, numbers or run-time parameters"

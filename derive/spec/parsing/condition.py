@@ -10,7 +10,7 @@ from fractions import Fraction
 from typing import ClassVar
 
 from derive.errors import quoted
-from derive.spec.parsing.faults import did_you_mean
+from derive.spec.parsing.faults import did_you_mean, names_text
 from derive.spec.parsing.parser import ExpressionError, Parser, Token
 
 Row = Mapping[str, float]
@@ -80,7 +80,7 @@ class _Columns(Parser[Evaluate]):
         if name == "pi":
             return lambda row: math.pi
         if self.columns is not None and name not in self.columns:
-            known = f"the columns are {', '.join(self.columns)}"
+            known = f"the columns are {names_text(self.columns)}"
             self.fail(at, f"there is no column {quoted(name)}{did_you_mean(name, self.columns, known)}")
         self.used.add(name)
         return lambda row: row[name]

@@ -6,14 +6,19 @@ import difflib
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import lru_cache
 from typing import NamedTuple, TypeVar
 
 from derive.errors import printable, quoted
+from derive.spec.parsing.names import INDEX_PATTERN
 from derive.spec.parsing.other_words import meant_name
 from derive.spec.parsing.values import WrongValueError
 
 Result = TypeVar("Result")
 KeyPath = tuple[str | int, ...]
+
+MAX_NAMES = 100
+"""The largest number of names that a message lists."""
 
 
 class Fault(NamedTuple):
@@ -51,7 +56,8 @@ def path_text(path: KeyPath) -> str:
             text += f"[{part}]"
         else:
             key = printable(part[:60])
-            text += "." * bool(text) + (key if re.fullmatch("[A-Za-z0-9_-]+", key) else f'"{key}"')
+            plain = re.fullmatch(f"[A-Za-z0-9_-]+({INDEX_PATTERN})?", key)
+            text += "." * bool(text) + (key if plain else f'"{key}"')
     return text
 
 
@@ -75,12 +81,23 @@ def similar_name(name: str, known: Collection[str], otherwise: str) -> str:
     return did_you_mean(name, known, otherwise) if meant is None else f"; did you mean {quoted(meant)}?"
 
 
+@lru_cache(64)
+def _close_matches(asked: str, known: tuple[str, ...]) -> list[str]:
+    """Up to two known names that resemble one, which the instances of a table may all have in common."""
+    return difflib.get_close_matches(asked, known, n=2)
+
+
+def names_text(names: Iterable[str]) -> str:
+    """Names in a message; of very many only the first and the last."""
+    names = [*names]
+    return ", ".join(names if len(names) <= MAX_NAMES else [*names[:3], "...", names[-1]])
+
+
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
     """The hint on an unknown name: one or two known names that resemble it, or `otherwise`, if given."""
     lower = {name_known.lower(): name_known for name_known in known}
     asked = name[:40].lower()
-    near = difflib.get_close_matches(asked, lower, n=2)
-    if near:
+    if near := _close_matches(asked, tuple(lower)):
         first, last = (difflib.SequenceMatcher(None, asked, match).ratio() for match in (near[0], near[-1]))
         alike = near if first - last < 0.03 else near[:1]  # `masss` is as near to `mass` as to `masses`
         return f"; did you mean {' or '.join(quoted(lower[match]) for match in alike)}?"

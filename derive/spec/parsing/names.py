@@ -9,6 +9,8 @@ from derive.errors import quoted
 
 MAX_LENGTH = 40
 PATTERN = "[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*"
+INDEX_PATTERN = r"\[(0|[1-9][0-9]{0,4})\]"
+"""The index behind the name of an instance, as in link[3]."""
 
 # The lists are written out, not asked of the running Python, so that every version accepts the same names.
 _C = """
@@ -48,6 +50,12 @@ def name_problem(text: str) -> str | None:
     """The reason why `text` cannot be a name in the generated code, with an alternative; None if it can."""
     why = _why_not(text)
     return why and f"{quoted(text)} cannot be a name: {why}; {_suggestion(text)}"
+
+
+def element_name_problem(text: str) -> str | None:
+    """The reason why `text` cannot be the name of an element of a scene, which may have an index behind it."""
+    index = re.search(f"{INDEX_PATTERN}$", text)
+    return name_problem(text[: index.start()] if index else text)
 
 
 def _why_not(text: str) -> str | None:

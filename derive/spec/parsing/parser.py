@@ -55,6 +55,7 @@ class Parser(Generic[Value]):
     made_of: ClassVar[str]
     names: ClassVar[tuple[str, ...]] = ()
     functions: ClassVar[tuple[str, ...]] = ()
+    max_power = MAX_POWER
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -154,8 +155,8 @@ class Parser(Generic[Value]):
         if self._next.text in ("^", "**"):
             name = self.names[0] if self.names else "2"
             self.fail(self._next, f"a power of a power needs parentheses, such as ({name}^2)^3")
-        if int(exponent.text) > MAX_POWER:
-            self.fail(exponent, f"the power is too high; the highest is {MAX_POWER}")
+        if int(exponent.text) > self.max_power:
+            self.fail(exponent, f"the power is too high; the highest is {self.max_power}")
         return self.raised(base, int(exponent.text), operator)
 
     def _atom(self) -> Value:
@@ -284,6 +285,14 @@ class Parser(Generic[Value]):
             if kind == "end":
                 break
         return tokens
+
+
+def names_of(text: str) -> tuple[str, ...]:
+    """The names of variables and functions in an expression; none in a text that is no expression."""
+    tokens = [(str(match.lastgroup), match) for match in _TOKEN.finditer(text[: MAX_LENGTH + 1])]
+    if any(kind == "other" for kind, _ in tokens):
+        return ()
+    return tuple(match[kind] for kind, match in tokens if kind == "name")
 
 
 def fits(value: Fraction) -> bool:

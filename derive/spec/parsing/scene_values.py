@@ -17,6 +17,7 @@ from derive.spec.parsing.condition import condition
 from derive.spec.parsing.time_expression import Known, number_function, time_function
 
 MAX_PIECES = 64
+MAX_INSTANCES = 10_000
 
 
 def marker_ref(value: object) -> MarkerRef:
@@ -83,6 +84,15 @@ def piece_count(value: object) -> int:
     if not 1 <= count <= MAX_PIECES:
         raise values.WrongValueError(f"a beam is cut into 1 to {MAX_PIECES} pieces, not {values.shown(count)}")
     return count
+
+
+def instance_count(value: object) -> int:
+    """The number of instances of a table."""
+    number = value if isinstance(value, int) and not isinstance(value, bool) else None
+    if number is None or not 1 <= number <= MAX_INSTANCES:
+        given = values.kind_of(value) if number is None else values.shown(number)
+        raise values.WrongValueError(f"a count is a whole number from 1 to {MAX_INSTANCES}, not {given}")
+    return number
 
 
 def axis(value: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:

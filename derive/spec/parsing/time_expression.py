@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import ClassVar
 
 from derive.spec.model.time_function import Spline, TimeFunction, depends_on_time, parts, value_at
-from derive.spec.parsing.parser import Parser, Token, fits
+from derive.spec.parsing.parser import MAX_POWER, Parser, Token, fits
 
 TIME = TimeFunction("t")
 PI = Fraction(math.pi)
@@ -44,9 +44,9 @@ class Known:
     splines: Mapping[str, Spline] = field(default_factory=dict)
 
 
-def time_function(text: str, known: Known | None = None) -> TimeFunction:
+def time_function(text: str, known: Known | None = None, max_power: int = MAX_POWER) -> TimeFunction:
     """The function of t that `text` denotes, such as "2*pi*t - sin(2*pi*t)"."""
-    return _Functions(text, known or Known()).parse()
+    return _Functions(text, known or Known(), max_power).parse()
 
 
 def number_function(value: Fraction) -> TimeFunction:
@@ -69,8 +69,8 @@ class _Functions(Parser[TimeFunction]):
     names: ClassVar[tuple[str, ...]] = ("t", "pi")
     functions: ClassVar[tuple[str, ...]] = FUNCTIONS
 
-    def __init__(self, text: str, known: Known) -> None:
-        self.known = known
+    def __init__(self, text: str, known: Known, max_power: int) -> None:
+        self.known, self.max_power = known, max_power
         self.names = ("t", "pi", *known.names)  # type: ignore[misc]  # those of the class and of the scene
         self.functions = (*FUNCTIONS, *known.splines)  # type: ignore[misc]
         super().__init__(text)
@@ -154,14 +154,14 @@ class _Functions(Parser[TimeFunction]):
         return self._made("div", (a, b), at)
 
     def raised(self, a: TimeFunction, power: int, at: Token) -> TimeFunction:
-        return self._made("pow", (a, number_function(Fraction(power))), at)
+        return self._made("pow", (a, number_function(Fraction(power))), at, exact=power <= MAX_POWER)
 
-    def _made(self, kind: str, args: tuple[TimeFunction, ...], at: Token) -> TimeFunction:
+    def _made(self, kind: str, args: tuple[TimeFunction, ...], at: Token, exact: bool = True) -> TimeFunction:
         """The result of an operation: a number if all operands are numbers and the result has few digits."""
-        if kind in _EXACT and all(arg.kind == "number" for arg in args):
-            exact = _EXACT[kind](*(arg.value for arg in args))
-            if fits(exact):
-                return number_function(exact)
+        if exact and kind in _EXACT and all(arg.kind == "number" for arg in args):
+            number = _EXACT[kind](*(arg.value for arg in args))
+            if fits(number):
+                return number_function(number)
         function = TimeFunction(kind, args)
         try:
             value = constant_value(function)

@@ -14,7 +14,7 @@ from fractions import Fraction
 
 from derive.errors import TisserandError, quoted
 from derive.spec.model.beam_parts import Polynomial
-from derive.spec.parsing.names import name_problem
+from derive.spec.parsing.names import element_name_problem, name_problem
 from derive.spec.parsing.polynomial import MAX_DEGREE, MAX_DIGITS, load_text, parse_number, polynomial
 
 UNIT_PATTERN = "[A-Za-z0-9(]([A-Za-z0-9 .^*/()-]{0,22}[A-Za-z0-9)])?"
@@ -53,6 +53,13 @@ def name(value: object) -> str:
         raise WrongValueError(f'a name in quotation marks is needed, such as "beam_1", not {kind_of(value)}')
     problem = name_problem(value)
     if problem:
+        raise WrongValueError(problem)
+    return value
+
+
+def element_name(value: str) -> str:
+    """The name of an element of a scene, which may have an index behind it."""
+    if problem := element_name_problem(value):
         raise WrongValueError(problem)
     return value
 

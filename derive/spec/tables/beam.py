@@ -27,6 +27,7 @@ from derive.spec.model.beam_parts import (
     ShapeFamily,
 )
 from derive.spec.model.body import Damping, DisplacementOrder
+from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.scene import BeamBody, DistributedLoad
 from derive.spec.model.simulation import OF_BEAMS, InitialValues
@@ -183,7 +184,7 @@ BEAM = declare(PlanarBeam, "BeamTable", keys=(*_of_every_beam, *_alone), make=_b
 BEAM_BODY = declare(
     BeamBody,
     "BeamBodyTable",
-    keys=(*_of_every_beam, *declared_keys(BeamBody)),
+    keys=(*_of_every_beam, *declared_keys(BeamBody), COUNT),
     make=_beam_body,
     check=_check_beam_body,
     base=AnyBeamTable,

@@ -10,9 +10,10 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field, create_model
 
+from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import QUANTITIES, Key, KeyType, declared_keys, has_name
 from derive.spec.tables.quantities import quantity
-from derive.spec.tables.shared import Example, TomlTable, by_name, choice_type, plain_or_table
+from derive.spec.tables.shared import ElementName, Example, Name, TomlTable, by_name, choice_type, plain_or_table
 from derive.spec.tables.value_types import VALUE_TYPES
 
 
@@ -83,13 +84,13 @@ def keyed_model(
     return create_model(title, __base__=base, __doc__=doc, **fields)
 
 
-def named(table: Any, noun: str, example: str, **schema: Any) -> Any:
+def named(table: Any, noun: str, example: str, names: Any = Name, **schema: Any) -> Any:
     """The type of values by their names, as a sequence of values with names."""
 
     def made(values: Mapping[str, Any]) -> tuple[Any, ...]:
         return tuple(replace(value, name=name) for name, value in values.items())
 
-    return Annotated[by_name(table, noun, example, **schema), AfterValidator(made)]
+    return Annotated[by_name(table, noun, example, names, **schema), AfterValidator(made)]
 
 
 def key_field(key: Key, required: bool = False, tables: Mapping[type, DeclaredTable] | None = None) -> tuple[Any, Any]:
@@ -121,5 +122,8 @@ def value_type(key: Key, tables: Mapping[type, DeclaredTable]) -> Any:
         return choice_type(key.choices, key.choice_of or f"`{key.name}`")
     if isinstance(key.type, KeyType):
         return VALUE_TYPES[key.type]
-    table = tables[key.type].value
-    return named(table, key.name, key.example) if has_name(key.type) else table
+    table = tables[key.type]
+    if not has_name(key.type):
+        return table.value
+    names = ElementName if COUNT.name in table.model.model_fields else Name
+    return named(table.value, key.name, key.example, names)

@@ -11,14 +11,15 @@ from pydantic import AfterValidator, Field, create_model
 
 from derive.mechanics.multibody.bodies.body_type import BodyType
 from derive.mechanics.multibody.bodies.registry import BODIES
+from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.scene import BeamBody, CustomBody, RigidBody, SceneBody
 from derive.spec.tables.beam import BEAM_BODY
 from derive.spec.tables.declared_tables import DeclaredTable, declare, key_field, keyed_model, named
 from derive.spec.tables.registered_tables import key_values
-from derive.spec.tables.shared import one_of
+from derive.spec.tables.shared import ElementName, one_of
 
-RIGID = declare(RigidBody, "RigidTable")
+RIGID = declare(RigidBody, "RigidTable", keys=(*declared_keys(RigidBody), COUNT))
 _OWN = {"rigid": RIGID, "beam": BEAM_BODY}
 
 
@@ -32,7 +33,7 @@ def _custom_table(kind: str, body_type: BodyType[Any]) -> DeclaredTable:
     """The table of a body of a type that is registered from outside the package."""
     keys: dict[str, Any] = {key.name: key_field(key, key.required) for key in body_type.keys}
     title, own = f"{kind.capitalize()}Table", declared_keys(CustomBody)
-    model = create_model(title, __base__=keyed_model(title, None, own), __doc__=body_type.doc, **keys)
+    model = create_model(title, __base__=keyed_model(title, None, (*own, COUNT)), __doc__=body_type.doc, **keys)
 
     def made(table: Any) -> CustomBody:
         values = {key.field: getattr(table, key.name) for key in own}
@@ -58,7 +59,7 @@ def bodies_field(tables: Mapping[str, DeclaredTable]) -> Any:
 
     body = one_of(kind_of_scene_body, **{kind: table.value for kind, table in tables.items()})
     return Annotated[
-        named(body, "bodies", "[bodies.rod]", minProperties=1),
+        named(body, "bodies", "[bodies.rod]", ElementName, minProperties=1),
         AfterValidator(made),
         Field(description="Bodies of a scene by name: beams and rigid bodies."),
     ]

@@ -10,6 +10,7 @@ from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, FORCES, ki
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.model.forces import Force, SceneForce, Spring, Torque
+from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
@@ -61,7 +62,7 @@ OF_KIND = ("angle", "axis")
 def joint_table() -> DeclaredTable:
     """The table of a joint, with the kinds and keys of all joints that are registered now."""
     keys = tuple(key for key in declared_keys(Joint) if key.field not in OF_KIND)
-    return registered_table("JointTable", Joint.__doc__, "joint", (*JOINTS.items(),), keys, _joint)
+    return registered_table("JointTable", Joint.__doc__, "joint", (*JOINTS.items(),), (*keys, COUNT), _joint)
 
 
 def _joint(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> Joint:
@@ -78,7 +79,7 @@ def force_table(section: str) -> DeclaredTable:
     keys = tuple(key for key in declared_keys(of) if key.type in (KeyType.MARKER, KeyType.MARKER_PAIR))
     types = (*kinds(section).items(),)
     return registered_table(
-        f"{of.__name__}Table", of.__doc__, NAMED[section], types, keys, _force, DEFAULT_KINDS[section]
+        f"{of.__name__}Table", of.__doc__, NAMED[section], types, (*keys, COUNT), _force, DEFAULT_KINDS[section]
     )
 
 
@@ -93,7 +94,7 @@ def _force(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SceneFor
 
 def output_table() -> DeclaredTable:
     """The table of an output, with the kinds and keys of all outputs that are registered now."""
-    return registered_table("OutputTable", SceneOutput.__doc__, "output", (*OUTPUTS.items(),), (), _output)
+    return registered_table("OutputTable", SceneOutput.__doc__, "output", (*OUTPUTS.items(),), (COUNT,), _output)
 
 
 def _output(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SceneOutput:

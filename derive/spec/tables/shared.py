@@ -21,12 +21,14 @@ from pydantic import (
 from pydantic_core import CoreSchema
 
 from derive.spec.parsing import choices, values
+from derive.spec.parsing.names import INDEX_PATTERN
 from derive.spec.parsing.names import MAX_LENGTH as MAX_NAME
 from derive.spec.parsing.names import PATTERN as NAME_PATTERN
 from derive.spec.parsing.polynomial import MAX_LENGTH
+from derive.spec.parsing.scene_values import MAX_INSTANCES
 
 MAX_MARKERS = 64
-MAX_NAMED = 10_000
+MAX_NAMED = MAX_INSTANCES
 
 
 class TomlTable(BaseModel):
@@ -61,13 +63,21 @@ Name = Annotated[
 ]
 
 
+ElementName = Annotated[
+    str,
+    PlainValidator(values.element_name),
+    WithJsonSchema({"type": "string", "pattern": f"^{NAME_PATTERN}({INDEX_PATTERN})?$"}),
+]
+"""The type of the name of an element of which there may be several instances."""
+
+
 def few(count: int, least: int, most: int, noun: str) -> None:
     """Refuse a number of elements that is not allowed, before the elements are validated one by one."""
     if not least <= count <= most:
         raise values.WrongValueError(f"there are {count} {noun}, and {least} to {most} are allowed")
 
 
-def by_name(table: Any, noun: str, example: str, **schema: Any) -> Any:
+def by_name(table: Any, noun: str, example: str, names: Any = Name, **schema: Any) -> Any:
     """The type of a limited number of tables by their names; `example` is the header of one, for messages."""
 
     def check(value: object) -> object:
@@ -79,7 +89,7 @@ def by_name(table: Any, noun: str, example: str, **schema: Any) -> Any:
         return value
 
     limits = SchemaExtra(**schema, maxProperties=MAX_NAMED, additionalProperties=False)
-    return Annotated[dict[Name, table], BeforeValidator(check), limits]
+    return Annotated[dict[names, table], BeforeValidator(check), limits]
 
 
 def choice_type(words: tuple[str, ...], noun: str) -> Any:

@@ -175,6 +175,9 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.LOAD_PAIR: _pair(_load, ("0", '"-10*(1 - xi^2)"'), "components"),
     KeyType.ORDER: _read(int, values.order, {"enum": [1, 2]}),
     KeyType.COUNT: _count,
+    KeyType.INSTANCE_COUNT: _read(
+        int, scene_values.instance_count, {"type": "integer", "minimum": 1, "maximum": scene_values.MAX_INSTANCES}
+    ),
     KeyType.COUNTS: Annotated[
         _several(_count, 0, MAX_AROUND, "nodes", "nodes is needed, such as [3, 4, 5]"),
         SchemaExtra(maxItems=MAX_AROUND),

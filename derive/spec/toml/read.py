@@ -6,15 +6,15 @@ import os
 import re
 import tomllib
 from collections.abc import Collection
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from derive.errors import Problem, SpecError, printable, problem_text
 from derive.spec.files.file_content import regular_file_start, why_unreadable
 from derive.spec.model.scene import Specification
-from derive.spec.parsing.faults import line_of, path_text
+from derive.spec.parsing.faults import Fault, line_of, path_text
 from derive.spec.parsing.values import TomlFloat
+from derive.spec.tables.instance_tables import instance_tables
 from derive.spec.toml.key_lines import lines, repeated_key
 
 MAX_BYTES = 1_000_000
@@ -53,7 +53,8 @@ def warnings(path: str | os.PathLike[str], changed: Collection[str] = ()) -> tup
     source = os.fsdecode(path)
     text = _text(source)
     known = lines(text)
-    faults = specification_warnings(_data(text, source))
+    instances = instance_tables(_data(text, source))
+    faults = instances.merged(specification_warnings(instances.data))
     problems = (Problem(path_text(fault.path), fault.message, line_of(fault.path, known)) for fault in faults)
     left = sorted((p for p in problems if p.path not in changed), key=lambda p: p.line or 0)
     return tuple(problem_text(problem, source) for problem in left)
@@ -76,8 +77,10 @@ def _text(source: str) -> str:
 
 def with_lines(error: SpecError, path: Path) -> SpecError:
     """The error with its file, and with the lines of its keys."""
-    known = lines(path.read_text(encoding="utf-8-sig"))
-    problems = (replace(p, line=line_of(tuple(p.path.split(".")), known)) for p in error.problems)
+    text = path.read_text(encoding="utf-8-sig")
+    known, instances = lines(text), instance_tables(_data(text, str(path)))
+    faults = instances.merged(Fault((*p.path.split("."),), p.message) for p in error.problems)
+    problems = (Problem(".".join(map(str, f.path)), f.message, line_of(f.path, known)) for f in faults)
     return SpecError(tuple(sorted(problems, key=lambda p: p.line or 0)), str(path))
 
 

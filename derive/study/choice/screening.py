@@ -21,6 +21,7 @@ from derive.simulation.observables.motion import si_value
 from derive.simulation.validity.held_beam import held_modes
 from derive.simulation.validity.monitors import Cause
 from derive.simulation.validity.piece_shapes import PieceShapes
+from derive.spec.model.instances import identifier
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.ports import SceneOutput
@@ -115,6 +116,11 @@ def _driving(scene: Scene) -> float | None:
     return max((abs(value_at(speed, t)) for speed in speeds for t in times.tolist()), default=None)
 
 
+def _watched(kind: str, beam: str, end: int) -> str:
+    """The name of an output that watches one of the two outermost markers of a beam."""
+    return identifier("screened", kind, beam, str(end))
+
+
 def _accelerations(scene: Scene, beams: list[BeamBody]) -> dict[str, tuple[float, float]]:
     """The largest rate of rotation (rad/s), and the largest acceleration across the axis less that of free fall (m/s^2,
     root mean square over the length), in a run with rigid beams, by the names of beams with two markers."""
@@ -124,7 +130,7 @@ def _accelerations(scene: Scene, beams: list[BeamBody]) -> dict[str, tuple[float
         if len(places) > 1 and places[0].at < places[-1].at:
             pairs[beam.name] = (places[0], places[-1])
     watched = tuple(
-        SceneOutput(f"screened_{kind}_{name}_{n}", kind, {"marker": MarkerRef(name, marker.name)})
+        SceneOutput(_watched(kind, name, n), kind, {"marker": MarkerRef(name, marker.name)})
         for name, ends in pairs.items()
         for n, marker in enumerate(ends)
         for kind in ("position", "acceleration")
@@ -138,7 +144,7 @@ def _accelerations(scene: Scene, beams: list[BeamBody]) -> dict[str, tuple[float
     fall = np.array([si_value(g) for g in scene.gravity or ()] or [0.0, 0.0])
 
     def vector(kind: str, name: str, n: int) -> np.ndarray:
-        return np.stack([moved[f"screened_{kind}_{name}_{n}_{axis}"] for axis in (1, 2)], axis=1)
+        return np.stack([moved[f"{_watched(kind, name, n)}_{axis}"] for axis in (1, 2)], axis=1)
 
     result = {}
     for name, (left, right) in pairs.items():

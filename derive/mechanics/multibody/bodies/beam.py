@@ -125,7 +125,9 @@ def _piece(
     beam: PlanarBeam, pieces: int, gravity: tuple[ModelConstant, ...]
 ) -> tuple[Body, Mapping[str, CrossSection]]:
     """One of the equal pieces of a beam, with the markers and masses of the piece, and its cross-sections there."""
-    sections = {m.name: CrossSection(beam_point(m, beam, pieces), section_rotations(m, beam, pieces)) for m in beam.markers}
+    sections = {
+        m.name: CrossSection(beam_point(m, beam, pieces), section_rotations(m, beam, pieces)) for m in beam.markers
+    }
     return replace(beam_body(replace(beam, markers=()), pieces), gravity=gravity), sections
 
 
