@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, MutableMapping
+from collections.abc import Iterator, Mapping, MutableMapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
 from derive.spec.model.simulation import OF_BEAMS
+from derive.spec.tables.instance_tables import instance_tables
 from derive.study.accuracy.models import (
     FAMILIES,
     LadderModel,
@@ -49,6 +51,7 @@ def chosen_specification(
 ) -> WrittenSpecification:
     """The TOML text with the keys of a model and the tolerance; paths are relative to the folder of `target`."""
     document = tomlkit.parse(text)
+    _write_instances(document)
     name = f"{scene.name}_chosen"
     document["name"] = name
     for beam in beam_bodies(scene):
@@ -63,6 +66,25 @@ def chosen_specification(
     notes = (*start_remainders(scene, model), *_without_sections(document, scene, model))
     _relocate(document, source.parent, target.parent)
     return WrittenSpecification(_headed(tomlkit.dumps(document), source, target, model), notes)
+
+
+def _write_instances(document: tomlkit.TOMLDocument) -> None:
+    """Write the instances of tables with `count` in their place, since each may have a model of its own."""
+    tables = instance_tables(document.unwrap())
+    for section in dict.fromkeys(str(section) for section, _ in tables.counts):
+        written = tomlkit.table(is_super_table=True)
+        for name, table in tables.data[section].items():  # type: ignore[attr-defined]  # a specification without faults
+            written[name] = _as_toml(table)
+        document[section] = written
+
+
+def _as_toml(value: Any) -> Any:
+    """A value without exact fractions, which TOML knows as texts."""
+    if isinstance(value, Mapping):
+        return {key: _as_toml(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_as_toml(item) for item in value]
+    return str(value) if isinstance(value, Fraction) else value
 
 
 def _without_sections(document: MutableMapping[str, Any], scene: Scene, model: LadderModel) -> Iterator[str]:
