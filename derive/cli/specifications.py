@@ -43,7 +43,7 @@ def read_changed(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Sp
     names = [name for name, _ in assignments]
     if repeated := sorted({name for name in names if names.count(name) > 1}):
         raise SpecError((Problem("", f"{', '.join(repeated)} has several values; give one"),), "--set")
-    return with_values(spec, dict(assignments))
+    return with_values(spec, dict(assignments)) if assignments else (spec, ())
 
 
 def in_file_order(plots: Sequence[Plot], path: Path) -> tuple[Plot, ...]:

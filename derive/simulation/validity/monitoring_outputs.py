@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 
 from derive.simulation.observables.beams import beam_bodies, piece_names
-from derive.simulation.validity.loaded_sections import held_ends, loaded_sections
+from derive.simulation.validity.loaded_sections import loaded_markers, sections, turned_markers
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
@@ -49,11 +49,13 @@ def monitored_sections(scene: Scene) -> dict[tuple[str, Fraction, str], SceneOut
     """
     taken = {output.name for output in scene.outputs}
     result = {}
+    every, turned = loaded_markers(scene), turned_markers(scene)
     for beam in beam_bodies(scene):
-        loaded = loaded_sections(scene, beam)
+        loaded = sections(beam, every)
+        held = [marker for marker in sections(beam, turned) if abs(marker.at) == 1]
         within = [marker for marker in loaded if abs(marker.at) < 1]
         ends = [marker for marker in loaded if abs(marker.at) == 1]
-        for kind, markers in ((MOMENT_GAP, (*held_ends(scene, beam), *within)), (SHEAR_GAP, ends)):
+        for kind, markers in ((MOMENT_GAP, (*held, *within)), (SHEAR_GAP, ends)):
             for marker in markers:
                 name = _name(identifier(kind, beam.name, marker.name), taken)
                 section = {"section": MarkerRef(beam.name, marker.name)}

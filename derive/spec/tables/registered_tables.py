@@ -85,7 +85,8 @@ def _needs(declaring: Declares, name: str) -> bool:
 def check_keys(table: TomlTable, kind: str, types: Mapping[str, Declares], noun: str) -> None:
     """Raise WrongValueError where the keys of a table do not go with its kind; `noun` is what an element is called."""
     own, element = {key.name for key in types[kind].keys}, noun if kind == noun else f"{kind} {noun}"
-    for name in (name for name in fields_of_kinds(types) if name not in own):
+    every = dict.fromkeys(key.name for of in types.values() for key in of.keys)
+    for name in (name for name in every if name not in own):
         if name in table.model_fields_set and getattr(table, name) is not None:
             others = [f'"{other}"' for other, of in types.items() if name in {key.name for key in of.keys}]
             raise values.WrongValueError(f"a {element} has no {name}; leave `{name}` out, or choose {_either(others)}")
