@@ -28,6 +28,7 @@ from derive.spec.model.beam_parts import (
 )
 from derive.spec.model.body import BodyFrame, Damping, Lowering, NodalBody, NodeData, SymbolicBody, SymbolicFrame
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
+from derive.spec.model.instances import identifier
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import PointMarker
 from derive.spec.model.plots import Plot
@@ -35,6 +36,7 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, Drive, Joint, Scene, SceneBody, SceneInput, Specification
 from derive.spec.model.simulation import Simulation
+from derive.spec.parsing.names import element_name_problem
 
 Number = int | float | Fraction | str
 Constant = Number | Mapping[str, object] | Parameter
@@ -83,8 +85,9 @@ def planar_beam(
 ) -> PlanarBeam:
     """A uniform slender beam that moves in a plane.
 
-    Numbers may be texts, such as "1/3"; a float is the decimal that it is printed as. Polynomials are texts, such as
-    "xi^2 - 1/3", or tuples of coefficients.
+    The beam of a body such as link[3] may have the name of the body; alone it is a model called link_3. Numbers may be
+    texts, such as "1/3"; a float is the decimal that it is printed as. Polynomials are texts, such as "xi^2 - 1/3", or
+    tuples of coefficients.
     """
     return _single(PlanarBeam, planar_beam, locals())
 
@@ -138,7 +141,9 @@ def _single(of: type[Body], function: Callable[..., Body], given: Mapping[str, A
         if key != "name" and not (value is None and key in parameters and parameters[key].default is None)
         if (table := named(key, value) if key == "masses" else as_table(value)) != {} or isinstance(value, Mapping)
     }
-    result = _validate({"name": given["name"], of.section: keys})
+    name = given["name"]
+    valid = isinstance(name, str) and not element_name_problem(name)
+    result = _validate({"name": identifier(name) if valid else name, of.section: keys})
     assert isinstance(result, of)
     return result
 

@@ -23,13 +23,15 @@ Instances = Mapping[KeyPath, tuple[str, int]]
 
 NAMES = ("kind", "symbol", "unit", "input", "joint", "drive", "spring", "beam")
 """The keys whose values are names and words, which are no formulas."""
+FAULTY = object()
+"""The value of a key that has none, which no type of value accepts; the fault that says why is one already."""
 
 
 @dataclass(frozen=True)
 class InstanceTables:
     """The tables of a specification with all instances.
 
-    data: the tables; what is faulty is None there. instances: the names of their tables and their indices, by their
+    data: the tables; what is faulty is FAULTY there. instances: the names of their tables and their indices, by their
     paths. counts: the numbers of instances by the paths of their tables, None for those that cannot be read. faults:
     those of counts, formulas and references, with the paths of instances.
     """
@@ -154,14 +156,14 @@ class _Expansion:
         return result
 
     def _at(self, value: object, path: KeyPath, i: int) -> object:
-        """A value for instance i; None where it has none, which is a fault."""
+        """A value for instance i; FAULTY where it has none."""
         if isinstance(value, Mapping):
             return {key: self._at(item, (*path, str(key)), i) for key, item in value.items()}
         if isinstance(value, (list, tuple)):
             return type(value)(self._at(item, (*path, k), i) for k, item in enumerate(value))
         if not isinstance(value, str):
             return value
-        result: object = None
+        result: object = FAULTY
         try:
             if (instance := reference(value)) is not None:
                 result = self._name(instance.table, instance.index(i), bool(instance.ending)) + instance.ending
