@@ -29,6 +29,7 @@ from corpus.refusals import refusal
 from derive.cli.main import main
 from derive.export.registry import INTERFACES
 from derive.simulation.integration.registry import INTEGRATORS
+from derive.spec.model.instances import identifier
 
 LIMIT = 60.0
 """The longest CPU time of a command, s, without that of compilers."""
@@ -222,7 +223,7 @@ def _column(scene: CorpusScene) -> str:
     bodies = scene.tables.get("bodies", {"beam": {}})
     beams = {name: table for name, table in bodies.items() if "length" in table}  # rigid ones may be carried by a drive
     name, table = next(iter((beams or bodies).items()))
-    return f"{name}_1_phi" if table.get("pieces", 1) != 1 else f"{name}_phi"
+    return identifier(name, "1" if table.get("pieces", 1) != 1 else "", "phi")
 
 
 # ---- running ----

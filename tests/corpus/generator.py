@@ -24,6 +24,7 @@ from corpus.actions import act
 from corpus.beams import make_bodies
 from corpus.draft import Draft, Table
 from corpus.draws import Draws, rounded
+from corpus.instances import count_some, expanded
 from corpus.linkages import link
 from corpus.lone_bodies import LONE, lone_beam, spatial_body
 from corpus.observations import observe
@@ -33,10 +34,14 @@ from derive.spec.tables.specification import json_schema
 
 @dataclass(frozen=True)
 class CorpusScene:
-    """A scene of the corpus: its tables, the files beside it, and the linkage it was made from."""
+    """A scene of the corpus: its tables, the files beside it, and the linkage it was made from.
+
+    tables: with all instances of tables with a count; written: as the file has them.
+    """
 
     seed: int
     tables: Table
+    written: Table
     files: dict[str, str | Path]
     linkage: str
 
@@ -48,7 +53,7 @@ class CorpusScene:
     @property
     def text(self) -> str:
         """The scene as TOML."""
-        return tomlkit.dumps(self.tables)
+        return tomlkit.dumps(self.written)
 
     def write(self, folder: Path) -> Path:
         """Write the scene and its files; the path of the scene."""
@@ -67,8 +72,9 @@ def corpus_scene(seed: int) -> CorpusScene:
     """The scene of a seed."""
     draws = Draws(seed)
     tables, files, linkage = _parts(draws, f"scene_{seed}")
+    count_some(tables, Draws(f"count {seed}"), 0.1)
     respell(tables, _schema(), draws, 0.6 if linkage in LONE else 0.15)
-    return CorpusScene(seed, tables, files, linkage)
+    return CorpusScene(seed, expanded(tables), tables, files, linkage)
 
 
 @cache

@@ -82,4 +82,4 @@ def _changed(
     change(tables, spec)
     result = path.with_name(f"{name}.toml")
     result.write_text(tomlkit.dumps(tables))
-    return replace(scene, tables=tables), str(result)
+    return replace(scene, tables=tables, written=tables), str(result)

@@ -37,7 +37,7 @@ def used(count: int = CORPUS) -> Counter[str]:
     """The number of scenes in which each feature occurs."""
     schema, result = json.loads(json_schema()), Counter[str]()
     for seed in range(count):
-        result.update({*features(corpus_scene(seed).tables, schema)})
+        result.update({*features(corpus_scene(seed).written, schema)})
     return result
 
 
