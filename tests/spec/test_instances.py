@@ -19,6 +19,7 @@ from derive.spec.parsing.parser import ExpressionError
 from derive.spec.set_values import with_values
 from derive.spec.toml.read import parse, warnings, with_lines
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 CHAIN = """\
 name = "chain"
 [scene]
@@ -178,6 +179,18 @@ def test_other_indices_are_refused(text):
 
 def test_loops_in_python_make_the_same_scene():
     assert parse(CHAIN) == by_loops()
+
+
+@pytest.mark.parametrize("count", [100, 1000])
+def test_the_long_chains_are_derived(count):
+    """They are not simulated: straight-line code of so many bodies takes minutes."""
+    scene = derive.read(EXAMPLES / f"chain_{count}.toml")
+    assert len(scene.bodies) == len(scene.joints) == count
+    assert scene.bodies[-1].start.position == (pytest.approx(0.1 * count - 0.05), 0)
+    assert str(scene.joints[-1].second) == f"link[{count - 1}].left"
+    mechanism = derive.derive(scene)
+    assert len(mechanism.kinds) == 1
+    assert len(mechanism.rows) == 5 * count
 
 
 def test_tables_in_python_may_have_a_count():

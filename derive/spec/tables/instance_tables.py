@@ -168,7 +168,7 @@ class _Expansion:
             if (instance := reference(value)) is not None:
                 result = self._name(instance.table, instance.index(i), bool(instance.ending)) + instance.ending
             else:
-                result = at_index(value, i) if _varies(value, path[-1]) else value
+                result = at_index(value, i) if _is_formula(value, path[-1]) else value
         except ValueError as error:
             self.faults.append(Fault(path, str(error)))
         return result
@@ -197,7 +197,11 @@ def _varies(value: object, key: str | int) -> bool:
         return any(_varies(item, str(name)) for name, item in value.items())
     if isinstance(value, (list, tuple)):
         return any(_varies(item, k) for k, item in enumerate(value))
-    return isinstance(value, str) and ("[" in value or (key not in NAMES and contains_index(value)))
+    return isinstance(value, str) and ("[" in value or _is_formula(value, key))
+
+
+def _is_formula(text: str, key: str | int) -> bool:
+    return key not in NAMES and contains_index(text)
 
 
 def _named_like_the_index(data: Data) -> Iterator[Fault]:
