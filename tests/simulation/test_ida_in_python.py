@@ -50,14 +50,14 @@ def test_the_crank_slider_with_its_compiled_jacobian() -> None:
 
 def test_a_step_that_fails_ends_the_run_with_what_ida_says(monkeypatch: pytest.MonkeyPatch) -> None:
     made = crank_slider(1)
-    start, step = made.start(), scikit_sundae._Part.step
+    start, step = made.start(), scikit_sundae._Segment.step
 
-    def failing(part: scikit_sundae._Part, towards: float) -> tuple[float, np.ndarray]:
+    def failing(part: scikit_sundae._Segment, towards: float) -> tuple[float, np.ndarray]:
         t, y = step(part, towards)
         part.result = SimpleNamespace(success=t < 0.005, message="the error test failed", nfev=0, njev=0)
         return t, y
 
-    monkeypatch.setattr(scikit_sundae._Part, "step", failing)
+    monkeypatch.setattr(scikit_sundae._Segment, "step", failing)
     with pytest.raises(IntegrationStopped, match="IDA: the error test failed") as error:
         integrate_ida(made.native, made.k, start.q, start.v, np.linspace(0, 0.02, 41))
     assert 0.004 < error.value.t < 0.006

@@ -222,7 +222,7 @@ def _reactions(context: InstanceContext, system: Blocks) -> Iterator[Statement]:
 
 
 def _known_bias(context: InstanceContext) -> list[Statement]:
-    """What is known of gamma, besides zeros."""
+    """The known parts of gamma, besides zeros."""
     system = context.blocks
     result: list[Statement] = []
     if system is None:

@@ -21,8 +21,7 @@ from derive.lowering.flat.schedule import Step
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.class_equations import ClassEquations
 from derive.lowering.instances.classes import BodyClass, Member
-from derive.lowering.instances.groups import Element as GroupElement
-from derive.lowering.instances.groups import Group
+from derive.lowering.instances.groups import Group, GroupElement
 from derive.lowering.instances.places import Place, Places
 from derive.mechanics.equations import Equations
 

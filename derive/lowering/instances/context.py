@@ -1,4 +1,4 @@
-"""What the functions of a mechanism share: classes of bodies, joints, names, and how a kernel is put together."""
+"""The data that the functions of a mechanism share: classes of bodies, joints, names, and the making of a kernel."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from derive.lowering.instances.classes import body_classes
 from derive.lowering.instances.groups import (
     Bodies,
     Group,
+    GroupElement,
     force_equations,
     force_groups,
     output_groups,
 )
-from derive.lowering.instances.groups import Element as GroupElement
 from derive.lowering.instances.known_motion import KnownMotion, known_symbol
 from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
@@ -43,7 +43,7 @@ ZERO = Number(Fraction(0))
 
 
 class InstanceContext:
-    """What all functions share: the classes of bodies, the joints, the names of all elements, and constant arrays."""
+    """The data of all functions: the classes of bodies, the joints, the names of all elements, and constant arrays."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
@@ -91,7 +91,7 @@ class InstanceContext:
 
     @property
     def conditions(self) -> tuple[Constraint, ...]:
-        """What is known of all constraints, one joint after the other."""
+        """The known parts of all constraints, one joint after the other."""
         return tuple(c for of in self.known.constraints for c in of)
 
     def rows_of(self, of: ClassCode) -> list[Place]:

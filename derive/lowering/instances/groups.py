@@ -32,7 +32,7 @@ class NotInLoops(Exception):
 
 
 @dataclass(frozen=True)
-class Element:
+class GroupElement:
     """A force, a damping or an output: its number among those, its bodies with coordinates, and the number of its
     first component, if it is an output."""
 
@@ -72,10 +72,10 @@ class Group:
     """Elements that differ in the values of constants alone."""
 
     what: str
-    members: tuple[Element, ...]
+    members: tuple[GroupElement, ...]
 
     @property
-    def first(self) -> Element:
+    def first(self) -> GroupElement:
         """The element after which the group and its symbols are named."""
         return self.members[0]
 
@@ -105,36 +105,36 @@ class Bodies:
 
 def force_groups(bodies: Bodies) -> tuple[Group, ...]:
     """The groups of the forces that act between bodies, and of the damping between pieces."""
-    groups: dict[Hashable, list[Element]] = {}
+    groups: dict[Hashable, list[GroupElement]] = {}
     mechanism = bodies.mechanism
     for number, force in enumerate(mechanism.forces):
         names = moving_bodies(mechanism, force)
         if len(names) > 1:
             order = tuple(names.index(m.body) if m.body in names else m.body for m in force.markers)
             key = force_key(force), order, tuple(map(bodies.key, names)), _fixed(bodies, names)
-            element = Element(number, tuple(bodies.members[name] for name in names))
+            element = GroupElement(number, tuple(bodies.members[name] for name in names))
             groups.setdefault(key, []).append(element)
     result = [Group("force", tuple(members)) for members in groups.values()]
     for number, damping in enumerate(mechanism.dampings):
         own = tuple(bodies.members[name] for name in damping.components)
-        result.append(Group("damping", (Element(number, own),)))
+        result.append(Group("damping", (GroupElement(number, own),)))
     return tuple(result)
 
 
 def output_groups(bodies: Bodies) -> tuple[tuple[Group, Equations], ...]:
     """The groups of the outputs, each with its equations; an output that no group can have depends on all bodies."""
-    groups: dict[Hashable, list[Element]] = {}
+    groups: dict[Hashable, list[GroupElement]] = {}
     made: dict[Hashable, Equations] = {}
     first = 0
     for number, output in enumerate(bodies.mechanism.outputs):
         names, known = _referenced(bodies, output)
-        element = Element(number, tuple(bodies.members[name] for name in names), first)
+        element = GroupElement(number, tuple(bodies.members[name] for name in names), first)
         key = output.type, known, tuple(map(bodies.key, names)), element.sharing, _fixed(bodies, names)
         if key not in made:
             try:
                 made[key] = _output_equations(bodies, element)
             except NotInLoops:
-                element = Element(number, tuple(bodies.members.values()), first)
+                element = GroupElement(number, tuple(bodies.members.values()), first)
                 made[key, number] = _output_equations(bodies, element, of_all=True)
         groups.setdefault(key if key in made else (key, number), []).append(element)
         first += len(output.type.labels)
@@ -195,7 +195,7 @@ def force_equations(bodies: Bodies, group: Group) -> Equations:
     return _equations(bodies, own, made, constants)
 
 
-def _output_equations(bodies: Bodies, element: Element, of_all: bool = False) -> Equations:
+def _output_equations(bodies: Bodies, element: GroupElement, of_all: bool = False) -> Equations:
     """The equations of an output: its components, in the symbols of its bodies and of the reactions on them.
 
     of_all: its bodies are all that there are. Raises NotInLoops if it depends on other bodies as well.

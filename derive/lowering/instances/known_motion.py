@@ -1,4 +1,4 @@
-"""What is known of the motion of a mechanism: the ground, bodies whose motion is prescribed, and drives."""
+"""The known motions of a mechanism: the ground, bodies whose motion is prescribed, and drives."""
 
 from __future__ import annotations
 

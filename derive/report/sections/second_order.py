@@ -22,7 +22,7 @@ def beam_second_order_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
 
 
 def space_second_order_blocks(order: DisplacementOrder) -> tuple[Block, ...]:
-    """The same of a body in space, whose fields of second order are those of its nodes."""
+    """The second order of a body in space, whose fields are those of its nodes."""
     return _second_order(order, False, _geometric_stiffness())
 
 

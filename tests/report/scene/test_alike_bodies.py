@@ -60,7 +60,7 @@ def test_damped_pieces_are_alike() -> None:
 
 
 def test_the_sections_that_constraints_name_are_defined() -> None:
-    """Those of a body that is not shown too, unless one that is shown has the same."""
+    """Addresses of a body that is not shown are left out, unless one that is shown has the same."""
     mechanism = derive.derive(derive.read(ROOT / "scenes" / "crank_slider_3.toml"))
     assert isinstance(mechanism, Mechanism)
     points = {str(d.symbol) for d in shown_once(mechanism).equations.definitions if identity(d.symbol).point}
