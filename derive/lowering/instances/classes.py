@@ -13,6 +13,7 @@ from derive.mechanics.multibody.joints.relative_rows import Axes
 from derive.mechanics.multibody.kinds import BodyInstance, ForceInstance, JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.terms import ModelConstant
+from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef
 
 
@@ -56,7 +57,7 @@ class BodyClass:
     @property
     def name(self) -> str:
         """The name of the class in the generated code."""
-        return self.first.instance.name
+        return identifier(self.first.instance.name)
 
 
 def obstacle(mechanism: Mechanism) -> str:

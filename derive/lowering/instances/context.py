@@ -38,6 +38,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, OutputEquation
+from derive.spec.model.instances import identifier
 
 ZERO = Number(Fraction(0))
 
@@ -86,7 +87,7 @@ class InstanceContext:
                 for k, (label, of) in enumerate(
                     zip(own.type.labels, group.code.context.equations.outputs, strict=True)
                 ):
-                    named[element.first + k] = replace(of, name=f"{own.name}_{label}" if label else own.name)
+                    named[element.first + k] = replace(of, name=identifier(own.name, label))
         return tuple(named[k] for k in sorted(named))
 
     @property

@@ -22,6 +22,7 @@ from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion,
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, Intermediate, ModelConstant
+from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene_functions import splines
 
@@ -132,7 +133,9 @@ def _pose_definitions(name: str, body: InstanceEquations) -> list[Intermediate]:
     """The definitions of the pose of a body without coordinates."""
     known = pose(name, body)
     parts = zip(("c1", "c2", "phi"), (*known.position, known.rotation_angle), strict=True)
-    return [Intermediate(local(f"pose_{name}_{what}"), e, name, "(1)", f"{what} of {name}") for what, e in parts]
+    return [
+        Intermediate(local(identifier("pose", name, what)), e, name, "(1)", f"{what} of {name}") for what, e in parts
+    ]
 
 
 def _value(d: Intermediate) -> Expr:

@@ -60,7 +60,7 @@ def test_damped_pieces_are_alike() -> None:
 
 
 def test_the_sections_that_constraints_name_are_defined() -> None:
-    """Addresses of a body that is not shown are left out, unless one that is shown has the same."""
+    """The sections of a body that is left out are defined, unless a body that is shown has the same."""
     mechanism = derive.derive(derive.read(ROOT / "scenes" / "crank_slider_3.toml"))
     assert isinstance(mechanism, Mechanism)
     points = {str(d.symbol) for d in shown_once(mechanism).equations.definitions if identity(d.symbol).point}
