@@ -71,6 +71,7 @@ class PythonBackend:
             "patterns": pattern_texts(model, "        "),
             "tables": _tables(model),
             "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "loops" else _splines(model),
+            "grouped": any(text.groups for text in pattern_texts(model, "        ")),
             "constant_arrays": [(a.name, _lines([_constant(a, x) for x in a.values])) for a in model.constant_arrays],
             "defaults": _defaults(model),
             "elements": model.lowering != "loops",

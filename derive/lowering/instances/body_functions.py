@@ -13,7 +13,16 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import stores
 from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.instances.class_code import ClassCode, LoopTarget
-from derive.lowering.instances.context import ZERO, InstanceContext, Result, force_loops, kernel, loads, loops_of
+from derive.lowering.instances.context import (
+    ZERO,
+    InstanceContext,
+    Result,
+    force_loops,
+    given_inputs,
+    kernel,
+    loads,
+    loops_of,
+)
 from derive.lowering.model_functions import ModelFunction
 
 
@@ -110,7 +119,7 @@ def _potentials(context: InstanceContext) -> list[ForEach]:
         of, ctx = group.code, group.code.context
         potential = ctx.equations.strain_energy
         if potential != 0 and not potential.free_symbols & set(ctx.t.symbols + ctx.u.symbols + of.given.symbols):
-            symbols = ctx.symbols(ctx.q, ctx.v)
+            symbols = ctx.symbols(*given_inputs(of, "q", "v"))
             items, targets = _added("energy", [(1, symbols(potential))])
             inputs = [*loads(of, "q", ctx.q, group.coordinates), *loads(of, "v", ctx.v, group.coordinates)]
             result.append(of.loop(symbols, [Step(of.name, "(22)", "", tuple(items))], inputs, targets))

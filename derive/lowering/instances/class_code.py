@@ -12,11 +12,11 @@ import sympy as sp
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef, walk
 from derive.ir.indices import ElementIndex, IndexTerm
-from derive.ir.model import Argument, ConstantArray
+from derive.ir.model import ConstantArray
 from derive.ir.operator_functions import ARITHMETIC, LIBRARY
 from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Store, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.context import Context, Input
+from derive.lowering.flat.context import Context, Input, array_input
 from derive.lowering.flat.schedule import Step
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.class_equations import ClassEquations
@@ -51,7 +51,8 @@ class LoopCode:
         self.context = Context(_with_differences(of, equations))
         constants.coefficients |= self.context.constants.coefficients
         self.context.constants = constants
-        self.given = Input(Argument("known", tuple(map(str, equations.given)), "what is known"), equations.given)
+        self.given = array_input("known", equations.given, "what is known")
+        self.given_still = array_input("known", equations.given_still, "what is known, and does not depend on the time")
         self.count = len(of.members)
         self.differing = frozenset(
             str(c.symbol) for c in self.context.equations.coefficients if c.value == sp.Symbol(str(c.symbol))

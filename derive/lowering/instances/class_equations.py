@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from derive.lowering.instances.classes import BodyClass, Handle
-from derive.lowering.instances.known_motion import STILL, KnownMotion, canonical, known_constraints
+from derive.lowering.instances.known_motion import STILL, KnownMotion, canonical, known_constraints, moving_symbols
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import mass_matrix
 from derive.mechanics.multibody.constraints import constraints
@@ -22,7 +22,7 @@ from derive.mechanics.multibody.mechanism import Mechanism, pose
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.symbols import t
-from derive.mechanics.terms import Constraint, Eliminated, InputSymbol, Intermediate
+from derive.mechanics.terms import Constraint, Eliminated, InputSymbol, Intermediate, MarkerEquations
 from derive.spec.model.markers import MarkerRef
 
 
@@ -31,13 +31,15 @@ class ClassEquations:
     """The equations of the first member of a class.
 
     Its `constraints` are what it contributes to those of its joints, one joint after the other; `rows` are their
-    numbers for each of its handles. given: the symbols of what is known that the equations contain; constants: those of
+    numbers for each of its handles. given: the symbols of what is known that the equations contain,
+    given_still: those that do not depend on the time; constants: those of
     the body itself, whose values may differ from member to member, first among the coefficients.
     """
 
     equations: Equations
     rows: tuple[tuple[int, ...], ...]
     given: tuple[sp.Symbol, ...]
+    given_still: tuple[sp.Symbol, ...]
     constants: int
 
 
@@ -87,14 +89,22 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
         weight_energy=energies[2] if mechanism.scene.gravity else None,
         linear_momentum=tuple(map(still, own.linear)),
         angular_momentum=tuple(map(still, own.angular)),
-        markers=own.markers,
+        markers=tuple(m for m in own.markers if not _depends_on(m, moving)),
         constraints=tuple(conditions),
         inputs=inputs,
         poses=(pose(instance.name, own),),
         eliminated=_carried(instance.name, own, moving),
         splines=known.context.equations.splines,
     )
-    return ClassEquations(equations, tuple(rows), given_symbols(equations, known), len(of_body))
+    return with_known(equations, tuple(rows), known, len(of_body))
+
+
+def with_known(
+    equations: Equations, rows: tuple[tuple[int, ...], ...], known: KnownMotion, constants: int
+) -> ClassEquations:
+    """The equations of a class or a group with the symbols of what is known in them."""
+    given = given_symbols(equations, known)
+    return ClassEquations(equations, rows, given, tuple(s for s in given if s not in known.moving), constants)
 
 
 def _contribution(
@@ -137,11 +147,14 @@ def _moving(
     definitions: tuple[Intermediate, ...], inputs: tuple[InputSymbol, ...], known: KnownMotion
 ) -> frozenset[sp.Symbol]:
     """The symbols that depend on the time or on inputs."""
-    moving = {t, *(given.symbol for given in inputs), *known.symbols}
-    for d in definitions:
-        if d.expr.free_symbols & moving:
-            moving.add(d.symbol)
-    return frozenset(moving)
+    moving = {t, *(given.symbol for given in inputs), *known.moving}
+    return moving_symbols(definitions, moving)
+
+
+def _depends_on(marker: MarkerEquations, moving: frozenset[sp.Symbol]) -> bool:
+    """Whether a marker depends on the time, which functions of markers do not know."""
+    every = (marker.position.free_symbols, *(d.expr.free_symbols for d in marker.definitions))
+    return any(symbols & moving for symbols in every)
 
 
 def _carried(name: str, own: InstanceEquations, moving: frozenset[sp.Symbol]) -> tuple[Eliminated, ...]:

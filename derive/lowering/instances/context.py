@@ -21,7 +21,7 @@ from derive.lowering.instances.block_elimination import (
     blocks,
 )
 from derive.lowering.instances.class_code import ClassCode, Loaded, LoopCode, LoopTarget
-from derive.lowering.instances.class_equations import ClassEquations, class_equations, given_symbols
+from derive.lowering.instances.class_equations import class_equations, with_known
 from derive.lowering.instances.classes import body_classes
 from derive.lowering.instances.groups import (
     Bodies,
@@ -70,7 +70,7 @@ class InstanceContext:
 
     def _group(self, group: Group, equations: Equations) -> GroupCode:
         constants = sum(len(m.constants) for m in group.first.bodies)
-        local_of = ClassEquations(equations, (), given_symbols(equations, self.known), constants)
+        local_of = with_known(equations, (), self.known, constants)
         return GroupCode(LoopCode(group, local_of, self.places, self.constants), group.members)
 
     def is_loaded(self, of: ClassCode) -> bool:
@@ -200,7 +200,8 @@ def kernel(
     made = [Section(name, equation, text, tuple(body)) for name, equation, text, body in sections]
     used = {name for section in made for statement in section.body for name in reads(statement)}
     names = used & {str(symbol) for symbol in context.known.symbols}
-    assert not names or "t" in function.arguments, f"{function.name} knows no time, on which {names} depend"
+    moving = names & {str(symbol) for symbol in context.known.moving}
+    assert not moving or "t" in function.arguments, f"{function.name} knows no time, on which {moving} depend"
     known = Section("known", "(1)", "the ground, prescribed motions and drives", context.known.statements(names))
     return Kernel(
         function.name,
@@ -233,7 +234,7 @@ def given_inputs(of: LoopCode, *names: str) -> tuple[Input, ...]:
     """The arguments of these names of a body of a class, and what is known, which functions of the time have."""
     context = of.context
     inputs = {"t": context.t, "q": context.q, "v": context.v}
-    return (*(inputs[name] for name in names), *((of.given,) if "t" in names else ()))
+    return (*(inputs[name] for name in names), of.given if "t" in names else of.given_still)
 
 
 def loops_of(

@@ -20,7 +20,7 @@ from derive.mechanics.multibody.kinds import JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism, functions_of_time, pose
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
 from derive.mechanics.multibody.ports import input_symbols
-from derive.mechanics.symbols import local
+from derive.mechanics.symbols import local, t
 from derive.mechanics.terms import Constraint, Intermediate, ModelConstant
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef
@@ -70,6 +70,12 @@ class KnownMotion:
     def symbols(self) -> frozenset[sp.Symbol]:
         """The symbols that the definitions define."""
         return frozenset(d.symbol for d in self.definitions)
+
+    @cached_property
+    def moving(self) -> frozenset[sp.Symbol]:
+        """Those of these symbols that depend on the time or on inputs."""
+        varying = {t, *(given.symbol for given in input_symbols(self.mechanism.scene))}
+        return moving_symbols(self.definitions, varying) & self.symbols
 
     @cached_property
     def context(self) -> Context:
@@ -122,6 +128,15 @@ def known_constraints(joint: JointInstance, first: PointMotion, second: PointMot
     """The constraints of a joint and of its drive between two points whose motion is known."""
     _, conditions = constraints(joint.joint, joint.type, RelativeMotion(first, second), joint.drive, ())
     return conditions
+
+
+def moving_symbols(definitions: Iterable[Intermediate], moving: Iterable[sp.Symbol]) -> frozenset[sp.Symbol]:
+    """Some symbols that vary, with those that definitions make of them."""
+    result = set(moving)
+    for d in definitions:
+        if d.expr.free_symbols & result:
+            result.add(d.symbol)
+    return frozenset(result)
 
 
 def known_symbol(part: str, constraint: Constraint) -> sp.Symbol:

@@ -12,9 +12,11 @@ from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.instances import accelerations, body_functions, constraints, dae, outputs
 from derive.lowering.instances.classes import obstacle
 from derive.lowering.instances.context import InstanceContext
+from derive.lowering.instances.markers import MOST_MARKERS, Markers
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.mechanics.multibody.mechanism import Mechanism, refuse_equal_names, refuse_idle
 from derive.mechanics.multibody.mechanism_text import frame_doc, mechanism_doc
+from derive.mechanics.terms import Eliminated
 
 FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kernel]] = {
     FunctionKind.MASS: body_functions.mass,
@@ -55,8 +57,11 @@ def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = Fal
     context = InstanceContext(mechanism)
     _check(context)
     equations = context.classes[0].context.equations
-    functions = functions_of(replace(equations, markers=(), outputs=context.output_components), explicit=explicit)
-    kernels = tuple(FUNCTIONS[function.kind](context, function) for function in functions)
+    markers = Markers(context)
+    named = replace(equations, markers=markers.equations, outputs=context.output_components)
+    made = {**FUNCTIONS, FunctionKind.MARKER: markers.motion, FunctionKind.LOAD: markers.load}
+    functions = functions_of(named, explicit=explicit)
+    kernels = tuple(made[function.kind](context, function) for function in functions)
     for of in context.classes:
         of.add_numbers()
     setup, constants = _setup(context, kernels)
@@ -71,7 +76,7 @@ def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = Fal
         parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in mechanism.parameters),
         constants=constants,
         kernels=(setup, *(_with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
-        markers=(),
+        markers=tuple(Variable(m.name, m.doc, "m") for m in markers.equations),
         zeros=(),
         vanished=(),
         lowering="instances",
@@ -83,9 +88,19 @@ def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = Fal
         outputs=tuple(Variable(o.name, o.doc, o.unit) for o in context.output_components),
         eliminated=tuple(
             Zero(out.what, out.reason)
-            for out in (*mechanism.eliminated, *(o for c in context.classes for o in c.context.equations.eliminated))
+            for out in (
+                *mechanism.eliminated,
+                *_without_functions(markers),
+                *(o for c in context.classes for o in c.context.equations.eliminated),
+            )
         ),
     )
+
+
+def _without_functions(markers: Markers) -> tuple[Eliminated, ...]:
+    """The statement that markers have no functions, if there are too many."""
+    text = f"there are {markers.left_out}, and at most {MOST_MARKERS} have functions"
+    return (Eliminated("functions of markers", text),) if markers.left_out else ()
 
 
 def _check(context: InstanceContext) -> None:
