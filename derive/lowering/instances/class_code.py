@@ -55,7 +55,7 @@ class LoopCode:
         self.given_still = array_input("known", equations.given_still, "what is known, and does not depend on the time")
         self.count = len(of.members)
         self.differing = frozenset(
-            str(c.symbol) for c in self.context.equations.coefficients if c.value == sp.Symbol(str(c.symbol))
+            str(c.symbol) for c in self.context.equations.coefficients if c.value == c.symbol
         )
         self._values = [
             dict(zip((str(c.symbol) for c in equations.equations.coefficients), _values(m), strict=False))
@@ -160,7 +160,7 @@ def _with_differences(of: BodyClass | Group, equations: ClassEquations) -> Equat
     every = [[c.value for c in member.constants] for member in of.members]
     same = [all(values[k] == every[0][k] for values in every) for k in range(equations.constants)]
     own, others = (equations.equations.coefficients[part] for part in _parts(equations.constants))
-    changed = (c if equal else replace(c, value=sp.Symbol(str(c.symbol))) for c, equal in zip(own, same, strict=True))
+    changed = (c if equal else replace(c, value=c.symbol) for c, equal in zip(own, same, strict=True))
     return replace(equations.equations, coefficients=(*changed, *others))
 
 
