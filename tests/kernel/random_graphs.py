@@ -1,0 +1,249 @@
+"""Random graphs of bodies from a seed: chains, trees, stars, rings and grids of beams and rigid bodies, in any order.
+
+Bodies are vertices and joints are edges; the ground is a further vertex. Markers, kinds, numbers, the order of the
+joints and that of the bodies of each are drawn, and the masses of a scene differ by up to 1e6.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+import derive
+from derive.ir.interpreter import RequirementError, interpret
+from derive.ir.model import Model
+from derive.lowering.flat.constraints import DependentConstraints
+from derive.lowering.flat.lower import lower as lower_flat
+from derive.lowering.instances.classes import obstacle
+from derive.lowering.instances.lower import lower_instances
+from derive.roles import Role
+
+Edges = list[tuple[int, int]]
+GROUND = -1
+WELL_POSED = 1e-9
+"""The least eigenvalue of G M^-1 G^T, scaled to ones on the diagonal, for which constraints count as independent."""
+
+
+@dataclass(frozen=True)
+class Graph:
+    """A scene of random bodies lowered both ways, and a state in which its constraints are independent."""
+
+    scene: derive.Scene
+    shape: str
+    flat: Model
+    instances: Model
+    state: dict[str, Any]
+
+    def arguments(self, kernel: str) -> dict[str, Any]:
+        """The arguments of a function."""
+        size = max((a.size for a in self.flat.kernel(kernel).arguments if a.name == "y"), default=0)
+        given = self.state | {name: self.state[name][:size] for name in ("y", "ydot")}
+        return {a.name: given[a.name] for a in self.flat.kernel(kernel).arguments}
+
+
+def graph(seed: int, most: int = 6) -> Graph:
+    """The graph of a seed, with so many bodies at most; joints that close loops are left out if some are redundant."""
+    for kept in (1.0, 0.5, 0.25, 0.0):
+        draws = random.Random(seed)
+        shape = SHAPES[seed % len(SHAPES)]
+        scene = _scene(f"graph_{seed}", shape, draws, most, kept)
+        mechanism = derive.derive(scene)
+        assert obstacle(mechanism) == ""
+        try:
+            flat = lower_flat(replace(mechanism.expanded(), markers=()))  # whose functions instances do not have
+        except DependentConstraints:
+            continue
+        state = _state(flat, scene, np.random.default_rng(seed))
+        if _independent(flat, state):
+            return Graph(scene, shape.__name__.strip("_"), flat, lower_instances(mechanism), state)
+    raise AssertionError(f"seed {seed}: the constraints of a tree depend on each other")
+
+
+# ---- shapes: the edges of a spanning tree, and those that close loops ----
+
+
+def _chain(draws: random.Random, most: int) -> tuple[int, Edges, Edges]:
+    count = draws.randint(1, most)
+    return count, [(k, k + 1) for k in range(count - 1)], [(GROUND, count - 1)] if draws.random() < 0.4 else []
+
+
+def _tree(draws: random.Random, most: int) -> tuple[int, Edges, Edges]:
+    count = draws.randint(3, most)
+    return count, [(draws.randrange(k), k) for k in range(1, count)], [(GROUND, draws.randrange(count))]
+
+
+def _star(draws: random.Random, most: int) -> tuple[int, Edges, Edges]:
+    count = draws.randint(4, most)
+    return count, [(0, k) for k in range(1, count)], [(GROUND, k) for k in range(1, count) if draws.random() < 0.3]
+
+
+def _ring(draws: random.Random, most: int) -> tuple[int, Edges, Edges]:
+    count = draws.randint(2, most)
+    return count, [(k, k + 1) for k in range(count - 1)], [(count - 1, 0)]
+
+
+def _grid(draws: random.Random, most: int) -> tuple[int, Edges, Edges]:
+    rows, columns = 2, draws.randint(2, max(2, most // 2))
+    along = [(i * columns + j, i * columns + j + 1) for i in range(rows) for j in range(columns - 1)]
+    down = [(i * columns + j, (i + 1) * columns + j) for i in range(rows - 1) for j in range(columns)]
+    return rows * columns, along + down[::columns], [e for k, e in enumerate(down) if k % columns]
+
+
+def _any(draws: random.Random, most: int) -> tuple[int, Edges, Edges]:
+    count = draws.randint(3, most)
+    pairs = [(i, j) for j in range(count) for i in (GROUND, *range(j))]
+    return count, [(draws.randrange(k), k) for k in range(1, count)], draws.sample(pairs, 3)
+
+
+Shape = Callable[[random.Random, int], tuple[int, Edges, Edges]]
+SHAPES: tuple[Shape, ...] = (_chain, _tree, _star, _ring, _grid, _any)
+
+
+# ---- bodies and joints ----
+
+
+def _scene(name: str, shape: Shape, draws: random.Random, most: int, kept: float) -> derive.Scene:
+    count, tree, closing = shape(draws, most)
+    kinds = [_kind(draws) for _ in range(draws.randint(1, 3))]
+    loops = bool(closing)
+    few = loops and draws.random() < 0.7  # loops of one kind of beam in most cases, in which classes have many members
+    if few:
+        kinds = [_beam_kind(draws)]
+    spread = draws.choice((0.0, 1.0, 3.0))
+    bodies = {f"body_{k}": draws.choice(kinds)(spread) for k in range(count)}
+    fixed = [(GROUND, k) for k in range(count) if draws.random() < 0.2] or [(GROUND, draws.randrange(count))]
+    if shape is _chain:
+        fixed = [(GROUND, 0)]
+    edges = [*fixed[:1], *tree] if draws.random() < 0.85 else list(tree)
+    closing = draws.sample([*closing, *fixed[1:]], k=round(kept * len([*closing, *fixed[1:]])))
+    weld = draws.choice((0.0, 0.3, 1.0))
+    joints: list[dict[str, Any]] = [_joint(edge, bodies, draws, weld) for edge in edges]
+    joints += [_joint(edge, bodies, draws, 0.15) for edge in closing]
+    if draws.random() < 0.5:
+        draws.shuffle(joints)
+    gravity = draws.choice(([0, -9.81], ["1/3", 2], None))
+    return derive.scene(
+        name,
+        ground={f"at_{k}": [_rounded(draws.uniform(-2, 2)), _rounded(draws.uniform(-2, 2))] for k in range(3)},
+        gravity=gravity,
+        bodies=bodies,
+        joints={f"joint_{k}": joint for k, joint in enumerate(joints)},
+    )
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.4g}")
+
+
+def _kind(draws: random.Random) -> Callable[[float], dict[str, Any]]:
+    return _rigid_kind(draws) if draws.random() < 0.3 else _beam_kind(draws)
+
+
+def _rigid_kind(draws: random.Random) -> Callable[[float], dict[str, Any]]:
+    centred = draws.random() < 0.5
+
+    def body(spread: float) -> dict[str, Any]:
+        mass = 10 ** draws.uniform(-spread, spread)
+        return {
+            "mass": _rounded(mass),
+            "inertia": _rounded(mass * draws.uniform(0.02, 0.2)),
+            **({} if centred else {"centre": [_rounded(draws.uniform(-0.3, 0.3)), 0.1]}),
+            "keep_coordinates": True,
+            "markers": {
+                name: [_rounded(draws.uniform(-0.8, 0.8)), _rounded(draws.uniform(-0.4, 0.4))]
+                for name in ("left", "right", "inner")
+            },
+        }
+
+    return body
+
+
+def _beam_kind(draws: random.Random) -> Callable[[float], dict[str, Any]]:
+    frame = draws.choice(("mean", "mean", "chord", {"kind": "point", "at": draws.choice((0, "1/2"))}, "tangent"))
+    if frame == "tangent":
+        frame = {"kind": "tangent", "at": draws.choice((-1, 1))}
+    shapes, order = draws.choice(((1, 1), (2, 1), (2, 1), (3, 1), (4, 1), (1, 2), (2, 2)))
+    damping = draws.choice((None, None, {"mass": 0.3, "stiffness": 0.001}))
+    same = draws.random() < 0.3
+
+    def numbers(spread: float) -> dict[str, Any]:
+        return {
+            "mass": _rounded(10 ** draws.uniform(-spread, spread)),
+            "length": _rounded(draws.uniform(0.4, 2)),
+            "bending_stiffness": _rounded(10 ** draws.uniform(-1, 2)),
+            "markers": {"left": -1, "right": 1, "inner": _rounded(draws.uniform(-0.8, 0.8))},
+        }
+
+    first = numbers(0.5)
+
+    def body(spread: float) -> dict[str, Any]:
+        return {
+            "ansatz": [f"xi^{power}" for power in range(shapes + 2)],
+            "frame": frame,
+            "order": order,
+            **({} if damping is None else {"damping": damping}),
+            **(first if same else numbers(spread)),
+        }
+
+    return body
+
+
+def _joint(edge: tuple[int, int], bodies: dict[str, Any], draws: random.Random, weld: float) -> dict[str, Any]:
+    def marker(body: int, names: tuple[str, ...]) -> str:
+        return f"ground.at_{draws.randrange(3)}" if body == GROUND else f"body_{body}.{draws.choice(names)}"
+
+    between = [marker(edge[0], ("right", "right", "inner")), marker(edge[1], ("left", "left", "inner"))]
+    if draws.random() < 0.4:
+        between.reverse()
+    if draws.random() < weld:
+        return {"kind": "weld", "between": between, "angle": _rounded(draws.choice((0.0, draws.uniform(-1, 1))))}
+    return {"kind": "revolute", "between": between}
+
+
+# ---- states ----
+
+
+def _state(model: Model, scene: derive.Scene, rng: np.random.Generator) -> dict[str, Any]:
+    """A random state, with small amplitudes of the deformation."""
+    n, rows = len(model.coordinates), len(model.multipliers)
+    scale = [3.0 if c.role is Role.ROTATION else 1.0 for c in model.coordinates]
+    deformed = np.array([c.role is Role.AMPLITUDE for c in model.coordinates])
+    q = rng.uniform(-1, 1, n) * np.where(deformed, 0.02, scale)
+    size = 2 * n + 2 * rows
+    y = np.concatenate([q, rng.uniform(-1, 1, n), rng.uniform(-3, 3, 2 * rows)])
+    return {
+        "t": 0.3,
+        "q": q.tolist(),
+        "v": rng.uniform(-1, 1, n).tolist(),
+        "k": [],
+        "r": rng.uniform(-1, 1, rows).tolist(),
+        "y": y.tolist(),
+        "ydot": rng.uniform(-1, 1, size).tolist(),
+        "cj": 7.5,
+    }
+
+
+def _independent(model: Model, state: dict[str, Any]) -> bool:
+    """Whether M is positive definite and the constraints are independent of each other."""
+    m, g = (dense(model, name, state) for name in ("mass", "constraint_jacobian"))
+    try:
+        root = np.linalg.cholesky(m)
+        interpret(model.kernel("solve"), {a.name: state[a.name] for a in model.kernel("solve").arguments})
+    except (np.linalg.LinAlgError, RequirementError, ZeroDivisionError):
+        return False
+    half = np.linalg.solve(root, g.T)
+    half /= np.linalg.norm(half, axis=0)
+    return not len(g) or bool(np.linalg.svd(half, compute_uv=False)[-1] ** 2 > WELL_POSED)
+
+
+def dense(model: Model, name: str, state: dict[str, Any]) -> np.ndarray:
+    """The matrix of a function as an array."""
+    kernel = model.kernel(name)
+    (output,) = kernel.outputs
+    assert output.pattern
+    (values,) = interpret(kernel, {a.name: state[a.name] for a in kernel.arguments}).values()
+    return output.pattern.dense(np.array(values))

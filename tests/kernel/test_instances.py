@@ -1,0 +1,279 @@
+"""Loops over bodies and joints compute what straight-line code computes, on random graphs of bodies.
+
+Sums are compared relative to the magnitudes of their terms. Solutions are measured by what they leave of M vdot + h -
+G^T lambda and of G vdot - gamma, relative to the terms of these, and by their distance from each other and from a
+solution in 50 digits, in the norm of M: the constrained motion is the free motion minus that due to the reactions, so
+that the condition of G M^-1 G^T multiplies errors of these two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache, cached_property
+from types import ModuleType
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from generated_sine import sines
+from random_graphs import SHAPES, Graph, dense, graph
+
+import derive
+from conftest import QUICK
+from corpus.summed_terms import summed_terms, worst
+from derive.backends.c.source import CBackend
+from derive.backends.python.module import PythonBackend
+from derive.ir.interpreter import interpret
+from derive.ir.model import Model
+from derive.runtime.loading import load_scene
+from derive.runtime.native_scene import NativeScene
+
+TOLERANCE = 1e-13
+OF_CONDITION = 1e-15
+"""Errors of solutions, relative to their terms, for a system of condition 1: a few units in the last place."""
+SOLVED = ("accel", "solve", "project_velocity")
+FEW = 4
+"""Bodies of small graphs, at most."""
+SMALL = (0, 4, 6, 8, 9, 11, 13, 14, 15, 18, 24, 30)
+EXACT = (4, 9, 14, 15)
+GENERATED = (0, 4, 9)
+
+
+def results(of: Graph, model: Model, name: str) -> dict[str, np.ndarray]:
+    return {o: np.array(x, float) for o, x in interpret(model.kernel(name), of.arguments(name)).items()}
+
+
+def terms(of: Graph, name: str) -> np.ndarray:
+    return summed_terms(of.flat, name, *of.arguments(name).values())
+
+
+@dataclass(frozen=True)
+class System:
+    """M x - G^T lambda = -h, G x = gamma of a graph, and the magnitudes of what is added up in them."""
+
+    of: Graph
+
+    def __post_init__(self) -> None:
+        assert self.condition < 1e9
+
+    @cached_property
+    def m(self) -> np.ndarray:
+        return dense(self.of.flat, "mass", self.of.state)
+
+    @cached_property
+    def g(self) -> np.ndarray:
+        return dense(self.of.flat, "constraint_jacobian", self.of.state)
+
+    @cached_property
+    def inverse(self) -> np.ndarray:
+        return np.linalg.inv(self.m)
+
+    @cached_property
+    def condition(self) -> float:
+        """The condition of G M^-1 G^T, scaled to ones on the diagonal."""
+        half = np.linalg.solve(np.linalg.cholesky(self.m), self.g.T)
+        values = np.linalg.svd(half / np.linalg.norm(half, axis=0), compute_uv=False) ** 2
+        return float(values[0] / values[-1]) if len(values) else 1.0
+
+    def forces(self, lam: np.ndarray) -> np.ndarray:
+        """The terms of h - G^T lambda."""
+        return terms(self.of, "force") + abs(self.g.T) @ abs(lam)
+
+    def residuals(self, x: np.ndarray, lam: np.ndarray) -> tuple[float, float]:
+        """The rest of the equations of motion and that of the constraints, relative to their terms."""
+        (h,), (gamma,) = (results(self.of, self.of.flat, name).values() for name in ("force", "constraint_bias"))
+        free = abs(self.inverse) @ self.forces(lam)
+        motion = worst(self.m @ x, self.g.T @ lam - h, abs(self.m) @ abs(x) + self.forces(lam))
+        joints = worst(self.g @ x, gamma, abs(self.g) @ free + terms(self.of, "constraint_bias")) if len(lam) else 0.0
+        return motion, joints
+
+    def norm(self, x: np.ndarray) -> float:
+        return float(np.sqrt(x @ self.m @ x))
+
+    def bound(self, forces: np.ndarray) -> float:
+        """The error of a motion due to forces with such terms."""
+        return OF_CONDITION * self.condition * self.norm(abs(self.inverse) @ forces)
+
+
+def check(of: Graph) -> None:
+    """Every function of the one model gives what it gives in the other one."""
+    check_patterns(of)
+    for name, apart in differences(of):
+        assert apart <= TOLERANCE, f"{name}: {apart:.2g} of the summed terms"
+    system = System(of)
+    flat, loops = (results(of, model, "solve") for model in (of.flat, of.instances))
+    motion, joints = system.residuals(loops["vdot"], loops["lam"])
+    assert motion <= TOLERANCE, f"equations of motion: {motion:.2g} of the summed terms"
+    assert joints <= max(TOLERANCE, OF_CONDITION * system.condition), f"constraints: {joints:.2g} of the summed terms"
+    apart = system.norm(loops["vdot"] - flat["vdot"])
+    assert apart <= system.bound(system.forces(flat["lam"])), f"vdot: {apart:.2g}, condition {system.condition:.2g}"
+    assert np.array_equal(results(of, of.instances, "accel")["vdot"], loops["vdot"])
+    by_flat, by_loops = (results(of, model, "project_velocity")["dv"] for model in (of.flat, of.instances))
+    reactions = np.linalg.solve(system.g @ system.inverse @ system.g.T, of.state["r"])
+    assert system.norm(by_loops - by_flat) <= system.bound(abs(system.g.T) @ abs(reactions))
+
+
+def check_patterns(of: Graph) -> None:
+    """The functions, their arguments, the names of their results and the patterns of matrices are the same."""
+    assert [k.name for k in of.flat.kernels] == [k.name for k in of.instances.kernels]
+    for flat, loops in zip(of.flat.kernels, of.instances.kernels, strict=True):
+        assert [(a.name, a.size) for a in flat.arguments] == [(a.name, a.size) for a in loops.arguments]
+        for a, b in zip(flat.outputs, loops.outputs, strict=True):
+            assert (a.name, a.size, a.pattern) == (b.name, b.size, b.pattern), flat.name
+            assert a.pattern or a.elements == b.elements, flat.name
+
+
+def differences(of: Graph) -> Iterator[tuple[str, float]]:
+    """The functions that add up terms, with the largest difference relative to the magnitudes of the terms."""
+    for kernel in of.flat.kernels:
+        if kernel.name not in ("setup", *SOLVED):
+            a, b = (np.concatenate([*results(of, model, kernel.name).values()]) for model in (of.flat, of.instances))
+            yield kernel.name, worst(a, b, terms(of, kernel.name)) if len(a) else 0.0
+
+
+@pytest.mark.parametrize("seed", SMALL)
+def test_small_graphs(seed: int) -> None:
+    check(small(seed))
+
+
+@cache
+def small(seed: int) -> Graph:
+    return graph(seed, FEW)
+
+
+def test_every_shape_is_among_the_small_graphs() -> None:
+    assert {seed % len(SHAPES) for seed in SMALL} == {*range(len(SHAPES))}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(100, 300))
+def test_two_hundred_graphs(seed: int) -> None:
+    check(graph(seed))
+
+
+# ---- 50 digits ----
+
+
+@pytest.mark.parametrize("seed", EXACT)
+def test_both_solve_the_dense_system(seed: int) -> None:
+    of = small(seed)
+    system, (vdot, lam) = System(of), dense_solution(of)
+    bound = system.bound(system.forces(lam))
+    for model in (of.flat, of.instances):
+        assert system.norm(results(of, model, "solve")["vdot"] - vdot) <= bound
+
+
+def dense_solution(of: Graph) -> tuple[np.ndarray, np.ndarray]:
+    """vdot and lambda in 50 digits, from the whole matrix of M and G."""
+    n, rows = len(of.flat.coordinates), len(of.flat.multipliers)
+    with mpmath.workdps(50):
+        matrix = mpmath.zeros(n + rows)
+        for (i, j), value in entries(of, "mass"):
+            matrix[i, j] = matrix[j, i] = value
+        for (i, j), value in entries(of, "constraint_jacobian"):
+            matrix[n + i, j], matrix[j, n + i] = value, -value
+        (h,), (gamma,) = exactly(of, "force").values(), exactly(of, "constraint_bias").values()
+        solution = [float(x) for x in mpmath.lu_solve(matrix, mpmath.matrix([*(-x for x in h), *gamma]))]
+    return np.array(solution[:n]), np.array(solution[n:])
+
+
+def entries(of: Graph, name: str) -> Iterator[tuple[tuple[int, int], Any]]:
+    (output,) = of.flat.kernel(name).outputs
+    assert output.pattern
+    return zip(output.pattern.entries, exactly(of, name)[output.name], strict=True)
+
+
+def exactly(of: Graph, name: str) -> dict[str, list[Any]]:
+    def number(value: Fraction) -> Any:
+        return mpmath.mpf(value.numerator) / value.denominator
+
+    given = {
+        a: [mpmath.mpf(x) for x in value] if isinstance(value, list) else mpmath.mpf(value)
+        for a, value in of.arguments(name).items()
+    }
+    functions = {f: getattr(mpmath, f) for f in ("sin", "cos", "sqrt")}
+    return interpret(of.flat.kernel(name), given, number=number, functions=functions)
+
+
+# ---- the interpreter, Python and C ----
+
+
+@cache
+def files(seed: int) -> tuple[derive.File, ...]:
+    model = small(seed).instances
+    return (*CBackend().files(model, ""), *PythonBackend().files(model, ""))
+
+
+@cache
+def native(seed: int) -> NativeScene:
+    return load_scene(files(seed), QUICK)
+
+
+@cache
+def module(seed: int) -> ModuleType:
+    (file,) = (file for file in files(seed) if file.path.endswith(".py"))
+    result = ModuleType("generated")
+    exec(compile(file.text, file.path, "exec"), result.__dict__)
+    return result
+
+
+def evaluated(seed: int) -> list[str]:
+    return [kernel.name for kernel in small(seed).instances.kernels if kernel.name != "setup"]
+
+
+@pytest.mark.parametrize("seed", GENERATED)
+def test_python_has_the_bits_of_the_interpreter(seed: int) -> None:
+    of = small(seed)
+    for name in evaluated(seed):
+        given = [x if isinstance(x, float) else np.array(x) for x in of.arguments(name).values()]
+        found = getattr(module(seed), name)(*given)
+        expected = results(of, of.instances, name).values()
+        for a, b in zip(found if isinstance(found, tuple) else (found,), expected, strict=True):
+            assert a.tobytes() == b.tobytes(), name
+
+
+SINES: Mapping[str, Callable[[float], float]] = {
+    "sin": lambda x: float(sines(np.array([x]), flags=QUICK)[0][0]),
+    "cos": lambda x: float(sines(np.array([x]), flags=QUICK)[1][0]),
+}
+
+
+@pytest.mark.parametrize("seed", GENERATED)
+def test_c_has_the_bits_of_the_interpreter(seed: int) -> None:
+    """With the sines of C."""
+    of = small(seed)
+    for name in evaluated(seed):
+        kernel, given = of.instances.kernel(name), of.arguments(name)
+        expected = interpret(kernel, given, functions=SINES).values()
+        found = in_c(native(seed), name)(*given.values())
+        for a, b in zip(found if isinstance(found, tuple) else (found,), expected, strict=True):
+            assert np.ravel(a).tobytes() == np.array(b, float).tobytes(), name
+
+
+def in_c(scene: NativeScene, name: str) -> Any:
+    """The function of a kernel; those of the forms are functions of the form."""
+    kind, _, form = name.partition("_")
+    if kind in ("residual", "jacobian"):
+        return getattr(scene.dae[form or "index3"], kind)
+    return getattr(scene, name)
+
+
+BATCHES = ("mass", "force", "mass_force", "accel", "energy", "momentum", "rates")
+
+
+@pytest.mark.parametrize("seed", GENERATED)
+def test_batches_have_the_bits_of_single_states(seed: int) -> None:
+    scene, rng = native(seed), np.random.default_rng(seed)
+    q = np.array(small(seed).state["q"]) * rng.uniform(0.5, 1.0, (11, scene.nq))
+    v, k = rng.uniform(-1, 1, (11, scene.nv)), scene.setup()
+    for name in BATCHES:
+        given = {"mass": (q,)}.get(name, (q, v))
+        time = (0.5,) if name in ("force", "mass_force", "accel") else ()
+        batch = getattr(scene, f"{name}_batch")(*time, *given, k)
+        single = [getattr(scene, name)(*time, *state, k) for state in zip(*given, strict=True)]
+        if isinstance(batch, tuple):
+            batch, single = np.hstack(batch), [np.concatenate(parts) for parts in single]
+        assert batch.tobytes() == np.array(single).tobytes(), name
