@@ -12,7 +12,7 @@ from pathlib import Path
 
 from derive.artifacts import File, check_folder, write
 from derive.cli.result_files import picture_names
-from derive.cli.simulation_summary import Pieces, PlotCurves, SimulationResult, summary_data, summary_text
+from derive.cli.simulation_summary import Pieces, PlotCurves, SimulationResult, pieces_text, summary_data, summary_text
 from derive.cli.specifications import in_file_order, read_changed, simulation_of
 from derive.errors import SpecError
 from derive.simulation.earlier_run import EarlierRun, read_run
@@ -103,7 +103,7 @@ class Simulations:
                     self._variants[_pieces(scene)] = self._prepared(scene)
 
     def _prepared(self, spec: Scene | NodalBody) -> TitledRun:
-        title = ", ".join([spec.name, *(f"{name} in {beam_count(n)}" for name, n in _pieces(spec))])
+        title = ", ".join([spec.name, *pieces_text(_pieces(spec))])
         show_progress(f"{title}: deriving the equations ...")
         try:
             with lines_of(self._options.spec):

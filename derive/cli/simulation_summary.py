@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -18,6 +19,9 @@ from derive.terminal import beam_count, table
 
 Pieces = tuple[tuple[str, int], ...]
 """The names of the beams of a scene, each with the number of pieces into which it is divided."""
+
+NAMED_BEAMS = 20
+"""The largest number of beams that are named in the line of a run."""
 
 PlotCurves = tuple[Plot, tuple[PlotCurve, ...]]
 """A plot and its curves."""
@@ -119,7 +123,7 @@ def _runs(runs: Sequence[Plain]) -> list[str]:
     head = ["energy, J", "its change"] if body else ["drift", "of velocities"]
     rows = [["", "coordinates", "constraints", "steps", "evaluations", "CPU s", *head]]
     for run in runs:
-        name = ", ".join(f"{name} in {beam_count(n)}" for name, n in run["pieces"].items())
+        name = ", ".join(pieces_text(tuple(run["pieces"].items())))
         counts = (str(run[key]) for key in ("coordinates", "constraints", "steps", "evaluations"))
         if body:
             quality = [f"{run['energy']:.9g}", f"{run['energy_change']:.1e}"]
@@ -128,6 +132,13 @@ def _runs(runs: Sequence[Plain]) -> list[str]:
         rows.append([name or ("" if body else "all rigid"), *counts, f"{run['cpu_seconds']:.2f}", *quality])
     drift = "  drift: the largest violation of the constraints (m, rad) and of their time derivatives (m/s, rad/s)"
     return [*table(rows), *([] if body else [drift])]
+
+
+def pieces_text(pieces: Pieces) -> list[str]:
+    """The beams with the numbers of their pieces; of many beams, how many there are of each number."""
+    if len(pieces) <= NAMED_BEAMS:
+        return [f"{name} in {beam_count(n)}" for name, n in pieces]
+    return [f"{bodies} bodies in {beam_count(n)}" for n, bodies in Counter(n for _, n in pieces).items()]
 
 
 def _extremes(plot: Plain) -> Iterator[str]:

@@ -20,7 +20,7 @@ from derive.simulation.inputs import DrivenScene, InputFunction, with_functions
 from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.registry import EXPLICIT, INTEGRATORS
 from derive.simulation.integration.solution import Progress, Solution
-from derive.simulation.observables.default_plots import default_plots
+from derive.simulation.observables.default_plots import default_plots, plots_note
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
 from derive.simulation.simulated_scene import surroundings
@@ -85,6 +85,7 @@ class PreparedRun:
         if problems or wrong:
             raise SpecError((*problems, *wrong))
         self._spatial = spatial_state(self.model, self.body.start) if self.body else None
+        self._notes = plots_note(self.scene, self.model)
         self.plots = (*spec.plots, *default_plots(self.scene, self.model))
 
     def trajectory(
@@ -102,11 +103,11 @@ class PreparedRun:
         k = native.setup()
         initial = self._spatial or initial_state(self.scene, native, k)
         q, v, times = initial.q, initial.v, output_times(simulation)
-        foreseen: tuple[str, ...] = ()
+        foreseen: tuple[str, ...] = self._notes
         if earlier is not None:
             q, v, times = earlier.q, earlier.v, earlier.times(times)
         elif (obstacle := drive_obstacle(self.scene, native, k, q, self.size)) is not None:
-            foreseen = (str(obstacle),)
+            foreseen += (str(obstacle),)
         if announce is not None:
             for text in foreseen:
                 announce(text)

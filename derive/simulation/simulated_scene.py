@@ -63,6 +63,7 @@ class FreeBeam(NativeScene):
         self.bodies = (beam.body_name,)
         self.coordinates = tuple(f"{beam.body_name}_{coordinate}" for coordinate in native.coordinates)
         self._alone, self._markers = native, {f"{beam.body_name}_{marker}": marker for marker in native.markers}
+        self.markers = tuple(self._markers)
 
     def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
         """The pose c1, c2 (m) and phi (rad) of the frame of the beam, (1, 3)."""

@@ -65,7 +65,7 @@ def energy_names(scene: Scene, model: Model) -> tuple[str, ...]:
 def column_values(scene: Scene, native: NativeScene, k: Vector, solution: Solution) -> list[Vector]:
     """The values (n,) of the columns of a trajectory in a scene, in the order of `column_units`."""
     drives = [simulated_drive(native, drive, solution.t) for drive in scene.drives]
-    monitors = {output.name for output in monitoring_outputs(scene)}
+    monitors = {output.name for output in monitoring_outputs(scene)} if native.outputs else set[str]()
     inputs, outputs = port_values(native, k, solution, monitors)
     columns = [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T, *inputs.T, *outputs.T]
     if not scene.bodies:

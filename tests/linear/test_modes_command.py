@@ -18,7 +18,7 @@ from derive.artifacts import sha256
 from derive.cli.main import main
 from derive.simulation.linear.displaced import displaced, mode_lines
 from derive.simulation.linear.modes import Modes
-from derive.simulation.observables.motion import marker_positions
+from derive.simulation.observables.marker_positions import marker_positions
 from derive.simulation.observables.spatial_player_data import drawn_body
 from derive.spec.model.markers import MarkerRef
 from derive.visual.mode_pages import modes_page, modes_picture

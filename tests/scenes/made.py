@@ -19,7 +19,8 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import InitialState, initial_state
 from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.integration.solution import Solution
-from derive.simulation.observables.motion import SceneMotion, deflection
+from derive.simulation.observables.marker_positions import deflection
+from derive.simulation.observables.motion import SceneMotion
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
 

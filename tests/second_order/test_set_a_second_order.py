@@ -13,7 +13,8 @@ from rod_models import compiled_scene
 from conftest import ROOT
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.scipy_methods import integrate
-from derive.simulation.observables.motion import SceneMotion, deflection
+from derive.simulation.observables.marker_positions import deflection
+from derive.simulation.observables.motion import SceneMotion
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
 

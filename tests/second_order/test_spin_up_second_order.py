@@ -12,7 +12,8 @@ from conftest import ROOT
 from derive.simulation.errors import MassMatrixNotDefinite
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.scipy_methods import integrate
-from derive.simulation.observables.motion import SceneMotion, deflection, marker_positions
+from derive.simulation.observables.marker_positions import deflection, marker_positions
+from derive.simulation.observables.motion import SceneMotion
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse

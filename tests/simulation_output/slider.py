@@ -85,6 +85,7 @@ class Double:
         self.nq = self.nv = len(self.coordinates)
         self.nlambda = len(self.multipliers)
         self.inputs = self.outputs = ()
+        self.markers = tuple(f"{self.rod.name}_{marker.name}" for marker in self.rod.markers)
 
     def state(self, t: float) -> np.ndarray:
         angle = SPEED * t

@@ -17,7 +17,8 @@ from derive.generated_models import generated
 from derive.runtime.loading import load_scene
 from derive.simulation.linear.displaced import scene_lines
 from derive.simulation.observables.beams import axis_points, beam_bodies, beam_points
-from derive.simulation.observables.motion import SceneMotion, marker_positions
+from derive.simulation.observables.marker_positions import marker_positions
+from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.observables.player_data import player_data
 from derive.spec.model.markers import MarkerRef
 from derive.visual.mechanism import mechanism_picture

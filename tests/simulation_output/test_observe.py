@@ -11,7 +11,8 @@ import slider
 
 from derive.percentages import percent
 from derive.simulation.observables.beams import piece_at, relative_deflection
-from derive.simulation.observables.motion import deviation, drive_values, function_values, marker_positions
+from derive.simulation.observables.marker_positions import marker_positions
+from derive.simulation.observables.motion import deviation, drive_values, function_values
 from derive.simulation.observables.plots import PlotCurve, plot_curve, plot_text
 from derive.simulation.output_times import output_times
 from derive.spec.model.markers import MarkerRef

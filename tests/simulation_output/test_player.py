@@ -16,7 +16,8 @@ import slider
 from browser import CHROMIUM, browsed
 from derive.artifacts import MARK
 from derive.simulation.observables.csv_writer import Column
-from derive.simulation.observables.motion import SceneMotion, marker_positions
+from derive.simulation.observables.marker_positions import marker_positions
+from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.observables.player_data import MAX_FRAMES, player_data, speeds
 from derive.spec.model.markers import MarkerRef, PointMarker
 from derive.spec.model.scene import RigidBody

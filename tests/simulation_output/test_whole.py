@@ -12,7 +12,7 @@ import derive
 from conftest import ROOT
 from derive.cli.main import main
 from derive.simulation.observables.beams import beam_points
-from derive.simulation.observables.motion import marker_positions
+from derive.simulation.observables.marker_positions import marker_positions
 from derive.spec.model.markers import MarkerRef
 
 SCENE = ROOT / "scenes/crank_slider_3.toml"

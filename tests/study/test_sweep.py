@@ -15,7 +15,7 @@ import derive
 from conftest import ROOT
 from derive.errors import SpecError
 from derive.registry import UnknownNameError
-from derive.simulation.observables.motion import deflection
+from derive.simulation.observables.marker_positions import deflection
 from derive.spec.model.plots import Deflection
 from derive.spec.set_values import with_values
 from derive.spec.toml.read import parse

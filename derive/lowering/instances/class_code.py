@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import casadi as ca
-import sympy as sp
 
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef, walk
@@ -54,9 +53,7 @@ class LoopCode:
         self.given = array_input("known", equations.given, "what is known")
         self.given_still = array_input("known", equations.given_still, "what is known, and does not depend on the time")
         self.count = len(of.members)
-        self.differing = frozenset(
-            str(c.symbol) for c in self.context.equations.coefficients if c.value == c.symbol
-        )
+        self.differing = frozenset(str(c.symbol) for c in self.context.equations.coefficients if c.value == c.symbol)
         self._values = [
             dict(zip((str(c.symbol) for c in equations.equations.coefficients), _values(m), strict=False))
             for m in of.members

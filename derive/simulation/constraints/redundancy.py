@@ -11,6 +11,7 @@ from derive.lowering.redundancy import dependences
 from derive.roles import Role
 from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, coordinates_with, mass_matrix
+from derive.simulation.constraints.certificates import DEFINITE, independent, moves_mass
 from derive.simulation.constraints.neighbouring_states import neighbouring_states
 from derive.simulation.constraints.scaling import SINGULAR, Spectrum, spectrum
 from derive.simulation.errors import InextensibleBeam, MasslessMotion, RedundantConstraints, SingularConfiguration
@@ -25,6 +26,8 @@ def check_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vector,
     (InextensibleBeam). A mechanism that cannot move at all has redundant constraints. MasslessMotion: the constraints
     allow a motion that moves no mass.
     """
+    if independent(native, k, t, q):
+        return  # it takes for granted that all motions have mass
     singular = spectrum(native, k, t, q)
     if singular.rank < native.nlambda:
         around = [spectrum(native, k, time, state) for time, state in neighbouring_states(native, k, t, q, drives)]
@@ -60,12 +63,14 @@ def involved(singular: Spectrum, names: Sequence[str], limit: float = SINGULAR) 
 
 def _check_mass(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> None:
     """Raise MasslessMotion if a motion that the constraints allow has no kinetic energy."""
+    if moves_mass(native, k, q):
+        return
     M, G = mass_matrix(native, q, k), constraint_matrix(native, t, q, k)
     size = np.sqrt(np.where(np.diag(M) > 0, np.diag(M), np.median(np.diag(M)) or 1.0))
     allowed = null_space(G / size) if len(G) else np.eye(native.nv)
     if not allowed.size:
         return
     values, vectors = np.linalg.eigh(allowed.T @ (M / np.outer(size, size)) @ allowed)
-    if values[0] < 1e-11:
+    if values[0] < DEFINITE:
         motion = np.abs(allowed @ vectors[:, 0])
         raise MasslessMotion([n for n, x in zip(native.coordinates, motion, strict=True) if x > 0.01 * motion.max()])

@@ -59,14 +59,21 @@ def typical_row_norms(
     free: the columns of G that count, all by default. The length in a single state is not suitable, because a row may
     vanish at a dead centre. Rows that are zero in all states get 1.
     """
-    angles = coordinates_with(native, Role.ROTATION)
-    random = np.random.default_rng(0)
-    states = [q]
-    states += [np.where(angles, random.uniform(-np.pi, np.pi, native.nq), q) for _ in range(RANDOM_ORIENTATIONS)]
     columns = slice(None) if free is None else free
-    squares = [np.sum(in_mass_metric(constraint_matrix(native, t, s, k)[:, columns], R) ** 2, axis=1) for s in states]
+    squares = [
+        np.sum(in_mass_metric(constraint_matrix(native, t, state, k)[:, columns], R) ** 2, axis=1)
+        for state in orientations(native, q)
+    ]
     norms = np.sqrt(np.mean(squares, axis=0))
     return np.where(norms > 0.0, norms, 1.0)
+
+
+def orientations(native: Constraints, q: Vector) -> tuple[Vector, ...]:
+    """The configuration q (nq,), and those with random orientations of all bodies, the same each time."""
+    angles = coordinates_with(native, Role.ROTATION)
+    random = np.random.default_rng(0)
+    turned = (random.uniform(-np.pi, np.pi, native.nq) for _ in range(RANDOM_ORIENTATIONS))
+    return q, *(np.where(angles, rotations, q) for rotations in turned)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix
 from derive.simulation.initial.contradictions import Misfit
-from derive.simulation.initial.kinematics import Kinematics
+from derive.simulation.initial.kinematics import Kinematics, Values
 from derive.simulation.initial.targets import Target
 
 
@@ -29,13 +29,17 @@ class Assembler:
         """The poses in a configuration (nq,); with `moving`, also how drives change them."""
         return Kinematics(self.native, self.k, self.t, q, self.size, moving)
 
+    def values(self, q: Vector) -> Values:
+        """The poses in a configuration (nq,) without their derivatives."""
+        return Values(self.native, self.k, self.t, q, self.size, False)
+
     def unit(self, target: Target) -> float:
         """The scale of a target: 1 rad, or the size of the scene (m)."""
         return 1.0 if target.angular else self.size
 
     def misfits(self, targets: Sequence[Target], q: Vector) -> tuple[Misfit, ...]:
         """The targets with the values that they have in a configuration."""
-        kinematics = self.kinematics(q)
+        kinematics = self.values(q)
         values = ((target, target.function(kinematics).value) for target in targets)
         return tuple(Misfit(target, value, (value - target.value) / self.unit(target)) for target, value in values)
 
@@ -56,7 +60,7 @@ class WithTargets:
 
     def constraints(self, t: float, q: Vector, k: Vector) -> Vector:
         """The constraints g, and the deviations of the targets from their values (m, rad)."""
-        kinematics = self._assembler.kinematics(q)
+        kinematics = self._assembler.values(q)
         missed = [target.function(kinematics).value - target.value for target in self._targets]
         return np.concatenate([self._native.constraints(t, q, k), missed])
 

@@ -30,7 +30,7 @@ from derive.simulation.constraints.closest_state import (
 from derive.simulation.errors import InconsistentInitialState
 from derive.simulation.initial.assembler import Assembler, WithTargets
 from derive.simulation.initial.contradictions import Conflict, Misfit, contradiction
-from derive.simulation.initial.target_fit import TargetFit, weight
+from derive.simulation.initial.target_fit import NEWTON_CONVERGED, TargetFit, weight
 from derive.simulation.initial.targets import Strength, Target
 
 ROUNDING = 1e-3
@@ -71,6 +71,8 @@ def assemble(
     with the constraints that cannot be met.
     """
     native = assembler.native
+    if _is_met(assembler, guess, targets):
+        return Assembly(guess, (), max_norm(native.constraints(assembler.t, guess, assembler.k)), False)
     given = [target for target in targets if target.strength is Strength.GIVEN]
     amplitudes = coordinates_with(native, Role.AMPLITUDE)
     amplitudes[[target.amplitude for target in given if target.amplitude is not None]] = False
@@ -106,6 +108,13 @@ def assemble(
     best = min(open_states, key=lambda state: state.error)
     unmet = unmet_constraints(native, best.g, CONSISTENT)
     raise InconsistentInitialState("positions", unmet, assembler.t, conflict(best.q, given).text)
+
+
+def _is_met(assembler: Assembler, q: Vector, targets: Sequence[Target]) -> bool:
+    """Whether a configuration (nq,) meets the constraints and has the values of all targets, up to rounding errors."""
+    if max_norm(assembler.native.constraints(assembler.t, q, assembler.k)) > NEWTON_CONVERGED * max(1.0, max_norm(q)):
+        return False
+    return all(abs(misfit.relative) <= NEWTON_CONVERGED for misfit in assembler.misfits(targets, q))
 
 
 def _starts(native: NativeScene, guess: Vector) -> Iterator[Vector]:

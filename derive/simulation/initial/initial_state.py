@@ -103,7 +103,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
         balance = equilibrium(native, constants, assembly.q)
         assembly = _moved(assembler, assembly, balance, positions)
     q = assembly.q
-    momentum = _momentum(scene, assembler.kinematics(q, moving=True))
+    momentum = _momentum(scene, assembler.kinematics(q, moving=True)) if scene.drives else np.zeros(native.nv)
     rates = [target for target in every if target.rate]
 
     def conflict(v: Vector, given: Sequence[Target]) -> Conflict:
@@ -120,12 +120,12 @@ def _values(
     assembler: Assembler, q: Vector, v: Vector, every: Sequence[Target], misfits: Sequence[Misfit]
 ) -> tuple[InitialValue, ...]:
     """The values that the specification gives or guesses, and those of the state; rounding errors of zero are zero."""
-    kinematics = assembler.kinematics(q, moving=True)
+    still, moving = assembler.values(q), assembler.kinematics(q, moving=True)
     changed = {id(misfit.target) for misfit in misfits}
     result = []
     for target in every:
         if target.strength is not Strength.DEFAULT:
-            linear, guess = target.function(kinematics), target.strength is Strength.GUESS
+            linear, guess = target.function(moving if target.rate else still), target.strength is Strength.GUESS
             value = float(linear.gradient @ v) + linear.drift if target.rate else linear.value
             scale = assembler.unit(target) * (max_norm(v) if target.rate else 1.0)
             shown = 0.0 if abs(value) < ROUNDING * scale else value

@@ -61,6 +61,8 @@ def velocities(
     amplitudes[[target.amplitude for target in targets if target.amplitude is not None]] = False
     missed: list[tuple[tuple[Misfit, ...], Vector]] = []
     v = np.zeros(native.nv)
+    if not targets and not np.any(momentum) and not np.any(native.constraint_rates(t, q, v, k)):
+        return Velocities(v, (), 0.0, False)
     for free in (~amplitudes, np.ones_like(amplitudes)) if np.any(amplitudes) else (~amplitudes,):
         problem = _Linear(assembler, q, free, momentum)
         v = problem.solution(given, [target for target in targets if target.strength is Strength.GUESS])

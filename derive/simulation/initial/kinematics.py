@@ -136,3 +136,27 @@ class Kinematics:
 
     def _poses(self, t: float, q: Vector) -> Matrix:
         return self.native.poses(t, q, self.k)
+
+
+NOTHING = np.zeros(0)
+
+
+@dataclass(frozen=True, eq=False)
+class Values(Kinematics):
+    """The poses of a scene alone: functions of the configuration have values, but neither gradients nor drifts."""
+
+    def component(self, body: str, i: int) -> Linear:
+        """The component c1, c2 or phi (i = 0, 1, 2) of the pose of the frame of a body."""
+        return self.constant(float(self.poses[self.native.bodies.index(body), i]))
+
+    def coordinate(self, j: int) -> Linear:
+        """The coordinate number j."""
+        return self.constant(float(self.q[j]))
+
+    def chained(self, gradient: Vector) -> Vector:
+        """No derivatives."""
+        return NOTHING
+
+    def constant(self, value: float) -> Linear:
+        """A constant."""
+        return Linear(value, NOTHING, 0.0)

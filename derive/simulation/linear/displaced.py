@@ -15,7 +15,8 @@ from derive.simulation.linear.eigenmodes import Mode
 from derive.simulation.linear.modes import Modes
 from derive.simulation.linear.run_time_inputs import scene_with_values
 from derive.simulation.observables.beams import axis_points, beam_bodies, piece_at, piece_names
-from derive.simulation.observables.motion import Array, SceneMotion, marker_positions, outline, transformed
+from derive.simulation.observables.marker_positions import marker_positions
+from derive.simulation.observables.motion import Array, SceneMotion, outline, transformed
 from derive.simulation.simulated_scene import FreeBeam, beam_scene
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene

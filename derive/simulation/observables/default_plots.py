@@ -31,11 +31,39 @@ SPATIAL = {
 """The plots of the coordinates of a body in space, and of its angular velocity."""
 
 
+MANY_CURVES, SELECTED = 60, 12
+"""A plot of more coordinates than the first shows as many as the second, evenly spaced ones."""
+
+
 def default_plots(scene: Scene, model: Model) -> tuple[Plot, ...]:
     """One plot over the time for each output that no plot shows; without outputs and plots, those of coordinates and,
     of a body in space alone, of its angular velocity and energies."""
     if scene.outputs or scene.plots:
         return tuple(_plot(_free_name(output, scene), output_columns(output)) for output in _unplotted(scene))
+    return tuple(_plot(name, _selected(columns)) for name, columns in _quantities(scene, model).items())
+
+
+def plots_note(scene: Scene, model: Model) -> tuple[str, ...]:
+    """A line on what default plots leave out, if they do."""
+    if scene.outputs or scene.plots:
+        return ()
+    every = {name: columns for name, columns in _quantities(scene, model).items() if len(columns) > MANY_CURVES}
+    shown = ", ".join(f"{name} {len(_selected(columns))} of {len(columns)}" for name, columns in every.items())
+    return (
+        (f"plots: shown are, of the curves of {shown}; the CSV has all, and [plots] chooses others",) if shown else ()
+    )
+
+
+def _selected(columns: Sequence[str]) -> list[str]:
+    """The columns of a plot: all, or some up to the last one, with an odd step, so that both components are shown."""
+    if len(columns) <= MANY_CURVES:
+        return [*columns]
+    step = ((len(columns) - 1) // (SELECTED - 1) - 1) // 2 * 2 + 1
+    return [columns[len(columns) - 1 - step * i] for i in reversed(range(SELECTED))]
+
+
+def _quantities(scene: Scene, model: Model) -> dict[str, list[str]]:
+    """The names of the columns that are plotted, by the names of the default plots."""
     spatial = any(c.role is Role.QUATERNION for c in model.coordinates)
     quantities = {
         name: [x for c in model.coordinates if c.role in roles for x in c.elements]
@@ -44,7 +72,7 @@ def default_plots(scene: Scene, model: Model) -> tuple[Plot, ...]:
     if spatial:
         quantities["angular_velocity"] = [x.name for x in model.velocities[3:6]]
     quantities["energy"] = [*energy_names(scene, model)]
-    return tuple(_plot(name, columns) for name, columns in quantities.items() if columns)
+    return {name: columns for name, columns in quantities.items() if columns}
 
 
 def _unplotted(scene: Scene) -> list[SceneOutput]:

@@ -1,4 +1,4 @@
-"""A scene in motion: positions of markers, prescribed motions of drives, deflections, deviations from references."""
+"""A scene in motion: poses of bodies, prescribed motions of drives, deviations from references."""
 
 from __future__ import annotations
 
@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.outputs.deflection import distance_from_line
 from derive.mechanics.prescribed_motion import drive_motion
 from derive.runtime.native_scene import NativeScene
 from derive.spec.files.splines import cubic_spline
-from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef, PointMarker
-from derive.spec.model.plots import Deflection, ReferenceCurve
+from derive.spec.model.plots import ReferenceCurve
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, CustomBody, Drive, RigidBody, Scene
 from derive.spec.model.time_function import TimeFunction, value_at
@@ -91,30 +89,12 @@ def _orientation(a: tuple[float, float], b: tuple[float, float], c: tuple[float,
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
-def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
-    """The positions (n, 2), m, of a marker in the inertial frame."""
-    native = motion.native
-    if marker.body == GROUND:
-        return np.tile(body_coordinates(motion.scene, marker), (len(motion.t), 1))
-    body = next(b for b in motion.scene.bodies if b.name == marker.body)
-    if isinstance(body, RigidBody):
-        return transformed(motion.pose(body.name), body_coordinates(motion.scene, marker))
-    return native.marker_positions(identifier(marker.body, marker.marker), motion.q, motion.v, motion.k)
-
-
 def transformed(pose: Array, x: Array) -> Array:
     """The points c + Q(phi) x (n, 2) of poses (c1, c2, phi) (n, 3); x: one point (2,), or one for each pose (n, 2)."""
     cosine, sine = np.cos(pose[:, 2]), np.sin(pose[:, 2])
     x1, x2 = x.T
     rotated: Array = np.stack([cosine * x1 - sine * x2, sine * x1 + cosine * x2], axis=1)
     return pose[:, :2] + rotated
-
-
-def deflection(motion: SceneMotion, quantity: Deflection) -> Array:
-    """The distances (n,) of a marker from a chord (m), positive to its left, or their ratios to a length."""
-    points = (marker_positions(motion, at).T for at in (quantity.marker, *quantity.chord))
-    distance: Array = distance_from_line(points, np.hypot)
-    return distance if quantity.divided_by is None else distance / quantity.divided_by
 
 
 def drive_values(drive: Drive, t: Array) -> Array:

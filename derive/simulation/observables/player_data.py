@@ -26,12 +26,12 @@ from derive.simulation.observables.beams import (
     shortening_functions,
 )
 from derive.simulation.observables.csv_writer import Column
+from derive.simulation.observables.marker_positions import marker_positions
 from derive.simulation.observables.motion import (
     Array,
     SceneMotion,
     body_coordinates,
     drive_unit,
-    marker_positions,
     outline,
     simulated_drive,
     transformed,

@@ -9,7 +9,8 @@ from typing import assert_never
 import numpy as np
 
 from derive.mechanics.multibody.outputs.deflection import deflection_doc
-from derive.simulation.observables.motion import Array, SceneMotion, deflection, deviation, drive_unit, simulated_drive
+from derive.simulation.observables.marker_positions import deflection
+from derive.simulation.observables.motion import Array, SceneMotion, deviation, drive_unit, simulated_drive
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.scene import Scene

@@ -14,7 +14,8 @@ from derive.registry import UnknownNameError
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.integration.solution import Solution
-from derive.simulation.observables.motion import SceneMotion, deflection
+from derive.simulation.observables.marker_positions import deflection
+from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.observables.plots import deflection_quantity
 from derive.simulation.trajectory import column_values
 from derive.spec.model.plots import ColumnCurves, Deflection
