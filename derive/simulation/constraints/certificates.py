@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
@@ -23,7 +24,7 @@ DEFINITE = 1e-11
 ITERATIONS = 30
 
 
-def blocks(M: csc_array) -> Iterator[tuple[Vector, Matrix]]:
+def blocks(M: csc_array) -> Iterator[tuple[NDArray[np.intp], Matrix]]:
     """The blocks of a symmetric matrix that are not coupled: the numbers (m,) of their rows, and the entries (m, m)."""
     count, labels = connected_components(M, directed=False)
     order = np.argsort(labels, kind="stable")
