@@ -7,7 +7,7 @@ joints and that of the bodies of each are drawn, and the masses of a scene diffe
 from __future__ import annotations
 
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -51,16 +51,46 @@ def graph(seed: int, most: int = 6) -> Graph:
         draws = random.Random(seed)
         shape = SHAPES[seed % len(SHAPES)]
         scene = _scene(f"graph_{seed}", shape, draws, most, kept)
-        mechanism = derive.derive(scene)
-        assert obstacle(mechanism) == ""
-        try:
-            flat = lower_flat(replace(mechanism.expanded(), markers=()))  # whose functions instances do not have
-        except DependentConstraints:
-            continue
-        state = _state(flat, scene, np.random.default_rng(seed))
-        if _independent(flat, state):
-            return Graph(scene, shape.__name__.strip("_"), flat, lower_instances(mechanism), state)
+        if made := _lowered(scene, shape.__name__.strip("_"), seed):
+            return made
     raise AssertionError(f"seed {seed}: the constraints of a tree depend on each other")
+
+
+def ring_of_rods(count: int, order: Sequence[int]) -> Graph:
+    """A ring of pinned rods that differ in their numbers alone; order: that of the joints.
+
+    Joint k is between the rods k and k + 1, so that some rods meet their joints in one order, and others in the other.
+    """
+    joints = {f"joint_{k}": [f"rod_{k}.right", f"rod_{(k + 1) % count}.left"] for k in order}
+    scene = derive.scene(
+        f"rods_{count}",
+        bodies={
+            f"rod_{k}": {
+                "ansatz": ["1", "xi", "xi^2"],
+                "mass": 1 + k,
+                "length": 0.7,
+                "bending_stiffness": 30,
+                "markers": {"left": -1, "right": 1},
+            }
+            for k in range(count)
+        },
+        joints={name: {"kind": "revolute", "between": between} for name, between in joints.items()},
+    )
+    made = _lowered(scene, "ring", count)
+    assert made
+    return made
+
+
+def _lowered(scene: derive.Scene, shape: str, seed: int) -> Graph | None:
+    """A scene both ways with a random state; None if its constraints depend on each other."""
+    mechanism = derive.derive(scene)
+    assert obstacle(mechanism) == ""
+    try:
+        flat = lower_flat(replace(mechanism.expanded(), markers=()))  # whose functions instances do not have
+    except DependentConstraints:
+        return None
+    state = _state(flat, scene, np.random.default_rng(seed))
+    return Graph(scene, shape, flat, lower_instances(mechanism), state) if _independent(flat, state) else None
 
 
 # ---- shapes: the edges of a spanning tree, and those that close loops ----
@@ -110,9 +140,9 @@ def _scene(name: str, shape: Shape, draws: random.Random, most: int, kept: float
     count, tree, closing = shape(draws, most)
     kinds = [_kind(draws) for _ in range(draws.randint(1, 3))]
     loops = bool(closing)
-    few = loops and draws.random() < 0.7  # loops of one kind of beam in most cases, in which classes have many members
-    if few:
-        kinds = [_beam_kind(draws)]
+    regular = draws.random() < 0.7  # bodies of one kind between like markers, so that classes have several members
+    if regular or (loops and draws.random() < 0.7):
+        kinds = [_beam_kind(draws) if loops else _kind(draws)]
     spread = draws.choice((0.0, 1.0, 3.0))
     bodies = {f"body_{k}": draws.choice(kinds)(spread) for k in range(count)}
     fixed = [(GROUND, k) for k in range(count) if draws.random() < 0.2] or [(GROUND, draws.randrange(count))]
@@ -120,9 +150,9 @@ def _scene(name: str, shape: Shape, draws: random.Random, most: int, kept: float
         fixed = [(GROUND, 0)]
     edges = [*fixed[:1], *tree] if draws.random() < 0.85 else list(tree)
     closing = draws.sample([*closing, *fixed[1:]], k=round(kept * len([*closing, *fixed[1:]])))
-    weld = draws.choice((0.0, 0.3, 1.0))
-    joints: list[dict[str, Any]] = [_joint(edge, bodies, draws, weld) for edge in edges]
-    joints += [_joint(edge, bodies, draws, 0.15) for edge in closing]
+    weld = draws.choice((0.0, 1.0) if regular else (0.0, 0.3, 1.0))
+    joints: list[dict[str, Any]] = [_joint(edge, draws, weld, regular) for edge in edges]
+    joints += [_joint(edge, draws, 0.15, regular) for edge in closing]
     if draws.random() < 0.5:
         draws.shuffle(joints)
     gravity = draws.choice(([0, -9.81], ["1/3", 2], None))
@@ -168,14 +198,14 @@ def _beam_kind(draws: random.Random) -> Callable[[float], dict[str, Any]]:
         frame = {"kind": "tangent", "at": draws.choice((-1, 1))}
     shapes, order = draws.choice(((1, 1), (2, 1), (2, 1), (3, 1), (4, 1), (1, 2), (2, 2)))
     damping = draws.choice((None, None, {"mass": 0.3, "stiffness": 0.001}))
-    same = draws.random() < 0.3
+    same, inner = draws.random() < 0.3, _rounded(draws.uniform(-0.8, 0.8))
 
     def numbers(spread: float) -> dict[str, Any]:
         return {
             "mass": _rounded(10 ** draws.uniform(-spread, spread)),
             "length": _rounded(draws.uniform(0.4, 2)),
             "bending_stiffness": _rounded(10 ** draws.uniform(-1, 2)),
-            "markers": {"left": -1, "right": 1, "inner": _rounded(draws.uniform(-0.8, 0.8))},
+            "markers": {"left": -1, "right": 1, "inner": inner},
         }
 
     first = numbers(0.5)
@@ -192,15 +222,20 @@ def _beam_kind(draws: random.Random) -> Callable[[float], dict[str, Any]]:
     return body
 
 
-def _joint(edge: tuple[int, int], bodies: dict[str, Any], draws: random.Random, weld: float) -> dict[str, Any]:
+def _joint(edge: tuple[int, int], draws: random.Random, weld: float, regular: bool) -> dict[str, Any]:
     def marker(body: int, names: tuple[str, ...]) -> str:
         return f"ground.at_{draws.randrange(3)}" if body == GROUND else f"body_{body}.{draws.choice(names)}"
 
-    between = [marker(edge[0], ("right", "right", "inner")), marker(edge[1], ("left", "left", "inner"))]
-    if draws.random() < 0.4:
+    inner = () if regular else ("inner",)
+    between = [marker(edge[0], ("right", *inner)), marker(edge[1], ("left", *inner))]
+    if draws.random() < 0.4 and not regular:
         between.reverse()
     if draws.random() < weld:
-        return {"kind": "weld", "between": between, "angle": _rounded(draws.choice((0.0, draws.uniform(-1, 1))))}
+        return {
+            "kind": "weld",
+            "between": between,
+            "angle": 0.3 if regular else _rounded(draws.choice((0.0, draws.uniform(-1, 1)))),
+        }
     return {"kind": "revolute", "between": between}
 
 
