@@ -12,7 +12,7 @@ from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix
 from derive.simulation.initial.contradictions import Misfit
-from derive.simulation.initial.kinematics import Kinematics, Values
+from derive.simulation.initial.kinematics import Kinematics, PoseValues
 from derive.simulation.initial.targets import Target
 
 
@@ -29,9 +29,9 @@ class Assembler:
         """The poses in a configuration (nq,); with `moving`, also how drives change them."""
         return Kinematics(self.native, self.k, self.t, q, self.size, moving)
 
-    def values(self, q: Vector) -> Values:
+    def values(self, q: Vector) -> PoseValues:
         """The poses in a configuration (nq,) without their derivatives."""
-        return Values(self.native, self.k, self.t, q, self.size, False)
+        return PoseValues(self.native, self.k, self.t, q, self.size, False)
 
     def unit(self, target: Target) -> float:
         """The scale of a target: 1 rad, or the size of the scene (m)."""

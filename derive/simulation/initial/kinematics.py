@@ -142,7 +142,7 @@ NOTHING = np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
-class Values(Kinematics):
+class PoseValues(Kinematics):
     """The poses of a scene alone: functions of the configuration have values, but neither gradients nor drifts."""
 
     def component(self, body: str, i: int) -> Linear:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from derive.roles import Role
-from derive.runtime.native_call import Matrix, Vector
+from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
 from derive.simulation.linear.eigenmodes import Mode
@@ -28,6 +29,8 @@ ROTATION = 0.2
 """The largest rotation (rad) of a body in an animation: larger ones deform beams, whose axes keep their length."""
 NEWTON_STEPS = 6
 """The number of Newton steps by which a displaced scene returns to its constraints."""
+MANY_COORDINATES = 100
+"""Coordinates of a scene from which on generated code brings displaced states back to the constraints."""
 PROBE = 1e-6
 """The amplitude from which the displacements of points are extrapolated."""
 POINTS = 17
@@ -72,6 +75,9 @@ def displaced(modes: Modes, mode: Mode, phases: Vector) -> SceneMotion:
     amplitude = mode_lines(modes, mode).amplitude
     amplitude = min(amplitude, ROTATION / largest) if largest else amplitude
     states = [linear.q + amplitude * (mode.shape * np.exp(1j * phase)).real for phase in phases]
+    if native.nq > MANY_COORDINATES:
+        with suppress(ModelError):  # constraints that are redundant, or a mass matrix that is not definite
+            return scene_motion(modes, [_projected(native, modes.k, linear.t, q) for q in states])
     compliance: Matrix = np.linalg.inv(mass_matrix(native, linear.q, modes.k)).astype(np.float64)
     return scene_motion(modes, [_on_constraints(native, modes.k, linear.t, q, compliance) for q in states])
 
@@ -86,6 +92,13 @@ def _on_constraints(native: NativeScene, k: Vector, t: float, q: Vector, complia
         G = constraint_matrix(native, t, q, k)
         multipliers = np.linalg.lstsq(G @ compliance @ G.T, -native.constraints(t, q, k), rcond=None)[0]
         q = q + compliance @ G.T @ multipliers
+    return q
+
+
+def _projected(native: NativeScene, k: Vector, t: float, q: Vector) -> Vector:
+    """The state next to q (nq,) on the constraints, in the metric of each iterate, whose effort is that of the C."""
+    for _ in range(NEWTON_STEPS):
+        q = q + native.project_velocity(t, q, k, -native.constraints(t, q, k))
     return q
 
 

@@ -1,0 +1,141 @@
+"""Simulations of scenes whose code has loops over the bodies."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import derive
+from derive.backends.model_files import emit
+from derive.ir.model import Model
+from derive.lowering.flat.lower import lower as lower_flat
+from derive.lowering.instances.lower import MANY, lower_instances
+from derive.mechanics.multibody.mechanism import Mechanism
+from derive.runtime.compiler import RUN_FLAGS
+from derive.runtime.loading import load_scene
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.constraints.certificates import independent, moves_mass
+from derive.simulation.constraints.scaling import spectrum
+from derive.simulation.initial.assembler import Assembler
+from derive.simulation.initial.initial_state import initial_state
+from derive.simulation.initial.targets import targets
+from derive.simulation.integration.adaptive import adaptive
+from derive.simulation.integration.integrator import Settings
+from derive.simulation.observables.default_plots import SELECTED, default_plots, plots_note
+from derive.simulation.validity.monitoring_outputs import NOT_MONITORED, with_monitors
+from derive.spec.model.scene import Scene
+from derive.spec.toml.read import parse
+
+LINK = """
+[bodies.link_{i}]
+ansatz = ["1", "xi", "xi^2", "xi^3"]
+frame = "mean"
+mass = 0.05
+length = 0.1
+bending_stiffness = 0.2
+markers = {{ left = -1, right = 1 }}
+start = {{ position = [{x:.3f}, 0] }}
+"""
+
+
+def chain(count: int, kind: str = "revolute") -> Scene:
+    """A straight chain of beams that a hinge holds at one end, and that falls; its joints are of this kind."""
+    text = 'name = "chain"\n[scene]\ngravity = [0, -9.81]\n[ground.markers]\nhook = [0, 0]\n'
+    text += "".join(LINK.format(i=i, x=0.05 + 0.1 * i) for i in range(count))
+    text += '[joints.joint]\nkind = "revolute"\nbetween = ["ground.hook", "link_0.left"]\n'
+    for i in range(count - 1):
+        text += f'[joints.joint_{i}]\nkind = "{kind}"\nbetween = ["link_{i}.right", "link_{i + 1}.left"]\n'
+    scene = parse(text + "[simulation]\nduration = 0.1\noutput = 0.01\n")
+    assert isinstance(scene, Scene)
+    return scene
+
+
+def mechanism(scene: Scene) -> Mechanism:
+    derived = derive.derive(scene)
+    assert isinstance(derived, Mechanism)
+    return derived
+
+
+def compiled(scene: Scene, model: Model) -> NativeScene:
+    return load_scene(emit(model, scene, ("c",)), RUN_FLAGS)
+
+
+@pytest.mark.parametrize("kind", ["revolute", "weld"])
+def test_the_motion_is_that_of_straight_line_code(kind: str) -> None:
+    scene = chain(5, kind)
+    derived = mechanism(scene)
+    models = lower_instances(derived, explicit=False), lower_flat(derived.expanded())
+    times, rows = np.linspace(0.0, 0.1, 6), []
+    for model in models:
+        native = compiled(scene, model)
+        k = native.setup()
+        start = initial_state(scene, native, k)
+        rows.append(adaptive(native).integrate(k, start.q, start.v, times, Settings(tolerance=1e-11)))
+    assert np.abs(rows[0].q[-1, 1]) > 1e-3, "the chain has fallen"
+    np.testing.assert_allclose(rows[0].q, rows[1].q, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(rows[0].v, rows[1].v, rtol=0, atol=1e-6)
+
+
+def test_a_chain_of_twenty_beams_keeps_its_energy_and_its_joints() -> None:
+    scene = chain(20, "weld")
+    run = derive.simulate(scene)
+    assert run.model.lowering == "instances"
+    native, k = run.motion.native, run.motion.k
+    energies = np.array([native.energy(q, v, k) for q, v in zip(run.q, run.v, strict=True)])
+    assert energies[-1, 0] > 1e-2, "kinetic energy in J"
+    np.testing.assert_allclose(energies.sum(axis=1), energies[0].sum(), atol=1e-8 * energies[-1, 0])
+    assert run.solution.drift.max() < 1e-10
+
+
+def test_beams_that_are_looped_over_are_not_monitored_and_a_note_says_so() -> None:
+    scene = chain(MANY)
+    assert with_monitors(scene) is scene
+    run = derive.simulate(scene, duration=0.01)
+    assert NOT_MONITORED in run.notes
+    assert run.validity == ()
+    fewer = chain(2)
+    assert len(with_monitors(fewer).outputs) > 0
+    assert NOT_MONITORED not in derive.simulate(fewer, duration=0.01).notes
+
+
+def test_default_plots_of_many_coordinates_show_some_and_a_note_says_so() -> None:
+    scene = chain(70)
+    model = lower_instances(mechanism(scene))
+    plots = {plot.name: plot.quantity.y for plot in default_plots(scene, model)}  # type: ignore[union-attr]
+    assert [len(names) for names in plots.values()] == [SELECTED] * 3
+    assert plots["angles"][-1] == "link_69_phi"
+    assert {name[-2:] for name in plots["positions"]} == {"c1", "c2"}
+    assert "angles 12 of 70, positions 12 of 140, deformations 12 of 140" in plots_note(scene, model)[0]
+    assert plots_note(chain(3), model=lower_instances(mechanism(chain(3)))) == ()
+
+
+def test_what_is_certified_as_independent_has_no_small_singular_value() -> None:
+    scene = chain(30, "weld")
+    native = compiled(scene, lower_instances(mechanism(scene), explicit=False))
+    k = native.setup()
+    q = initial_state(scene, native, k).q
+    assert independent(native, k, 0.0, q)
+    assert spectrum(native, k, 0.0, q).smallest > 1e-3
+
+
+def test_redundant_constraints_are_not_certified() -> None:
+    scene = chain(3)
+    again = replace(scene.joints[1], name="again")
+    redundant = replace(scene, joints=(*scene.joints, again))
+    native = compiled(redundant, lower_flat(mechanism(redundant).expanded()))
+    k = native.setup()
+    q = np.concatenate([[0.05 + 0.1 * i, 0, 0, 0, 0] for i in range(3)])
+    assert moves_mass(native, k, q)
+    assert not independent(native, k, 0.0, q)
+    assert spectrum(native, k, 0.0, q).rank == native.nlambda - 2
+
+
+def test_targets_have_the_same_values_without_derivatives() -> None:
+    scene = chain(3)
+    native = compiled(scene, lower_flat(mechanism(scene).expanded()))
+    assembler = Assembler(native, native.setup(), 0.0, 0.3)
+    q = np.random.default_rng(0).standard_normal(native.nq)
+    for target in targets(scene, native):
+        assert target.function(assembler.values(q)).value == target.function(assembler.kinematics(q)).value
