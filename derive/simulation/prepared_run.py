@@ -27,7 +27,7 @@ from derive.simulation.simulated_scene import surroundings
 from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import RunSettings, Trajectory, column_units, column_values
 from derive.simulation.validity.measure import validity
-from derive.simulation.validity.monitoring_outputs import monitoring_outputs, with_monitors
+from derive.simulation.validity.monitoring_outputs import monitoring_note, monitoring_outputs, with_monitors
 from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.checks.plotted_columns import missing_columns
 from derive.spec.model.body import NodalBody
@@ -85,7 +85,7 @@ class PreparedRun:
         if problems or wrong:
             raise SpecError((*problems, *wrong))
         self._spatial = spatial_state(self.model, self.body.start) if self.body else None
-        self._notes = plots_note(self.scene, self.model)
+        self._notes = (*monitoring_note(self.scene), *plots_note(self.scene, self.model))
         self.plots = (*spec.plots, *default_plots(self.scene, self.model))
 
     def trajectory(

@@ -63,8 +63,30 @@ def monitored_sections(scene: Scene) -> dict[tuple[str, Fraction, str], SceneOut
     return result
 
 
+MOST_BEAMS = 100
+"""Beams of a scene that are monitored: the vibrations of each involve all bodies, and so does each of its forms."""
+
+
+def is_monitored(scene: Scene) -> bool:
+    """Whether the beams of a scene are monitored: there are few enough of them."""
+    return len(beam_bodies(scene)) <= MOST_BEAMS
+
+
+def monitoring_note(scene: Scene) -> tuple[str, ...]:
+    """A line on beams that are not monitored, if there are any."""
+    if is_monitored(scene):
+        return ()
+    many = len(beam_bodies(scene))
+    return (
+        f"validity: none of the {many} beams is monitored, since the time for it grows with the third power of their "
+        f"number: more than {MOST_BEAMS} are left alone",
+    )
+
+
 def monitoring_outputs(scene: Scene) -> tuple[SceneOutput, ...]:
     """All outputs that are monitored, each with one component."""
+    if not is_monitored(scene):
+        return ()
     of_pieces = (output for piece in monitored_pieces(scene) for output in piece.outputs)
     return (*of_pieces, *monitored_sections(scene).values())
 

@@ -22,7 +22,7 @@ from derive.simulation.validity.held_beam import HeldMode, StaticResponse, held_
 from derive.simulation.validity.known_gaps import known_gaps
 from derive.simulation.validity.loaded_sections import held_ends
 from derive.simulation.validity.missed_moment import ENDS, SECTIONS, missed_fields, sections
-from derive.simulation.validity.monitoring_outputs import monitored_pieces
+from derive.simulation.validity.monitoring_outputs import is_monitored, monitored_pieces
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.simulation.validity.watched_forms import WatchedForms
 from derive.spec.model.scene import BeamBody, Scene
@@ -111,7 +111,7 @@ def scene_watch(scene: Scene, native: NativeScene, k: Vector, t: float, q: Vecto
     """The watch of a scene that was compiled with the outputs of `with_monitors`; q (nq,): a state at t (s)."""
     forms = WatchedForms(native)
     beams = []
-    for beam in beam_bodies(scene):
+    for beam in beam_bodies(scene) if is_monitored(scene) else ():
         shapes = PieceShapes(beam)
         modes = held_modes(shapes, native, k, t, q)
         beams.append(_BeamForms(scene, forms, shapes, modes, StaticResponse(native, k, t, q)).watched())
