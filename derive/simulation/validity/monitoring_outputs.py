@@ -76,11 +76,8 @@ def monitoring_note(scene: Scene) -> tuple[str, ...]:
     """A line on beams that are not monitored, if there are any."""
     if is_monitored(scene):
         return ()
-    many = len(beam_bodies(scene))
-    return (
-        f"validity: none of the {many} beams is monitored, since the time for it grows with the third power of their "
-        f"number: more than {MOST_BEAMS} are left alone",
-    )
+    many = f"none of the {len(beam_bodies(scene))} beams is monitored"
+    return (f"validity: {many}: it takes time with their third power, and at most {MOST_BEAMS} are",)
 
 
 def monitoring_outputs(scene: Scene) -> tuple[SceneOutput, ...]:
