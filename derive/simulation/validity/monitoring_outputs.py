@@ -63,7 +63,7 @@ def monitored_sections(scene: Scene) -> dict[tuple[str, Fraction, str], SceneOut
     return result
 
 
-MOST_BEAMS = 100
+MOST_BEAMS = 30
 """Beams of a scene that are monitored: the vibrations of each involve all bodies, and so does each of its forms."""
 
 
