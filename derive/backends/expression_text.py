@@ -15,6 +15,7 @@ from derive.backends.wrapping import BreakableText, join
 from derive.ir.expressions import (
     CONDITIONS,
     Element,
+    Ends,
     Expr,
     LaneSum,
     MatrixEntry,
@@ -44,7 +45,7 @@ CHOICES = CONDITIONS | {Operator.WHEN, Operator.SIGN}
 """The operators that are written as a choice between two values."""
 
 
-Named = ScalarRef | Element | MatrixEntry
+Named = ScalarRef | Element | Ends | MatrixEntry
 """A leaf of an expression that code refers to by a name."""
 
 
@@ -112,8 +113,8 @@ def element(leaf: Named) -> BreakableText:
         case Element():
             assert leaf.index
             return BreakableText((f"{leaf.array}[{index_text(leaf.index)}]",))
-        case MatrixEntry():
-            raise AssertionError("entries of matrices are expanded to elements")
+        case Ends() | MatrixEntry():
+            raise AssertionError("entries of matrices and elements of ends have texts of their own")
         case _:
             assert_never(leaf)
 
@@ -138,7 +139,7 @@ def _text(expr: Expr, dialect: Dialect, name: Callable[[Named], BreakableText]) 
     match expr:
         case Number():
             return dialect.number(expr.value)
-        case ScalarRef() | Element() | MatrixEntry():
+        case ScalarRef() | Element() | Ends() | MatrixEntry():
             return _Text(name(expr), ATOM, False)
         case LaneSum():
             return _text(expr.expr, dialect, name)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from derive.ir.expansion import expand
-from derive.ir.expressions import Element, Expr, LaneSum, Operation, ScalarRef, TableValue, walk
+from derive.ir.expressions import Element, Ends, Expr, LaneSum, Operation, ScalarRef, TableValue, walk
 from derive.ir.loop_nests import CHANGES, Alias, Assign, BlockProduct, For, Integer, Node, every, expressions_of, inner
-from derive.ir.statements import Statement
+from derive.ir.statements import Let, Statement
 
 
 def expressions(statement: Statement) -> tuple[Expr, ...]:
@@ -30,8 +30,19 @@ def names_read(nodes: Iterable[Node]) -> Iterator[str]:
         for part in (part for expr in expressions_of(node) for part in walk(expr)):
             if isinstance(part, ScalarRef):
                 yield part.name
-            elif isinstance(part, Element | LaneSum):
+            elif isinstance(part, Element | Ends | LaneSum):
                 yield part.array
+
+
+def needed(body: Iterable[Node], terms: Iterable[Node]) -> list[Let]:
+    """The named values of a body that some statements are made of, in their order."""
+    names = set(names_read(terms))
+    kept: list[Let] = []
+    for let in reversed([node for node in body if isinstance(node, Let)]):
+        if let.name in names:
+            names |= set(names_read([let]))
+            kept.insert(0, let)
+    return kept
 
 
 def operations(statement: Statement, constants: Mapping[str, Sequence[int]] | None = None) -> int:

@@ -12,7 +12,7 @@ from itertools import groupby
 
 from derive.ir.analysis import names_read
 from derive.ir.expansion import ZERO, expand_in_tiles
-from derive.ir.expressions import Element, Expr, LaneSum, Leaf, ScalarRef, mapped
+from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped
 from derive.ir.indices import constant, variable
 from derive.ir.library_calls import STATE, Line, over_states, straight_lines
 from derive.ir.loop_nests import (
@@ -25,6 +25,7 @@ from derive.ir.loop_nests import (
     Node,
     PartOf,
     Sines,
+    ends_of,
     every,
     rewritten,
 )
@@ -68,13 +69,37 @@ def batch(kernel: Kernel) -> Batch:
     """A kernel for many states."""
     nodes = [node for argument, view in state_views(kernel) for node in _gathered(argument, view)]
     nodes += [node for statement in kernel.statements for node in expand_in_tiles(statement)]
-    nodes = _in_loops(_initialised(nodes), frozenset(state_elements(kernel)))
+    nodes = _in_loops(_initialised(_one_by_one(nodes)), frozenset(state_elements(kernel)))
     scalars = _scalars(nodes) - state_elements(kernel).keys()
     shared = {a.name for a in kernel.arguments if a.name in SHARED}
     shared |= {view.name for a in kernel.arguments if a.name in SHARED for view in a.arrays}
     shared |= {array.name for array in kernel.constants}
     naming = _Naming(state_elements(kernel), scalars, frozenset(shared))
     return Batch(tuple(map(naming.node, nodes)), frozenset(scalars))
+
+
+def _one_by_one(nodes: Iterable[Node]) -> Iterator[Node]:
+    """Plain statements with a loop for each end of a path in place of loops over both."""
+    for node in nodes:
+        if isinstance(node, For) and (names := {e.variable for e in ends_of(node)}):
+            assert names == {node.variable}
+            yield from (_at_end(node, end) for end in (0, 1))
+        else:
+            yield node
+
+
+def _at_end(loop: For, end: int) -> For:
+    """The iteration of a loop over both ends for one of them."""
+
+    def leaf(item: Leaf) -> Expr:
+        if isinstance(item, Ends):
+            return item.of(end)
+        if isinstance(item, Element) and item.index:
+            return replace(item, index=item.index.with_value(loop.variable, end))
+        return item
+
+    body = tuple(rewritten(node, leaf) for node in loop.body)
+    return replace(loop, start=constant(end), stop=constant(end + 1), body=body)
 
 
 def _gathered(argument: str, view: View) -> tuple[Node, ...]:

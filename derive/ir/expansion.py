@@ -106,7 +106,7 @@ def expand(statement: Statement) -> tuple[Node, ...]:
 
 
 def _instance_item(item: InstanceItem) -> Node:
-    """A statement over instances; its loops stay in their order, since instances may add to the same element."""
+    """A statement over instances; its loops stay in their order unless they are independent."""
     match item:
         case Let() | Require():
             return item
@@ -118,7 +118,8 @@ def _instance_item(item: InstanceItem) -> Node:
             body = tuple(map(_instance_item, item.body))
             if item.backward:
                 return For(item.variable, item.stop.plus(-1), item.start.plus(-1), body, step=-1)
-            return For(item.variable, item.start, item.stop, body)
+            kind = LoopKind.INDEPENDENT if item.independent else LoopKind.ORDERED
+            return For(item.variable, item.start, item.stop, body, kind, overlaps=item.independent)
         case _:
             assert_never(item)
 

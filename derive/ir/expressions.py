@@ -58,6 +58,9 @@ first is not 0, and else 0."""
 CONDITIONS = frozenset({Operator.LESS, Operator.NOT_GREATER, Operator.NOT})
 """The operators that languages write as conditions; their values are 1 and 0."""
 
+VECTOR_OPERATORS = frozenset({Operator.ADD, Operator.SUB, Operator.MUL, Operator.DIV, Operator.NEG})
+"""The operators that vectors have."""
+
 LIBRARY_OPERATORS = frozenset({Operator.SIN, Operator.COS, Operator.EXP, Operator.LOG, Operator.TANH, Operator.ATAN2})
 """The operators that are functions of the C library, and no single instructions."""
 
@@ -98,6 +101,20 @@ class Element:
 
 
 @dataclass(frozen=True)
+class Ends:
+    """An element of an array for each end of a path, in a loop over both ends, whose variable is 0 and 1."""
+
+    array: str
+    first: ElementIndex
+    second: ElementIndex
+    variable: str
+
+    def of(self, end: int) -> Element:
+        """The element of an end."""
+        return Element(self.array, self.second if end else self.first)
+
+
+@dataclass(frozen=True)
 class LaneSum:
     """The sum of four lanes in an array, (0 + 1) + (2 + 3), from an index on.
 
@@ -131,7 +148,7 @@ class TableValue:
     argument: Expr
 
 
-Leaf = Number | ScalarRef | Element | LaneSum | MatrixEntry | TableValue
+Leaf = Number | ScalarRef | Element | Ends | LaneSum | MatrixEntry | TableValue
 """A leaf of an expression graph, which has no operands; the argument of a table is no part of the graph."""
 Expr = Leaf | Operation
 

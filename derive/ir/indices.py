@@ -13,6 +13,8 @@ from typing import assert_never
 
 LANES = 4
 """Lanes of a sum and rows of a block: vector units process as many at once, so that no compiler need reorder a sum."""
+LANE = "l"
+"""The variable of loops over lanes."""
 
 
 class Of(Enum):

@@ -12,6 +12,7 @@ from derive.ir.batches import batch
 from derive.ir.expansion import expand
 from derive.ir.expressions import (
     Element,
+    Ends,
     Expr,
     LaneSum,
     MatrixEntry,
@@ -113,7 +114,7 @@ class _Run:
                 return self.number(expr.value)
             case ScalarRef():
                 return self.values[expr.name]
-            case Element():
+            case Element() | Ends():
                 array, position = self.place(expr)
                 return array[position]
             case LaneSum():
@@ -127,8 +128,10 @@ class _Run:
             case _:
                 assert_never(expr)
 
-    def place(self, element: Element) -> tuple[list[Any], int]:
+    def place(self, element: Element | Ends) -> tuple[list[Any], int]:
         """The list that holds an element, and its index there."""
+        if isinstance(element, Ends):
+            element = element.of(self.variables[element.variable])
         if element.state:
             return self._row(element), self.variables[element.state]
         array, first = self.arrays[element.array]
@@ -164,7 +167,7 @@ class _Run:
                 array, first = self.arrays[node.array]
                 self.variables[node.name] = array[first + node.index.at(self.variables)]
             case For():
-                for step in range(node.start.at(self.variables), node.stop.at(self.variables), node.step):
+                for step in node.values(self.variables):
                     self.variables[node.variable] = step
                     self.all(node.body)
             case If():

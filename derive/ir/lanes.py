@@ -10,10 +10,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from derive.ir.analysis import names_read
+from derive.ir.analysis import needed
 from derive.ir.expansion import MAX_SUMS, ZERO, expand
-from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef, TableValue, walk
-from derive.ir.indices import LANES, constant, padded
+from derive.ir.expressions import VECTOR_OPERATORS, Element, Expr, Operation, Operator, ScalarRef, TableValue, walk
+from derive.ir.indices import LANE, LANES, constant, padded
+from derive.ir.instance_lanes import instances_in_lanes
 from derive.ir.loop_nests import (
     START,
     Accumulator,
@@ -29,12 +30,7 @@ from derive.ir.loop_nests import (
     expressions_of,
     reindexed,
 )
-from derive.ir.statements import Let, Statement
-
-ARITHMETIC = frozenset({Operator.ADD, Operator.SUB, Operator.MUL, Operator.DIV, Operator.NEG})
-"""The operators that vectors have."""
-LANE = "l"
-"""The variable of loops over lanes."""
+from derive.ir.statements import Statement
 
 
 def section_in_lanes(body: Sequence[Statement]) -> Iterator[tuple[int, tuple[Node, ...]]]:
@@ -65,7 +61,9 @@ def in_lanes(nodes: Iterable[Node]) -> tuple[Node, ...]:
     """Plain statements with those independent loops in lanes whose operations vectors have."""
     result: list[Node] = []
     for node in nodes:
-        if isinstance(node, For) and node.kind is LoopKind.INDEPENDENT and _fits_vectors(node):
+        if isinstance(node, For) and node.overlaps:
+            result += instances_in_lanes(node)
+        elif isinstance(node, For) and node.kind is LoopKind.INDEPENDENT and _fits_vectors(node):
             if _adds(node):
                 lanes = next(item for item in reversed(result) if isinstance(item, Local) and item.totals)
                 result[result.index(lanes)] = replace(lanes, cleared=False)
@@ -92,7 +90,7 @@ def _has_views(loop: For) -> bool:
 def _is_vector(part: Expr, index: str) -> bool:
     match part:
         case Operation():
-            return part.kind in ARITHMETIC
+            return part.kind in VECTOR_OPERATORS
         case Element():
             return part.index is not None and part.index.stride(index) in (0, 1)
         case _:
@@ -127,23 +125,12 @@ def _sums(loop: For, totals: tuple[str, ...]) -> list[Node]:
         together = terms[first : first + MAX_SUMS]
         accumulators = [Accumulator(total, ZERO) for total in totals[first : first + MAX_SUMS]]
         adds = [replace(term, target=ScalarRef(v.name)) for term, v in zip(together, accumulators, strict=True)]
-        inner = _split(loop, (*_needed(loop.body, adds), *adds))
+        inner = _split(loop, (*needed(loop.body, adds), *adds))
         whole_sums = [replace(t, expr=ScalarRef(v.name)) for t, v in zip(together, accumulators, strict=True)]
         stores = [replace(node, operator=None) for node in _split(loop, whole_sums) if isinstance(node, Assign)]
         result.append(_over_lanes([*accumulators, _blocks(loop, 0, whole, inner), *stores]))
     left = [replace(loop, start=constant(whole), kind=LoopKind.ORDERED)] if count > whole else []
     return [*result, *left]
-
-
-def _needed(body: Iterable[Node], terms: Iterable[Assign]) -> list[Let]:
-    """The values that some sums are made of, in their order."""
-    names = set(names_read(terms))
-    kept: list[Let] = []
-    for let in reversed([node for node in body if isinstance(node, Let)]):
-        if let.name in names:
-            names |= set(names_read([let]))
-            kept.insert(0, let)
-    return kept
 
 
 def _rows(loop: For) -> list[Node]:

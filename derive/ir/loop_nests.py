@@ -7,12 +7,12 @@ interpreter runs before and after.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 from typing import assert_never
 
-from derive.ir.expressions import Element, Expr, Leaf, Operator, ScalarRef, mapped
+from derive.ir.expressions import Element, Ends, Expr, Leaf, Operator, ScalarRef, mapped, walk
 from derive.ir.indices import ElementIndex, constant, padded
 from derive.ir.statements import Let, Require
 
@@ -74,7 +74,7 @@ class Assign:
     The operator NEG assigns the negative expression.
     """
 
-    target: Element | ScalarRef
+    target: Element | Ends | ScalarRef
     expr: Expr
     operator: Operator | None = None
 
@@ -88,6 +88,8 @@ class LoopKind(Enum):
     """The iterations run in any order if additions to an element keep theirs; such a loop may run in lanes."""
     LANES = "lanes"
     """Several iterations run at once, in vectors: all additions are to variables of the iteration."""
+    ENDS = "ends"
+    """The two iterations run at once, in vectors of two."""
     STATES = "states"
     """Several iterations run at once: the loop over the states of a batch. A requirement fails a single state."""
 
@@ -96,7 +98,8 @@ class LoopKind(Enum):
 class For:
     """The body for a variable from `start` to `stop`, which is left out, with a step that may be negative.
 
-    padded: an independent loop may also run for the iterations up to the next multiple of four.
+    padded: an independent loop may also run for the iterations up to the next multiple of four. overlaps: iterations
+    may run twice, so that the last block of several ends at `stop` and overlaps the one before.
     """
 
     variable: str
@@ -106,6 +109,13 @@ class For:
     kind: LoopKind = LoopKind.ORDERED
     step: int = 1
     padded: bool = False
+    overlaps: bool = False
+
+    def values(self, variables: Mapping[str, int]) -> Iterable[int]:
+        """The values of the variable, where those of the variables around the loop are given."""
+        start, stop = self.start.at(variables), self.stop.at(variables)
+        steps = range(start, stop, self.step)
+        return (min(value, stop - self.step) for value in steps) if self.overlaps else steps
 
     @property
     def count(self) -> int | None:
@@ -158,11 +168,12 @@ class BlockProduct:
 
 @dataclass(frozen=True)
 class Sines:
-    """The sines and cosines of the angles of all states of a batch, in two arrays."""
+    """The sines and cosines of angles, in two arrays: of all states of a batch, or of `count` elements of an array."""
 
     angle: Element
     sine: str
     cosine: str
+    count: int | None = None
 
 
 Node = Let | Require | Local | Alias | Integer | Accumulator | Assign | For | If | PartOf | BlockProduct | Sines
@@ -217,7 +228,8 @@ def rewritten(node: Node, leaf: Callable[[Leaf], Expr], change: IndexChange = la
         case Let() | Require() | Accumulator():
             return replace(node, expr=mapped(node.expr, leaf))
         case Assign():
-            target = element(node.target) if isinstance(node.target, Element) else node.target
+            target = leaf(node.target) if isinstance(node.target, Element | Ends) else node.target
+            assert isinstance(target, Element | Ends | ScalarRef)
             return replace(node, target=target, expr=mapped(node.expr, leaf))
         case Alias() | Integer():
             return replace(node, index=change(node.index))
@@ -250,6 +262,14 @@ def expressions_of(node: Node) -> tuple[Expr, ...]:
             return ()
         case _:
             assert_never(node)
+
+
+def ends_of(loop: For) -> Iterator[Ends]:
+    """The elements of both ends that a loop reads and writes."""
+    for node in every(loop.body):
+        yield from (part for expr in expressions_of(node) for part in walk(expr) if isinstance(part, Ends))
+        if isinstance(node, Assign) and isinstance(node.target, Ends):
+            yield node.target
 
 
 CHANGES = frozenset({Operator.ADD, Operator.SUB, Operator.MUL})

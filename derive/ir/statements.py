@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import Enum, IntEnum
 from typing import assert_never
 
-from derive.ir.expressions import Element, Expr, Operator
+from derive.ir.expressions import Element, Ends, Expr, Operator
 from derive.ir.indices import LANES, ElementIndex, IndexTerm, Of, padded
 
 
@@ -321,20 +321,24 @@ class Entry:
 class StoreElement:
     """Write an element of an output or of a local array; with an operator, the result of its old value and `expr`."""
 
-    target: Element
+    target: Element | Ends
     expr: Expr
     operator: Operator | None = None
 
 
 @dataclass(frozen=True)
 class ForEach:
-    """The body for a variable from `start` to `stop`, which is left out, in order, or from the end if `backward`."""
+    """The body for a variable from `start` to `stop`, which is left out, in order, or from the end if `backward`.
+
+    independent: the iterations write elements of their own, which no iteration reads, and may run in any order.
+    """
 
     variable: str
     start: ElementIndex
     stop: ElementIndex
     body: tuple[InstanceItem, ...]
     backward: bool = False
+    independent: bool = False
 
 
 InstanceItem = Let | Require | Entry | StoreElement | ForEach

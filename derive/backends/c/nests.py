@@ -15,9 +15,8 @@ from typing import assert_never
 from derive.backends.expression_text import C, Named, element, index_text, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.backends.wrapping import WIDTH, BreakableText, join, statement
-from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef, walk
-from derive.ir.indices import ElementIndex, IndexTerm
-from derive.ir.lanes import LANE
+from derive.ir.expressions import Element, Ends, Expr, Operation, Operator, ScalarRef, walk
+from derive.ir.indices import LANE, ElementIndex, IndexTerm
 from derive.ir.library_calls import STATE
 from derive.ir.loop_nests import (
     Accumulator,
@@ -63,6 +62,8 @@ class CNests:
     """The arrays and sums that accumulators add up, by the names of these."""
     _vectors: set[str] | None = None
     """The names that differ from lane to lane, in a loop over lanes."""
+    _lane: str = LANE
+    """The variable of that loop, which is that of the ends in a loop over the ends of a path."""
 
     def lines(self, nodes: Iterable[Node]) -> Lines:
         """The lines of plain statements, as they are written in a function."""
@@ -77,7 +78,7 @@ class CNests:
     def _lines(self, node: Node) -> Lines:
         match node:
             case Let():
-                kind = "const tisserand_lanes" if self._is_vector(node.name, node.expr) else "const double"
+                kind = f"const {self._vector}" if self._is_vector(node.name, node.expr) else "const double"
                 return defining(statement("    ", f"{kind} {node.name} = ", self.text(node.expr), ";"), node.name)
             case Assign():
                 return self._assign(node)
@@ -106,7 +107,7 @@ class CNests:
                 return plain(f"    {self.helpers}_rows(count, {matrix}, {vector}, {target});")
             case Sines():
                 angle = self._row(node.angle)
-                return plain(f"    tisserand_sines(count, {angle}, {node.sine}, {node.cosine});")
+                return plain(f"    tisserand_sines({node.count or 'count'}, {angle}, {node.sine}, {node.cosine});")
             case _:
                 assert_never(node)
 
@@ -124,13 +125,34 @@ class CNests:
         return text(expr, C, self._leaf)
 
     def _leaf(self, leaf: Named) -> BreakableText:
+        if isinstance(leaf, Ends):
+            return BreakableText((f"{self._of_ends('LOAD', leaf)})",))
         if not isinstance(leaf, Element):
             return element(leaf)
         if leaf.state:
             return BreakableText((self._of_state(leaf),))
-        if self._vectors is not None and leaf.index and leaf.index.stride(LANE):
-            return BreakableText((f"TISSERAND_LOAD({_address(leaf.array, leaf.index)})",))
+        if self._vectors is not None and leaf.index and leaf.index.stride(self._lane):
+            address, stride = _address(leaf.array, leaf.index), leaf.index.stride(self._lane)
+            return BreakableText(
+                (f"{self._macro('GATHER')}({address}, {stride})",)
+                if stride != 1
+                else (f"{self._macro('LOAD')}({address})",)
+            )
         return element(leaf)
+
+    @property
+    def _vector(self) -> str:
+        """The type of the values of all lanes."""
+        return "tisserand_lanes" if self._lane == LANE else "tisserand_ends"
+
+    def _macro(self, what: str) -> str:
+        return f"TISSERAND_{what}" if self._lane == LANE else f"TISSERAND_{what}_ENDS"
+
+    @staticmethod
+    def _of_ends(what: str, ends: Ends) -> str:
+        return (
+            f"TISSERAND_{what}_BOTH({ends.array}, {ends.variable}, {index_text(ends.first)}, {index_text(ends.second)}"
+        )
 
     def _of_state(self, leaf: Element) -> str:
         if leaf.array in self.arrays:
@@ -144,7 +166,8 @@ class CNests:
         assert self._vectors is not None
         return any(
             (isinstance(part, ScalarRef) and part.name in self._vectors)
-            or (isinstance(part, Element) and part.index is not None and part.index.has(LANE))
+            or (isinstance(part, Element) and part.index is not None and part.index.has(self._lane))
+            or isinstance(part, Ends)
             for part in walk(expr)
         )
 
@@ -177,18 +200,20 @@ class CNests:
         if isinstance(target, ScalarRef):
             code = statement("    ", f"{target.name} {OPERATORS[node.operator]} ", value, ";")
             return defining(code, self._totals[target.name])
-        if self._vectors is None or not target.index or not target.index.has(LANE):
+        if isinstance(target, Ends):
+            return plain(*statement("    ", "", join(f"{self._of_ends('STORE', target)}, ", value, ")"), ";"))
+        if self._vectors is None or not target.index or not target.index.has(self._lane):
             return self._stored(
                 node, statement("    ", f"{self._leaf(target)} {OPERATORS[node.operator]} ", value, ";")
             )
-        address, stride = _address(target.array, target.index), target.index.stride(LANE)
+        address, stride = _address(target.array, target.index), target.index.stride(self._lane)
         if not self._differs(node.expr):
             index = index_text(ElementIndex(target.index.offset, (*target.index.terms, IndexTerm(stride, "m"))))
             code = statement(
                 "    ", f"for (int m = 0; m < TISSERAND_WIDTH; m++) {target.array}[{index}] = ", value, ";"
             )
         elif stride == 1:
-            code = statement("    ", "", join(f"TISSERAND_STORE({address}, ", value, ")"), ";")
+            code = statement("    ", "", join(f"{self._macro('STORE')}({address}, ", value, ")"), ";")
         else:
             code = statement("    ", "", join(f"TISSERAND_SCATTER({address}, {stride}, ", value, ")"), ";")
         return self._stored(node, code)
@@ -207,6 +232,9 @@ class CNests:
     def _require(self, node: Require) -> list[str]:
         value = self.text(node.expr)
         holds = join("!(", value, " > 0.0)") if node.kind is Requirement.POSITIVE else join("!isfinite(", value, ")")
+        if self._vectors is not None and self._differs(node.expr):
+            assert node.kind is Requirement.POSITIVE
+            holds = join(f"!{self._macro('POSITIVE')}(", value, ")")
         return statement("    ", "if (", holds, f") return {int(node.code)}; /* {node.text} */")
 
     def _states(self, node: For) -> Lines:
@@ -239,10 +267,11 @@ class CNests:
 
     def _loop(self, node: For) -> Lines:
         match node.kind:
+            case LoopKind.ENDS:
+                body = self._in_lanes(node)
+                head = f"for (int {node.variable} = 0; {node.variable} < 2; {node.variable} += TISSERAND_ENDS) {{"
             case LoopKind.LANES:
-                self._vectors = set()
-                body = self.lines(node.body)
-                self._vectors = None
+                body = self._in_lanes(node)
                 head = f"for (int l = 0; l < {node.stop.offset}; l += TISSERAND_WIDTH) {{"
             case LoopKind.STATES:
                 body, head = self._states(node), "TISSERAND_STATES for (int b = 0; b < count; b++) {"
@@ -253,6 +282,12 @@ class CNests:
             case _:
                 assert_never(node.kind)
         return [*plain(f"    {head}"), *_indented(body), *plain("    }")]
+
+    def _in_lanes(self, node: For) -> Lines:
+        self._vectors, self._lane = set(), node.variable
+        lines = self.lines(node.body)
+        self._vectors, self._lane = None, LANE
+        return lines
 
 
 def declarations(arrays: Iterable[str]) -> list[str]:
@@ -271,10 +306,18 @@ def _head(node: For, short: bool) -> str:
     i, start, stop = node.variable, index_text(node.start, False), index_text(node.stop, False)
     if node.step < 0:
         return f"for (int {i} = {start}; {i} >= {index_text(node.stop.plus(1), False)}; {i}--) {{"
-    step = f"{i}++" if node.step == 1 else f"{i} += {node.step}"
+    step = f"{i}++" if node.step == 1 else f"{i} += {_step(node)}"
     vectors = any(isinstance(item, For) and item.variable in (LANE, STATE) for item in node.body)
     pragma = short and not vectors and node.step == 1 and 1 < (node.count or 0) <= SHORT
     return f"{'TISSERAND_SHORT ' if pragma else ''}for (int {i} = {start}; {i} < {stop}; {step}) {{"
+
+
+def _step(node: For) -> str:
+    """The distance of blocks: the last one ends at the end of the loop, if blocks may overlap."""
+    left = (node.stop.offset - node.start.offset) % node.step
+    if not node.overlaps or not left:
+        return str(node.step)
+    return f"{node.variable} == {node.stop.offset - left - node.step} ? {left} : {node.step}"
 
 
 def _address(array: str, index: ElementIndex | None) -> str:

@@ -134,6 +134,7 @@ def _helpers(model: Model) -> str:
     """The macros and static functions that the functions of a model call."""
     every = [s for kernel in model.kernels for s in kernel.statements]
     parts = ["lanes"] if model.lowering != "flat" else []
+    parts += ["instances"] if model.lowering == "instances" else []
     parts += ["states", *(["sine"] if any(map(_has_sine, every)) else [])]
     arrays = (line for array in model.constant_arrays for line in _constant_array(array))
     return "\n".join([*(render(f"c/{part}.c.jinja", {}) for part in parts), *spline_lines(model), *arrays])

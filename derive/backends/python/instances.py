@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import assert_never
 
-from derive.backends.expression_text import PYTHON, index_text, text
+from derive.backends.expression_text import PYTHON, Named, element, index_text, text
 from derive.backends.python.loops import assignment
 from derive.backends.source_map import SourceLine, defining, plain
-from derive.ir.expressions import Element, Operation, Operator
+from derive.backends.wrapping import BreakableText
+from derive.ir.expressions import Element, Ends, Operation, Operator
 from derive.ir.indices import ElementIndex
 from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, StoreElement, Work
 
@@ -19,7 +20,7 @@ def instance_lines(item: InstanceItem | Work, require: Callable[[Require], list[
     """The lines of a statement; `require` prints requirements at the beginning of a line of a function."""
     match item:
         case Let():
-            return _indented(defining(assignment(item.name, text(item.expr, PYTHON)), item.name), depth)
+            return _indented(defining(assignment(item.name, text(item.expr, PYTHON, _named)), item.name), depth)
         case Require():
             return _indented(plain(*require(item)), depth)
         case Work():
@@ -29,7 +30,7 @@ def instance_lines(item: InstanceItem | Work, require: Callable[[Require], list[
         case StoreElement():
             target = element_text(item.target)
             expr = item.expr if item.operator is None else _changed(item)
-            return _indented(plain(*assignment(target, text(expr, PYTHON))), depth)
+            return _indented(plain(*assignment(target, text(expr, PYTHON, _named))), depth)
         case ForEach():
             body = [line for inner in item.body for line in instance_lines(inner, require, depth + 1)]
             return [*_indented(plain(f"    for {item.variable} in {_range(item)}:"), depth), *body]
@@ -37,8 +38,15 @@ def instance_lines(item: InstanceItem | Work, require: Callable[[Require], list[
             assert_never(item)
 
 
-def element_text(element: Element) -> str:
+def _named(leaf: Named) -> BreakableText:
+    return BreakableText((element_text(leaf),)) if isinstance(leaf, Element | Ends) else element(leaf)
+
+
+def element_text(element: Element | Ends) -> str:
     """An element of a list."""
+    if isinstance(element, Ends):
+        first, second = index_text(element.first), index_text(element.second)
+        return f"{element.array}[{second} if {element.variable} else {first}]"
     assert element.index
     return f"{element.array}[{index_text(element.index)}]"
 

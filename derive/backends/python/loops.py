@@ -11,7 +11,7 @@ from typing import assert_never
 from derive.backends.expression_text import PYTHON, Named, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.backends.wrapping import PLUS, WIDTH, BreakableText, join, statement
-from derive.ir.expressions import Element, Expr, MatrixEntry, Number, ScalarRef, walk
+from derive.ir.expressions import Element, Ends, Expr, MatrixEntry, Number, ScalarRef, walk
 from derive.ir.indices import LANES, ElementIndex, variable
 from derive.ir.model import Argument
 from derive.ir.statements import (
@@ -95,6 +95,8 @@ class PythonLoops:
                 case Element():
                     assert leaf.index
                     return BreakableText((self._array(leaf.array, leaf.index, count, depth),))
+                case Ends():
+                    raise AssertionError("no loop over modes has ends")
                 case _:
                     assert_never(leaf)
 

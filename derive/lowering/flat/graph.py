@@ -14,6 +14,7 @@ import sympy as sp
 from derive.errors import TisserandError
 from derive.ir.expressions import (
     Element,
+    Ends,
     Expr,
     LaneSum,
     Leaf,
@@ -130,7 +131,7 @@ class Graph:
             case ScalarRef(name):
                 known = self.constants
                 return known is not None and (name in known.coefficients or name in known.hoisted.values())
-            case Element() | LaneSum() | MatrixEntry() | TableValue():
+            case Element() | Ends() | LaneSum() | MatrixEntry() | TableValue():
                 return False
         return all(self._constant[a] for a in node.args)
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import casadi as ca
 import sympy as sp
@@ -14,16 +15,7 @@ from derive.ir.model import Argument, Kernel
 from derive.ir.statements import Entry, ForEach, Statement, StoreElement, Work
 from derive.lowering.flat.context import array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
-from derive.lowering.instances.block_elimination import (
-    COUPLING,
-    DIAGONAL,
-    FORCE,
-    RIGHT,
-    Blocks,
-    declared,
-    eliminated,
-    packed,
-)
+from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks, declared, packed
 from derive.lowering.instances.class_code import INSTANCE, ClassCode, LoopTarget, kept_values
 from derive.lowering.instances.context import (
     InstanceContext,
@@ -37,8 +29,10 @@ from derive.lowering.instances.context import (
     state,
     whole,
 )
+from derive.lowering.instances.graph_elimination import in_graph
 from derive.lowering.instances.local_system import LocalSystem, Right, local_system
-from derive.lowering.instances.places import Place
+from derive.lowering.instances.path_elimination import along_path
+from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.symbols import local
 from derive.roles import Source
@@ -59,6 +53,7 @@ def _system(
     right: Callable[[InstanceContext, ClassCode], Right],
     names: tuple[str, ...],
     output: str,
+    in_lanes: bool,
 ) -> _Solution:
     """The loops of a class: the compliance of its markers, and its unknowns from the reactions."""
     ctx = of.context
@@ -73,11 +68,12 @@ def _system(
         more, targets = _block_items(context, of, system)
         items += more
     work = Work(f"kept_{of.name}", len(kept) * of.count) if kept else None
-    place = of.place("kept", [len(kept) * n for n in range(of.count)])
+    place = of.place("kept", range(of.count), of.count)
     if work:
         items += stores("kept", values)
         targets["kept"] = of.target(work.array, place)
-    before = of.loop(symbols, [Step(of.name, "", "", tuple(items))], [*state(of, *names), *side.inputs], targets)
+    loads = [*state(of, *names), *side.inputs]
+    before = of.loop(symbols, [Step(of.name, "", "", tuple(items))], loads, targets, in_lanes)
     later = symbols.copy()
     inputs = state(of, *names)
     if work:
@@ -88,12 +84,14 @@ def _system(
         unknowns = ca.vertsplit(ca.substitute([ca.vertcat(*unknowns)], kept, later.values_of(labels))[0])
     if context.blocks:
         for h, rows in enumerate(of.rows):
-            firsts = [context.blocks.size * context.blocks.position[m.handles[h].joint] for m in of.of.members]
-            inputs.append(
-                (FORCE, of.place(f"joint_{h}", firsts), array_input(FORCE, [ctx.forces[r] for r in rows], ""))
-            )
+            names_of = array_input(FORCE, [ctx.forces[r] for r in rows], "")
+            inputs.append((FORCE, _joint_place(context.blocks, of, h), names_of))
     after = of.loop(
-        later, [Step(of.name, "", "", stores(output, unknowns))], inputs, {output: of.target(output, of.coordinate)}
+        later,
+        [Step(of.name, "", "", stores(output, unknowns))],
+        inputs,
+        {output: of.target(output, of.coordinate)},
+        in_lanes,
     )
     return _Solution(before, work, after)
 
@@ -101,55 +99,53 @@ def _system(
 def _block_items(
     context: InstanceContext, of: ClassCode, local_of: LocalSystem
 ) -> tuple[list[StepItem], dict[str, LoopTarget]]:
-    """The items that add G M^-1 G^T and the right-hand side of a body to the system of the joints."""
+    """The items that write G M^-1 G^T and the right-hand side of a body to the system of the joints."""
     system = context.blocks
     assert system is not None
-    size, members = system.size, of.of.members
     items: list[StepItem] = []
     targets: dict[str, LoopTarget] = {}
     for h, rows in enumerate(of.rows):
-        at = [system.position[m.handles[h].joint] for m in members]
+        place, side = _joint_place(system, of, h), 0 if of.of.first.handles[h].is_first else 1
         pairs = [(i, j) for i in range(len(rows)) for j in range(i, len(rows))]
-        name, place = f"diagonal_{h}", of.place(f"diagonal_{h}", [system.packed * p for p in at])
-        index = [packed(size, i, j) for i, j in pairs]
-        targets[name] = LoopTarget(DIAGONAL, _moved(place, index), Operator.ADD, _entry(place))
-        items += stores(name, [local_of.compliance(rows[i], rows[j]) for i, j in pairs])
-        name, place = f"right_{h}", of.place(f"right_{h}", [size * p for p in at])
-        targets[name] = of.target(RIGHT, place, Operator.ADD)
-        items += stores(name, [local_of.right[r] for r in rows])
-    for a, first in enumerate(of.rows):
-        for b in range(a + 1, len(of.rows)):
-            items_of, targets_of = _coupling(system, of, (a, b), first, of.rows[b], local_of)
-            items += items_of
-            targets |= targets_of
+        index = [packed(system.size, i, j) for i, j in pairs]
+        targets[f"diagonal_{h}"] = LoopTarget(DIAGONAL[side], _chosen(place, index), None, _entry(place))
+        items += stores(f"diagonal_{h}", [local_of.compliance(rows[i], rows[j]) for i, j in pairs])
+        targets[f"right_{h}"] = of.target(RIGHT[side], place)
+        items += stores(f"right_{h}", [local_of.right[r] for r in rows])
+    for a, b in combinations(range(len(of.rows)), 2):
+        items_of, targets_of = _coupling(system, of, (a, b), local_of)
+        items += items_of
+        targets |= targets_of
     return items, targets
 
 
+def _joint_place(system: Blocks, of: ClassCode, handle: int) -> Place:
+    """The place of the joint at a handle of each body, in arrays of one component after the other."""
+    return of.place(f"joint_{handle}", [system.position[m.handles[handle].joint] for m in of.of.members], system.joints)
+
+
 def _coupling(
-    system: Blocks,
-    of: ClassCode,
-    handles: tuple[int, int],
-    first: tuple[int, ...],
-    second: tuple[int, ...],
-    local_of: LocalSystem,
+    system: Blocks, of: ClassCode, handles: tuple[int, int], local_of: LocalSystem
 ) -> tuple[list[StepItem], dict[str, LoopTarget]]:
-    """The items that add a block beside the diagonal: two joints of one body."""
+    """The items that write a block beside the diagonal: two joints of one body."""
     a, b = handles
+    first, second = of.rows[a], of.rows[b]
     size = system.size
     at = [(system.position[m.handles[a].joint], system.position[m.handles[b].joint]) for m in of.of.members]
     turned = [x > y for x, y in at]
-    numbers = [size**2 * system.block(min(x, y), max(x, y)) for x, y in at]
     name = f"coupling_{a}_{b}"
-    place = of.place(name, numbers)
+    place = of.place(name, [system.block(min(x, y), max(x, y)) for x, y in at], system.couplings)
     values = [local_of.compliance(i, j) for i in first for j in second]
     cells = [(i, j) for i in range(len(first)) for j in range(len(second))]
+    operator = Operator.ADD if system.adds else None
     if len(set(turned)) == 1:
         index = [size * j + i if turned[0] else size * i + j for i, j in cells]
-        target = LoopTarget(COUPLING, _moved(place, index), Operator.ADD, _entry(place))
+        target = LoopTarget(COUPLING, _chosen(place, index), operator, _entry(place))
     else:
         row, column = f"{name}_row_{of.name}", f"{name}_column_{of.name}"
-        rows = of.places.integers(f"{row}s", [1 if t else size for t in turned])
-        columns = of.places.integers(f"{column}s", [size if t else 1 for t in turned])
+        spacing = system.couplings
+        rows = of.places.integers(f"{row}s", [spacing * (1 if t else size) for t in turned])
+        columns = of.places.integers(f"{column}s", [spacing * (size if t else 1) for t in turned])
         here = ElementIndex(0, (IndexTerm(1, INSTANCE),))
         entries = (*_entry(place), Entry(row, rows, here), Entry(column, columns, here))
 
@@ -158,12 +154,12 @@ def _coupling(
             terms = [IndexTerm(n, variable) for n, variable in ((i, row), (j, column)) if n]
             return ElementIndex(place.first.offset, (*place.first.terms, *terms))
 
-        target = LoopTarget(COUPLING, at_cell, Operator.ADD, entries)
+        target = LoopTarget(COUPLING, at_cell, operator, entries)
     return [*stores(name, values)], {name: target}
 
 
-def _moved(place: Place, offsets: list[int]) -> Callable[[int], ElementIndex]:
-    return lambda k: place.at(offsets[k])
+def _chosen(place: Place, numbers: list[int]) -> Callable[[int], ElementIndex]:
+    return lambda k: place.at(numbers[k])
 
 
 def _entry(place: Place) -> tuple[Entry, ...]:
@@ -177,11 +173,12 @@ def _solved(
     right: Callable[[InstanceContext, ClassCode], Right],
     names: tuple[str, ...],
     unknown: str,
-    given: Iterable[Statement] = (),
+    given: Sequence[Statement] = (),
     inputs: Mapping[str, Argument] | None = None,
+    in_lanes: bool = True,
 ) -> Kernel:
-    """A kernel that solves the system of bodies and joints."""
-    systems = [_system(context, of, right, names, unknown) for of in context.classes]
+    """A kernel that solves the system of bodies and joints; in_lanes: whether many bodies are computed in vectors."""
+    systems = [_system(context, of, right, names, unknown, in_lanes) for of in context.classes]
     works = [s.work for s in systems if s.work]
     applied = applied_sums(context) if right is _forces else ()
     steps: list[Part] = [
@@ -193,14 +190,16 @@ def _solved(
         )
     ]
     if context.blocks:
-        steps.insert(0, ("system", Source.FACTORISATION, "the blocks of the joints", declared(context.blocks)))
+        steps.insert(
+            0, ("system", Source.FACTORISATION, "the blocks of the joints", declared(context.blocks, bool(given)))
+        )
         steps.insert(1, ("known", "(5)", "what is known of the right-hand sides", list(given)))
         steps.append(
             (
                 "joints",
                 Source.FACTORISATION,
                 "elimination of the joints, and back substitution",
-                eliminated(context.blocks, context.places),
+                _eliminated(context.blocks, context.places, bool(given)),
             )
         )
     steps.append(
@@ -211,14 +210,25 @@ def _solved(
     return kernel(context, function, results, *steps, inputs=inputs)
 
 
-def _reactions(context: InstanceContext, system: Blocks) -> Iterator[Statement]:
-    """The reactions in the order of the constraints."""
+def _eliminated(of: Blocks, places: Places, has_known: bool) -> tuple[Statement, ...]:
+    """The elimination of all joints and the back substitution, from the arrays of the system to the reactions."""
+    return along_path(of, has_known) if of.is_path else in_graph(of, places, has_known)
+
+
+def _by_joint(context: InstanceContext, system: Blocks) -> Iterator[tuple[int, int, Place, Place]]:
+    """For joints with as many rows: these, the number of joints, their first rows and their places in the arrays."""
     for rows in sorted(set(system.rows)):
         joints = [j for j, own in enumerate(system.rows) if own == rows]
-        to = context.places.place(f"multiplier_{rows}", INSTANCE, [context.first_rows[j] for j in joints])
-        of = context.places.place(f"reaction_{rows}", INSTANCE, [system.size * system.position[j] for j in joints])
+        firsts = context.places.place(f"multiplier_{rows}", INSTANCE, [context.first_rows[j] for j in joints])
+        of = [system.position[j] for j in joints]
+        yield rows, len(joints), firsts, context.places.place(f"reaction_{rows}", INSTANCE, of, system.joints)
+
+
+def _reactions(context: InstanceContext, system: Blocks) -> Iterator[Statement]:
+    """The reactions in the order of the constraints."""
+    for rows, count, to, of in _by_joint(context, system):
         body = [StoreElement(Element("lam", to.at(k)), Element(FORCE, of.at(k))) for k in range(rows)]
-        yield ForEach(INSTANCE, constant(0), constant(len(joints)), (*_entry(to), *_entry(of), *body))
+        yield ForEach(INSTANCE, constant(0), constant(count), (*_entry(to), *_entry(of), *body))
 
 
 def _known_bias(context: InstanceContext) -> list[Statement]:
@@ -231,8 +241,8 @@ def _known_bias(context: InstanceContext) -> list[Statement]:
         for k, c in enumerate(of):
             value = known_value("bias", c, -1)
             if value is not None:
-                index = system.size * system.position[joint] + k
-                result.append(StoreElement(Element(RIGHT, constant(index)), value))
+                index = system.position[joint] + k * system.joints
+                result.append(StoreElement(Element(KNOWN, constant(index)), value))
     return result
 
 
@@ -263,13 +273,9 @@ def project_velocity(context: InstanceContext, function: ModelFunction) -> Kerne
 
     given: list[Statement] = []
     if context.blocks:
-        system = context.blocks
-        for rows in sorted(set(system.rows)):
-            joints = [j for j, own in enumerate(system.rows) if own == rows]
-            to = context.places.place(f"multiplier_{rows}", INSTANCE, [context.first_rows[j] for j in joints])
-            of = context.places.place(f"reaction_{rows}", INSTANCE, [system.size * system.position[j] for j in joints])
-            body = [StoreElement(Element(RIGHT, of.at(k)), Element("r", to.at(k))) for k in range(rows)]
-            given.append(ForEach(INSTANCE, constant(0), constant(len(joints)), (*_entry(to), *_entry(of), *body)))
+        for rows, count, to, of in _by_joint(context, context.blocks):
+            body = [StoreElement(Element(KNOWN, of.at(k)), Element("r", to.at(k))) for k in range(rows)]
+            given.append(ForEach(INSTANCE, constant(0), constant(count), (*_entry(to), *_entry(of), *body)))
     argument = whole("r", len(context.multipliers), "prescribed change of gdot")
     results = {"dv": Result(tuple(str(row.v) for row in context.mechanism.rows))}
-    return _solved(context, function, results, nothing, ("t", "q"), "dv", given, {"r": argument})
+    return _solved(context, function, results, nothing, ("t", "q"), "dv", given, {"r": argument}, in_lanes=False)

@@ -61,12 +61,12 @@ class LoopCode:
         ]
         self._columns: dict[str, int] = {}
 
-    def place(self, what: str, firsts: Sequence[int]) -> Place:
-        """The place of the first of some elements of each instance."""
-        return self.places.place(f"{what}_{self.name}", INSTANCE, firsts)
+    def place(self, what: str, firsts: Sequence[int], spacing: int = 1) -> Place:
+        """The place of the first of some elements of each instance, and the distance of these."""
+        return self.places.place(f"{what}_{self.name}", INSTANCE, firsts, spacing)
 
     def target(self, array: str, place: Place, operator: Operator | None = None) -> LoopTarget:
-        """The target of outputs whose elements follow each other from a place."""
+        """The target of outputs whose elements are equally spaced from a place on."""
         return LoopTarget(array, place.at, operator, _entries(place))
 
     def loop(
@@ -75,10 +75,12 @@ class LoopCode:
         steps: Iterable[Step],
         inputs: Iterable[Loaded],
         targets: Mapping[str, LoopTarget],
+        in_lanes: bool = False,
     ) -> ForEach:
         """The loop over the instances of the class.
 
-        targets: those of the outputs of the steps, by name.
+        targets: those of the outputs of the steps, by name. in_lanes: whether instances that do not add to elements are
+        worth the text and the time of compilers that vectors take.
         """
         sections = self.context.sections(symbols, *steps)
         statements = [statement for section in sections for statement in section.body]
@@ -103,7 +105,9 @@ class LoopCode:
                 assert isinstance(statement, Let | Require)
                 body.append(statement)
         start, stop = ElementIndex(0), ElementIndex(self.count)
-        return ForEach(INSTANCE, start, stop, (*dict.fromkeys(entries), *loads, *body))
+        body = [*dict.fromkeys(entries), *loads, *body]
+        in_lanes = in_lanes and all(target.operator is None for target in targets.values())
+        return ForEach(INSTANCE, start, stop, tuple(body), independent=in_lanes)
 
     # ---- numbers that differ from instance to instance ----
 

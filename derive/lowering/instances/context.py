@@ -16,10 +16,7 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.flat.setup_constants import Constants
-from derive.lowering.instances.block_elimination import (
-    Blocks,
-    blocks,
-)
+from derive.lowering.instances.block_system import Blocks, blocks
 from derive.lowering.instances.class_code import ClassCode, Loaded, LoopCode, LoopTarget
 from derive.lowering.instances.class_equations import class_equations, with_known
 from derive.lowering.instances.classes import body_classes
@@ -62,8 +59,8 @@ class InstanceContext:
         self.loaded = {m.number for group in self.forces for e in group.elements for m in e.bodies}
         rows = [joint.multipliers for joint in mechanism.joints]
         self.first_rows = [0, *accumulate(rows)]
-        cliques = [[h.joint for h in m.handles] for c in self.classes for m in c.of.members]
-        self.blocks: Blocks | None = blocks(rows, cliques) if rows else None
+        handles = [[(h.joint, h.is_first) for h in m.handles] for c in self.classes for m in c.of.members]
+        self.blocks: Blocks | None = blocks(rows, handles) if rows else None
         self.names = tuple(str(c.q) for c in mechanism.coordinates)
         self.rows = tuple(row.name for row in mechanism.rows)
         self.multipliers = tuple(c.name for c in self.conditions)

@@ -16,10 +16,12 @@ class Place:
 
     first: ElementIndex
     entry: Entry | None = None
+    spacing: int = 1
+    """The distance of the elements of an instance."""
 
-    def at(self, offset: int) -> ElementIndex:
+    def at(self, number: int) -> ElementIndex:
         """The index of an element, counted from the first one."""
-        return self.first.plus(offset)
+        return self.first.plus(number * self.spacing)
 
 
 @dataclass
@@ -28,17 +30,20 @@ class Places:
 
     arrays: dict[str, ConstantArray] = field(default_factory=dict)
 
-    def place(self, name: str, variable: str, firsts: Sequence[int]) -> Place:
+    def place(self, name: str, variable: str, firsts: Sequence[int], spacing: int = 1) -> Place:
         """The place of the first elements `firsts` of the instances that a variable counts.
 
         name: that of the constant array and of the integer, if the elements are not equally spaced.
         """
         stride = firsts[1] - firsts[0] if len(firsts) > 1 else 0
         if all(first == firsts[0] + stride * n for n, first in enumerate(firsts)):
-            return Place(ElementIndex(firsts[0], (IndexTerm(stride, variable),)) if stride else constant(firsts[0]))
+            first = ElementIndex(firsts[0], (IndexTerm(stride, variable),)) if stride else constant(firsts[0])
+            return Place(first, spacing=spacing)
         array = self.integers(f"{name}_of", firsts)
         return Place(
-            ElementIndex(0, (IndexTerm(1, name),)), Entry(name, array, ElementIndex(0, (IndexTerm(1, variable),)))
+            ElementIndex(0, (IndexTerm(1, name),)),
+            Entry(name, array, ElementIndex(0, (IndexTerm(1, variable),))),
+            spacing,
         )
 
     def integers(self, name: str, values: Iterable[int]) -> str:

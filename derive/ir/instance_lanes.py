@@ -1,0 +1,185 @@
+"""Independent loops over instances in the lanes of vectors: blocks of four instances, of which the last may overlap.
+
+A block loads what lies at equal distances as vectors. What constant arrays of integers place is copied to local arrays
+before, and from local arrays afterwards. Sines are computed for all lanes at once, between two loops over lanes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+from derive.ir.analysis import names_read, needed
+from derive.ir.expressions import (
+    VECTOR_OPERATORS,
+    Element,
+    Expr,
+    Leaf,
+    Operation,
+    Operator,
+    TableValue,
+    mapped,
+    walk,
+)
+from derive.ir.indices import LANE, LANES, constant, variable
+from derive.ir.loop_nests import (
+    START,
+    Assign,
+    For,
+    Integer,
+    Local,
+    LoopKind,
+    Node,
+    Sines,
+    ends_of,
+    expressions_of,
+    reindexed,
+)
+from derive.ir.statements import Let, Require, Requirement
+
+IN_LANE = variable(LANE)
+"""The index of the element of a lane in an array with an element for each."""
+CIRCULAR = (Operator.SIN, Operator.COS)
+
+
+def instances_in_lanes(loop: For) -> tuple[Node, ...]:
+    """A loop over instances in blocks of four, if there are as many and vectors have its operations."""
+    if any(ends_of(loop)):
+        return (replace(loop, kind=LoopKind.ENDS, overlaps=False),)
+    made = _Block(loop)
+    if not made.fits:
+        return (replace(loop, kind=LoopKind.ORDERED),)
+    body = tuple(made.body())
+    arrays = (*made.angles, *made.sines.values(), *made.copies.values(), *made.results)
+    blocks = replace(loop, body=body, kind=LoopKind.ORDERED, step=LANES)
+    return (*(Local(array, LANES) for array in arrays), blocks)
+
+
+@dataclass
+class _Block:
+    """The body of a loop over blocks of four instances.
+
+    angles: expressions by the names of the arrays of angles; sines: the arrays of sines and cosines by their
+    expressions; copies: the local arrays of elements that integers place; results: such elements by their local arrays.
+    """
+
+    loop: For
+    angles: dict[str, Expr] = field(default_factory=dict)
+    sines: dict[Operation, str] = field(default_factory=dict)
+    copies: dict[Element, str] = field(default_factory=dict)
+    results: dict[str, Element] = field(default_factory=dict)
+
+    @property
+    def fits(self) -> bool:
+        """Whether the loop can run in blocks."""
+        loop, lines = self.loop, self.lines
+        written = {node.target.array for node in lines if isinstance(node, Assign) and isinstance(node.target, Element)}
+        early = needed(lines, [Let("", part) for part in self._parts(lines) if _is_circular(part)])
+        return (
+            (loop.count or 0) >= LANES
+            and all(isinstance(node, Let | Require | Assign) for node in lines)
+            and all(node.kind is Requirement.POSITIVE for node in lines if isinstance(node, Require))
+            and all(node.operator in (None, Operator.NEG) for node in lines if isinstance(node, Assign))
+            and all(_is_vector(part) for part in self._parts(lines))
+            and not any(_is_circular(part) for part in self._parts(early))
+            and written.isdisjoint(names_read(lines))
+        )
+
+    @property
+    def lines(self) -> list[Node]:
+        """The body of the loop without its integers."""
+        return [node for node in self.loop.body if not isinstance(node, Integer)]
+
+    @property
+    def integers(self) -> dict[str, Integer]:
+        """The integers of the loop by their names."""
+        return {node.name: node for node in self.loop.body if isinstance(node, Integer)}
+
+    @staticmethod
+    def _parts(nodes: Iterable[Node]) -> list[Expr]:
+        return [part for node in nodes for expr in expressions_of(node) for part in walk(expr)]
+
+    def body(self) -> list[Node]:
+        """The loops over the lanes of a block."""
+        lines = [self._line(node) for node in self.lines]
+        angles = [Assign(Element(array, IN_LANE), angle) for array, angle in self.angles.items()]
+        before: list[Node] = [*needed(lines, angles), *angles]
+        gathered = [Assign(Element(array, IN_LANE), element) for element, array in self.copies.items()]
+        stored = [Assign(element, Element(array, IN_LANE)) for array, element in self.results.items()]
+        used = set(names_read(lines))
+        kept: list[Node] = [node for node in lines if not (isinstance(node, Let) and node.name not in used)]
+        return [
+            *self._in_order(gathered),
+            *([self._lanes(before)] if angles else []),
+            *(self._sines(array) for array in self.angles),
+            self._lanes(kept),
+            *self._in_order(stored),
+        ]
+
+    def _line(self, node: Node) -> Node:
+        """A line with local arrays in place of sines and of what integers place."""
+        match node:
+            case Assign(target=Element() as target):
+                if target.index and target.index.has(*self.integers):
+                    array = f"result_{len(self.results) + 1}"
+                    self.results[array] = target
+                    target = Element(array, IN_LANE)
+                return replace(node, target=target, expr=self._swapped(node.expr))
+            case Let() | Require():
+                return replace(node, expr=self._swapped(node.expr))
+            case _:
+                raise AssertionError("only straight lines fit")
+
+    def _swapped(self, expr: Expr) -> Expr:
+        if isinstance(expr, Operation):
+            if expr.kind in CIRCULAR:
+                return Element(self._sine(expr), IN_LANE)
+            return Operation(expr.kind, tuple(map(self._swapped, expr.args)))
+        return mapped(expr, self._leaf)
+
+    def _leaf(self, leaf: Leaf) -> Expr:
+        if isinstance(leaf, Element) and leaf.index and leaf.index.has(*self.integers):
+            return Element(self.copies.setdefault(leaf, f"copy_{len(self.copies) + 1}"), IN_LANE)
+        return leaf
+
+    def _sine(self, call: Operation) -> str:
+        """The array of a sine or cosine of the lanes."""
+        angle = self._swapped(call.args[0])
+        known = next((array for array, other in self.angles.items() if other == angle), None)
+        number = list(self.angles).index(known) + 1 if known else len(self.angles) + 1
+        self.angles.setdefault(f"angle_{number}", angle)
+        for kind, name in zip(CIRCULAR, ("sine", "cosine"), strict=True):
+            self.sines.setdefault(Operation(kind, call.args), f"{name}_{number}")
+        return self.sines[call]
+
+    def _sines(self, array: str) -> Sines:
+        number = list(self.angles).index(array) + 1
+        return Sines(Element(array, None), f"sine_{number}", f"cosine_{number}", LANES)
+
+    # ---- loops over lanes ----
+
+    def _split(self, nodes: Iterable[Node]) -> tuple[Node, ...]:
+        name = self.loop.variable
+        return tuple(reindexed(node, lambda index: index.split(name, LANE)) for node in nodes)
+
+    def _lanes(self, nodes: Iterable[Node]) -> For:
+        return For(LANE, START, constant(LANES), self._split(nodes), LoopKind.LANES)
+
+    def _in_order(self, copies: Sequence[Assign]) -> list[For]:
+        """A loop over lanes one after the other, which copies elements that integers place."""
+        if not copies:
+            return []
+        elements = [e for node in copies for e in (node.target, node.expr) if isinstance(e, Element) and e.index]
+        used = {term.variable for e in elements if e.index for term in e.index.terms}
+        integers = [node for name, node in self.integers.items() if name in used]
+        return [For(LANE, START, constant(LANES), self._split([*integers, *copies]))]
+
+
+def _is_circular(part: Expr) -> bool:
+    return isinstance(part, Operation) and part.kind in CIRCULAR
+
+
+def _is_vector(part: Expr) -> bool:
+    if isinstance(part, Operation):
+        return part.kind in VECTOR_OPERATORS or part.kind in CIRCULAR
+    return not isinstance(part, TableValue)

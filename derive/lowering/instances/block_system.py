@@ -1,0 +1,178 @@
+"""The system of the joints: symmetric, positive definite, with a block for each joint and for each coupled pair.
+
+The blocks have one size, that of the joint with the most constraints; the others are padded with unit diagonals. What
+the first and the second body of a joint contribute lies in arrays of their own, which a body writes and the elimination
+adds, so that bodies are independent of each other. An array holds one component of all blocks after the other.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations
+
+from derive.ir.expressions import Element, Number
+from derive.ir.indices import constant
+from derive.ir.patterns import pattern
+from derive.ir.statements import InstanceStatement, StoreElement, Work
+from derive.lowering.elimination_orders import elimination_order
+
+DIAGONAL, RIGHT = ("first_diagonal", "second_diagonal"), ("first_right", "second_right")
+"""The local arrays of what the first and the second body of a joint contribute."""
+COUPLING, KNOWN, FORCE = "coupling", "known_right", "reaction"
+"""The local arrays of the blocks beside the diagonal, of what is known of the right-hand side, and of the solution."""
+FEW = 24
+"""Elements that no body writes and that are stored one by one; where there are more, an array begins as zeros."""
+ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """The structure of the system of joints.
+
+    size: the rows of a block; rows: the constraints of each joint; position: the place of each joint in the order of
+    elimination, by which all arrays are numbered; neighbours: for each place the later places that it is coupled with
+    when it is eliminated, each with the number of its block; sides: the places that have a first and a second body
+    with unknowns; writers: the number of bodies that write each block.
+    """
+
+    size: int
+    rows: tuple[int, ...]
+    position: tuple[int, ...]
+    neighbours: tuple[tuple[tuple[int, int], ...], ...]
+    sides: tuple[frozenset[int], frozenset[int]]
+    writers: tuple[int, ...]
+
+    @property
+    def joints(self) -> int:
+        """The number of joints."""
+        return len(self.rows)
+
+    @property
+    def packed(self) -> int:
+        """The elements of a symmetric block."""
+        return self.size * (self.size + 1) // 2
+
+    @property
+    def couplings(self) -> int:
+        """The number of blocks beside the diagonal."""
+        return len(self.writers)
+
+    @property
+    def adds(self) -> bool:
+        """Whether several bodies write one block beside the diagonal, to which they then add."""
+        return max(self.writers, default=0) > 1
+
+    @property
+    def is_path(self) -> bool:
+        """Whether each joint is coupled with the next one alone."""
+        last = self.joints - 1
+        return all(of == (((s + 1, s),) if s < last else ()) for s, of in enumerate(self.neighbours))
+
+    def block(self, first: int, second: int) -> int:
+        """The number of the block of two places, the earlier one first."""
+        return dict(self.neighbours[first])[second]
+
+    def rows_at(self, place: int) -> int:
+        """The constraints of the joint at a place."""
+        return self.rows[self.position.index(place)]
+
+
+def blocks(rows: Sequence[int], handles: Iterable[Sequence[tuple[int, bool]]]) -> Blocks:
+    """The structure of the system.
+
+    rows: the constraints of each joint; handles: the joints of each body, and whether it is their first body.
+    """
+    handles = list(handles)
+    count = len(rows)
+    adjacent: list[set[int]] = [set() for _ in range(count)]
+    for own in handles:
+        for (a, _), (b, _) in combinations(own, 2):
+            adjacent[a].add(b)
+            adjacent[b].add(a)
+    order = _order(adjacent)
+    position = [0] * count
+    for place, joint in enumerate(order):
+        position[joint] = place
+    later = [{position[other] for other in adjacent[joint] if position[other] > position[joint]} for joint in order]
+    neighbours, number = [], 0
+    for place in range(count):
+        others = sorted(later[place])
+        neighbours.append(tuple((other, number + k) for k, other in enumerate(others)))
+        number += len(others)
+        for other in others:
+            later[other] |= {further for further in others if further > other}
+    first, second = (
+        frozenset(position[j] for own in handles for j, f in own if f is is_first) for is_first in (True, False)
+    )
+    pairs = Counter(
+        tuple(sorted((position[a], position[b]))) for own in handles for (a, _), (b, _) in combinations(own, 2)
+    )
+    writers = tuple(pairs[place, other] for place, of in enumerate(neighbours) for other, _ in of)
+    return Blocks(max(rows), tuple(rows), tuple(position), tuple(neighbours), (first, second), writers)
+
+
+def _order(adjacent: list[set[int]]) -> tuple[int, ...]:
+    """An order of little fill-in: paths from one end to the other, in the order of the joints; else minimum degree."""
+    if all(others <= {joint - 1, joint + 1} for joint, others in enumerate(adjacent)):
+        return tuple(range(len(adjacent)))
+    count = len(adjacent)
+    entries = {(max(i, j), min(i, j)) for i, others in enumerate(adjacent) for j in others}
+    return elimination_order(pattern(count, count, entries, symmetric=True))
+
+
+def packed(size: int, i: int, j: int) -> int:
+    """The index of entry (i, j) of a symmetric block, rows i <= j."""
+    i, j = min(i, j), max(i, j)
+    return i * size - i * (i - 1) // 2 + j - i
+
+
+def declared(of: Blocks, has_known: bool) -> tuple[InstanceStatement, ...]:
+    """The arrays of the system with all elements that no body writes; on padded diagonals these are ones.
+
+    has_known: whether something of the right-hand side is known.
+    """
+    n, size = of.joints, of.size
+    rows = [0] * n
+    for joint, place in enumerate(of.position):
+        rows[place] = of.rows[joint]
+    result: list[InstanceStatement] = []
+    for side in (0, 1):
+        own = [rows[place] if place in of.sides[side] else 0 for place in range(n)]
+        cells = [(i, j) for i in range(size) for j in range(i, size)]
+        left = {
+            packed(size, i, j) * n + p: side == 0 and i == j and i >= rows[p]
+            for i, j in cells
+            for p in range(n)
+            if j >= own[p]
+        }
+        result += _filled(DIAGONAL[side], of.packed * n, left)
+        result += _filled(
+            RIGHT[side], size * n, {i * n + p: False for i in range(size) for p in range(n) if i >= own[p]}
+        )
+    if of.couplings:
+        ends = [(place, other) for place, others in enumerate(of.neighbours) for other, _ in others]
+        left = {
+            (size * i + j) * of.couplings + b: False
+            for b, (place, other) in enumerate(ends)
+            for i in range(size)
+            for j in range(size)
+            if not of.writers[b] or of.adds or i >= rows[place] or j >= rows[other]
+        }
+        result += _filled(COUPLING, of.couplings * size**2, left)
+    if has_known:
+        result.append(Work(KNOWN, n * size, cleared=True))
+    return (*result, Work(FORCE, n * size))
+
+
+def _filled(array: str, count: int, left: dict[int, bool]) -> list[InstanceStatement]:
+    """An array with the elements that no body writes: zeros, and ones where the value is true."""
+    cleared = len(left) > FEW
+    stores = [
+        StoreElement(Element(array, constant(index)), ONE if one else ZERO)
+        for index, one in sorted(left.items())
+        if one or not cleared
+    ]
+    return [Work(array, count, cleared), *stores]

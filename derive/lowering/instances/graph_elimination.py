@@ -1,0 +1,106 @@
+"""The elimination of joints in any graph, along constant arrays of the neighbours of each joint and of their pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from derive.ir.expressions import Element, Operator
+from derive.ir.indices import ElementIndex, IndexTerm, constant
+from derive.ir.statements import Entry, ForEach, InstanceItem, InstanceStatement, Work
+from derive.lowering.instances.block_body import BlockBody, plus, product, scaled, transposed
+from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks
+from derive.lowering.instances.places import Places
+
+FACTOR, ADJUGATE = "factor", "adjugate"
+"""The local arrays of the blocks after the elimination of their first joint, and of the adjugate of a block."""
+JOINT, NEIGHBOUR, PAIR = "joint", "neighbour", "pair"
+"""The variables of the loops over joints, their neighbours and pairs of these."""
+
+
+def in_graph(of: Blocks, places: Places, has_known: bool) -> tuple[InstanceStatement, ...]:
+    """The elimination of all joints and the back substitution; has_known: whether there is an array KNOWN.
+
+    What elimination subtracts from a neighbour goes to the array of its first body. The solution begins as what is left
+    of the right-hand side.
+    """
+    size, square, n, blocks = of.size, of.size**2, of.joints, of.couplings
+    starts, first_pairs = [0], [0]
+    others: list[int] = []
+    pairs: list[tuple[int, int, int]] = []
+    for place, neighbours in enumerate(of.neighbours):
+        others += [other for other, _ in neighbours]
+        starts.append(len(others))
+        pairs += list(_pairs(of, place))
+        first_pairs.append(len(pairs))
+    first_neighbours = places.integers("first_neighbours", starts)
+    bounds = [
+        Entry("first_neighbour", first_neighbours, _index(JOINT)),
+        Entry("last_neighbour", first_neighbours, _index(JOINT).plus(1)),
+    ]
+    every = _index("first_neighbour"), _index("last_neighbour")
+    head = BlockBody(size)
+    d = plus(*(head.symmetric(f"{name}_", _at(name, n, JOINT)) for name in DIAGONAL))
+    names = [*RIGHT, *([KNOWN] if has_known else [])]
+    right = plus(*(head.vector(f"{name}_", _at(name, n, JOINT)) for name in names))
+    a, inverse = head.adjugate(d)
+    head.store_rows(_at(FORCE, n, JOINT), scaled(inverse, product(a, right)))
+    forward: list[InstanceItem] = []
+    backward: list[InstanceItem] = []
+    works = [Work(FACTOR, blocks * square), Work(ADJUGATE, of.packed)] if others else []
+    if others:
+        other = Entry("other", places.integers("neighbours", others), _index(NEIGHBOUR))
+        head.store_symmetric(_fixed(ADJUGATE), scaled(inverse, a))
+        inner = BlockBody(size)
+        s = inner.matrix("s", _at(COUPLING, blocks, NEIGHBOUR))
+        y = product(inner.symmetric("a", _fixed(ADJUGATE)), s)
+        w = inner.vector("w", _at(FORCE, n, JOINT))
+        inner.store_rows(_at(FACTOR, blocks, NEIGHBOUR), y)
+        inner.store_symmetric(_at(DIAGONAL[0], n, "other"), product(transposed(s), y), Operator.SUB)
+        inner.store_rows(_at(RIGHT[0], n, "other"), product(transposed(s), w), Operator.SUB)
+        forward += [*bounds, ForEach(NEIGHBOUR, *every, (other, *inner.statements()))]
+        back = BlockBody(size)
+        known = product(back.matrix("y", _at(FACTOR, blocks, NEIGHBOUR)), back.vector("f", _at(FORCE, n, "other")))
+        back.store_rows(_at(FORCE, n, JOINT), known, Operator.SUB)
+        backward += [*bounds, ForEach(NEIGHBOUR, *every, (other, *back.statements()))]
+    if pairs:
+        update = BlockBody(size)
+        s = update.matrix("s", _at(COUPLING, blocks, "first_block"))
+        y = update.matrix("y", _at(FACTOR, blocks, "second_block"))
+        update.store_rows(_at(COUPLING, blocks, "filled_block"), product(transposed(s), y), Operator.SUB)
+        columns = {
+            name: places.integers(f"{name}s", [pair[k] for pair in pairs])
+            for k, name in enumerate(("first_block", "second_block", "filled_block"))
+        }
+        entries = (Entry(name, array, _index(PAIR)) for name, array in columns.items())
+        starts_of_pairs = places.integers("first_pairs", first_pairs)
+        forward += [
+            Entry("first_pair", starts_of_pairs, _index(JOINT)),
+            Entry("last_pair", starts_of_pairs, _index(JOINT).plus(1)),
+            ForEach(PAIR, _index("first_pair"), _index("last_pair"), (*entries, *update.statements())),
+        ]
+    whole = constant(0), constant(n)
+    result: list[InstanceStatement] = [*works, ForEach(JOINT, *whole, (*head.statements(), *forward))]
+    if backward:
+        result.append(ForEach(JOINT, *whole, tuple(backward), backward=True))
+    return tuple(result)
+
+
+def _index(variable: str) -> ElementIndex:
+    return ElementIndex(0, (IndexTerm(1, variable),))
+
+
+def _at(array: str, spacing: int, variable: str) -> Callable[[int], Element]:
+    """The components of the block that a variable counts, in an array of one component after the other."""
+    return lambda component: Element(array, _index(variable).plus(component * spacing))
+
+
+def _fixed(array: str) -> Callable[[int], Element]:
+    return lambda component: Element(array, constant(component))
+
+
+def _pairs(of: Blocks, place: int) -> Iterator[tuple[int, int, int]]:
+    """The blocks of two neighbours of a place, and the block of these two that its elimination changes."""
+    neighbours = of.neighbours[place]
+    for k, (first, a) in enumerate(neighbours):
+        for second, b in neighbours[k + 1 :]:
+            yield a, b, of.block(first, second)
