@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import groupby
+from itertools import count, groupby
 
 from derive.ir.analysis import names_read
 from derive.ir.expansion import ZERO, expand_in_tiles
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped
 from derive.ir.indices import constant, variable
-from derive.ir.library_calls import STATE, Line, over_states, straight_lines
+from derive.ir.library_calls import STATE, Line, has_calls, over_states, straight_lines
 from derive.ir.loop_nests import (
     START,
     Assign,
@@ -134,13 +134,11 @@ def _in_loops(nodes: Iterable[Node], states: frozenset[str]) -> list[Node]:
     """Plain statements with straight lines in loops over the states, and sines of all states between them."""
     result: list[Node] = []
     lines: list[Line] = []
-    runs = 0
+    runs = count(1)
 
     def finish() -> None:
-        nonlocal runs
         if lines:
-            runs += 1
-            result.extend(straight_lines(tuple(lines), runs, states))
+            result.extend(straight_lines(tuple(lines), next(runs), states))
             lines.clear()
 
     for node in nodes:
@@ -150,19 +148,25 @@ def _in_loops(nodes: Iterable[Node], states: frozenset[str]) -> list[Node]:
             result.append(node)
         else:
             finish()
-            result.append(_inside(node))
+            result.append(_inside(node, runs, states))
     finish()
     return result
 
 
-def _inside(node: Node) -> Node:
-    """A loop over the modes with the lines of its body in loops over the states."""
+def _inside(node: Node, runs: Iterator[int], states: frozenset[str]) -> Node:
+    """A loop over modes or instances with the lines of its body in loops over the states, after sines of all states."""
     if not isinstance(node, For):
         return node
     body: list[Node] = []
-    for straight, group in groupby(node.body, lambda item: isinstance(item, Let | Assign | Require)):
+    for _, group in groupby(node.body, lambda item: isinstance(item, Let | Assign | Require)):
         items = tuple(group)
-        body += [over_states(items)] if straight else map(_inside, items)
+        lines = [item for item in items if isinstance(item, Let | Assign | Require)]
+        if not lines:
+            body += (_inside(item, runs, states) for item in items)
+        elif has_calls(lines):
+            body += straight_lines(tuple(lines), next(runs), states)
+        else:
+            body.append(over_states(lines))
     return replace(node, body=tuple(body), kind=LoopKind.ORDERED)
 
 

@@ -114,6 +114,11 @@ def _read(lines: tuple[Line, ...], early: frozenset[str]) -> tuple[Line, ...]:
     return tuple(kept)
 
 
+def has_calls(lines: Iterable[Line]) -> bool:
+    """Whether lines call library functions."""
+    return any(True for line in lines for _ in _calls(line))
+
+
 def _calls(line: Line) -> Iterator[Operation | TableValue]:
     parts = (part for expr in expressions_of(line) for part in walk(expr))
     return (part for part in parts if isinstance(part, Operation | TableValue) and _is_call(part))

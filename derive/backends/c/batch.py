@@ -27,6 +27,8 @@ WIDTHS = {32: 256, 16: 256, 8: 512, 4: None}
 
 Blocks of fewer than eight states read the tables too often.
 """
+REPEATED = {8: 512, 4: None}
+"""The same for a kernel with loops over bodies, which have no tables and name many values."""
 SHORT = 60
 """Statements of a kernel that is compiled again for the states that fill no block, and for the batches of KNOWN.
 
@@ -49,7 +51,8 @@ def _block(model: Model, kernel: Kernel) -> StateBlock:
     straight = StateBlock(kernel, model.name, STRAIGHT)
     if straight.is_straight:
         return straight
-    blocks = ((StateBlock(kernel, model.name, width), most) for width, most in WIDTHS.items())
+    widths = REPEATED if straight.repeats else WIDTHS
+    blocks = ((StateBlock(kernel, model.name, width), most) for width, most in widths.items())
     return next(block for block, most in blocks if _fits(stack(block), most))
 
 
