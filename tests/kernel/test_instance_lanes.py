@@ -120,7 +120,7 @@ def test_batches_keep_the_bits(graph: str) -> None:
 
 
 def test_which_loops_run_in_lanes() -> None:
-    """Those over four bodies or more, and that over the ends of a path."""
+    """Loops over four bodies or more run in lanes, and so does that over the ends of a path."""
     kinds = [node.kind for node in every(nodes_in_lanes(looped("chain_9").kernel("accel"))) if isinstance(node, For)]
     assert kinds.count(LoopKind.ENDS) == 2
     assert kinds.count(LoopKind.LANES) == 3
@@ -161,7 +161,7 @@ def placed_items(place: str = "place") -> Sequence[Any]:
 
 @pytest.mark.parametrize("count", [3, 4, 6, 7, 8, 9, 11])
 def test_elements_that_integers_place(count: int) -> None:
-    """They are copied before and after a block; the last block overlaps the one before where instances are left."""
+    """Such elements are copied before and after a block; the last block overlaps the one before where instances are left."""
     kernel = own_kernel(count, *placed_items())
     given = {"x": np.random.default_rng(0).uniform(-1, 1, 3 * count).tolist()}
     nodes = tuple(nodes_in_lanes(kernel))

@@ -28,7 +28,7 @@ WIDTHS = {32: 256, 16: 256, 8: 512, 4: None}
 Blocks of fewer than eight states read the tables too often.
 """
 REPEATED = {8: 512, 4: None}
-"""The same for a kernel with loops over bodies, which have no tables and name many values."""
+"""States of a block of a kernel with loops over bodies, and its kilobytes: it has no tables, and names many values."""
 SHORT = 60
 """Statements of a kernel that is compiled again for the states that fill no block, and for the batches of KNOWN.
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Operation, Operator, walk
 from derive.ir.indices import LANES
 from derive.ir.lanes import section_in_lanes
-from derive.ir.loop_nests import Accumulator, For, Local, every
+from derive.ir.loop_nests import Accumulator, For, Local, LoopKind, Node, every
 from derive.ir.model import Kernel
 from derive.ir.statements import Let, Statement
 
@@ -32,9 +34,15 @@ def stack_bytes(kernel: Kernel) -> int:
     read = sum(name in used for argument in kernel.arguments for _, name in argument.named_elements)
     arrays = {node.array: node.size for node in nodes if isinstance(node, Local) and not node.totals}
     sums = {node.name for node in nodes if isinstance(node, Accumulator)}
-    named = sum(isinstance(node, Let | For) for node in nodes)
+    named = sum(isinstance(node, Let | For) for node in nodes) + (LANES - 1) * _vectors(nodes)
     numbers = read + named + LANES * len(sums) + SINE * sum(map(_sines, kernel.statements))
     return DOUBLE * (COPIES * numbers + sum(arrays.values())) + FRAME
+
+
+def _vectors(nodes: Iterable[Node]) -> int:
+    """The values that loops over bodies name for all lanes at once."""
+    loops = [node for node in nodes if isinstance(node, For) and (node.overlaps or node.kind is LoopKind.ENDS)]
+    return sum(isinstance(node, Let) for loop in loops for node in every(loop.body))
 
 
 def _sines(statement: Statement) -> int:
