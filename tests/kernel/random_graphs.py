@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -86,7 +86,7 @@ def _lowered(scene: derive.Scene, shape: str, seed: int) -> Graph | None:
     mechanism = derive.derive(scene)
     assert obstacle(mechanism) == ""
     try:
-        flat = lower_flat(replace(mechanism.expanded(), markers=()))  # whose functions instances do not have
+        flat = lower_flat(mechanism.expanded())
     except DependentConstraints:
         return None
     state = _state(flat, scene, np.random.default_rng(seed))
@@ -259,6 +259,7 @@ def _state(model: Model, scene: derive.Scene, rng: np.random.Generator) -> dict[
         "y": y.tolist(),
         "ydot": rng.uniform(-1, 1, size).tolist(),
         "cj": 7.5,
+        "F": [0.3, -0.7],
     }
 
 
