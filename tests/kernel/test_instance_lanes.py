@@ -161,7 +161,7 @@ def placed_items(place: str = "place") -> Sequence[Any]:
 
 @pytest.mark.parametrize("count", [3, 4, 6, 7, 8, 9, 11])
 def test_elements_that_integers_place(count: int) -> None:
-    """Such elements are copied before and after a block; the last block overlaps the one before where instances are left."""
+    """Such elements are copied before and after a block; the last block overlaps the one before if some are left."""
     kernel = own_kernel(count, *placed_items())
     given = {"x": np.random.default_rng(0).uniform(-1, 1, 3 * count).tolist()}
     nodes = tuple(nodes_in_lanes(kernel))

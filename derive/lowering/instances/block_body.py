@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 
 import casadi as ca
 
@@ -94,36 +95,125 @@ class BlockBody:
         for k, value in enumerate(value for row in of for value in row):
             self.store(at(k), value, operator)
 
-    def adjugate(self, d: Block) -> tuple[Block, ca.SX]:
-        """The adjugate and the inverse determinant of a symmetric block, whose leading minors must be positive."""
+    def inverse(self, d: Block, scales: Sequence[ca.SX], exact: bool) -> Factors | Adjugate:
+        """A form in which systems with a symmetric block can be solved; its pivots must be positive.
+
+        scales: the diagonal before other joints were eliminated; a pivot must be more than its rounding errors.
+        exact: whether to factorise it: joints that close loops make blocks in which cofactors cancel. The adjugate
+        takes one division in place of one for each row.
+        """
+        return self._adjugate(d, scales) if has_adjugate(self.size, exact) else self._factors(d, scales)
+
+    def _factors(self, d: Block, scales: Sequence[ca.SX]) -> Factors:
         margin = self.symbols.number(VANISHING)
+        work = [list(row) for row in d]
+        lower: Block = [[ca.SX(0)] * self.size for _ in range(self.size)]
+        inverses = []
+        for k in range(self.size):
+            self.positive(work[k][k] - margin * scales[k])
+            inverses.append(1 / work[k][k])
+            for i in range(k + 1, self.size):
+                lower[i][k] = work[i][k] * inverses[k]
+                for j in range(k + 1, i + 1):
+                    work[i][j] = work[i][j] - lower[i][k] * work[j][k]
+        return Factors(lower, inverses)
+
+    def _adjugate(self, d: Block, scales: Sequence[ca.SX]) -> Adjugate:
+        """The determinants of the leading blocks are the products of the pivots."""
+        margin = self.symbols.number(VANISHING)
+        first = d[0][0]
+        self.positive(first - margin * scales[0])
         if self.size == 1:
-            self.positive(d[0][0])
-            return [[ca.SX(1)]], 1 / d[0][0]
+            return Adjugate([[ca.SX(1)]], 1 / first)
+        second = d[0][0] * d[1][1] - d[0][1] * d[0][1]
+        self.positive(second - margin * (first * scales[1]))
         if self.size == 2:
-            determinant = d[0][0] * d[1][1] - d[0][1] * d[0][1]
-            self.positive(d[0][0])
-            self.positive(determinant - margin * (d[0][0] * d[1][1]))
-            return [[d[1][1], -d[0][1]], [-d[0][1], d[0][0]]], 1 / determinant
-        if self.size == 3:
-            a = [[ca.SX(0)] * 3 for _ in range(3)]
-            a[0][0] = d[1][1] * d[2][2] - d[1][2] * d[1][2]
-            a[0][1] = d[0][2] * d[1][2] - d[0][1] * d[2][2]
-            a[0][2] = d[0][1] * d[1][2] - d[0][2] * d[1][1]
-            a[1][1] = d[0][0] * d[2][2] - d[0][2] * d[0][2]
-            a[1][2] = d[0][1] * d[0][2] - d[0][0] * d[1][2]
-            a[2][2] = d[0][0] * d[1][1] - d[0][1] * d[0][1]
-            determinant = d[0][0] * a[0][0] + d[0][1] * a[0][1] + d[0][2] * a[0][2]
-            self.positive(d[0][0])
-            self.positive(a[2][2])
-            self.positive(determinant - margin * (a[2][2] * d[2][2]))
-            return [[a[min(i, j)][max(i, j)] for j in range(3)] for i in range(3)], 1 / determinant
-        raise NotImplementedError("blocks of more than three constraints")
+            return Adjugate([[d[1][1], -d[0][1]], [-d[0][1], d[0][0]]], 1 / second)
+        a = [[ca.SX(0)] * 3 for _ in range(3)]
+        a[0][0] = d[1][1] * d[2][2] - d[1][2] * d[1][2]
+        a[0][1] = d[0][2] * d[1][2] - d[0][1] * d[2][2]
+        a[0][2] = d[0][1] * d[1][2] - d[0][2] * d[1][1]
+        a[1][1] = d[0][0] * d[2][2] - d[0][2] * d[0][2]
+        a[1][2] = d[0][1] * d[0][2] - d[0][0] * d[1][2]
+        a[2][2] = second
+        determinant = d[0][0] * a[0][0] + d[0][1] * a[0][1] + d[0][2] * a[0][2]
+        self.positive(determinant - margin * (second * scales[2]))
+        return Adjugate([[a[min(i, j)][max(i, j)] for j in range(3)] for i in range(3)], 1 / determinant)
+
+
+@dataclass(frozen=True)
+class Adjugate:
+    """The adjugate of a block, and the inverse of its determinant."""
+
+    adjugate: Block
+    inverse: ca.SX
+
+    def part(self, right: Block) -> Block:
+        """The solutions of a system without the factor `inverse`, so that nothing waits for the division."""
+        return product(self.adjugate, right)
+
+    @property
+    def block(self) -> Block:
+        """The inverse, a symmetric block."""
+        return scaled(self.inverse, self.adjugate)
+
+    @staticmethod
+    def of_block(block: Block) -> Adjugate:
+        """The inverse from its entries."""
+        return Adjugate(block, ca.SX(1))
+
+    def solve(self, right: Block) -> Block:
+        """The solutions of a system with the block for the columns of `right`."""
+        return scaled(self.inverse, self.part(right))
+
+
+@dataclass(frozen=True)
+class Factors:
+    """The factors L D L^T of a block: L below its unit diagonal, and the inverses of D."""
+
+    lower: Block
+    inverses: list[ca.SX]
+
+    @property
+    def block(self) -> Block:
+        """A symmetric block with L beside its diagonal, and the inverses of D on it."""
+        n = range(len(self.inverses))
+        return [[self.inverses[i] if i == j else self.lower[max(i, j)][min(i, j)] for j in n] for i in n]
+
+    @staticmethod
+    def of_block(block: Block) -> Factors:
+        """The factors from such a block."""
+        return Factors(block, [row[k] for k, row in enumerate(block)])
+
+    def solve(self, right: Block) -> Block:
+        """The solutions of a system with the block for the columns of `right`, by substitution."""
+        columns = []
+        for column in transposed(right):
+            x = list(column)
+            for i in range(len(x)):
+                for k in range(i):
+                    x[i] = x[i] - self.lower[i][k] * x[k]
+            x = [value * inverse for value, inverse in zip(x, self.inverses, strict=True)]
+            for i in reversed(range(len(x))):
+                for k in range(i + 1, len(x)):
+                    x[i] = x[i] - self.lower[k][i] * x[k]
+            columns.append(x)
+        return transposed(columns)
+
+
+def has_adjugate(size: int, exact: bool) -> bool:
+    """Whether systems with blocks are solved by their adjugates."""
+    return size <= 3 and not exact
 
 
 def product(a: Block, b: Block) -> Block:
     """The product of two blocks."""
     return [[_sum(row[k] * b[k][j] for k in range(len(b))) for j in range(len(b[0]))] for row in a]
+
+
+def diagonal(a: Block) -> list[ca.SX]:
+    """The entries on the diagonal of a block."""
+    return [row[k] for k, row in enumerate(a)]
 
 
 def transposed(a: Block) -> Block:

@@ -35,7 +35,8 @@ class Blocks:
     size: the rows of a block; rows: the constraints of each joint; position: the place of each joint in the order of
     elimination, by which all arrays are numbered; neighbours: for each place the later places that it is coupled with
     when it is eliminated, each with the number of its block; sides: the places that have a first and a second body
-    with unknowns; writers: the number of bodies that write each block.
+    with unknowns; writers: the number of bodies that write each block; closes_loops: whether the joints close loops of
+    bodies, with the ground as one of them.
     """
 
     size: int
@@ -44,6 +45,7 @@ class Blocks:
     neighbours: tuple[tuple[tuple[int, int], ...], ...]
     sides: tuple[frozenset[int], frozenset[int]]
     writers: tuple[int, ...]
+    closes_loops: bool
 
     @property
     def joints(self) -> int:
@@ -80,6 +82,28 @@ class Blocks:
         return self.rows[self.position.index(place)]
 
 
+def _closes_loops(count: int, handles: Sequence[Sequence[tuple[int, bool]]]) -> bool:
+    """Whether some of the joints are between bodies that others connect already; the last body is the ground."""
+    ends: list[list[int]] = [[] for _ in range(count)]
+    for body, own in enumerate(handles):
+        for joint, _ in own:
+            ends[joint].append(body)
+    parent = list(range(len(handles) + 1))
+
+    def root(body: int) -> int:
+        while parent[body] != body:
+            parent[body] = parent[parent[body]]
+            body = parent[body]
+        return body
+
+    for bodies in ends:
+        first, second = (root(body) for body in [*bodies, len(handles)][:2])
+        if first == second:
+            return True
+        parent[first] = second
+    return False
+
+
 def blocks(rows: Sequence[int], handles: Iterable[Sequence[tuple[int, bool]]]) -> Blocks:
     """The structure of the system.
 
@@ -111,7 +135,8 @@ def blocks(rows: Sequence[int], handles: Iterable[Sequence[tuple[int, bool]]]) -
         tuple(sorted((position[a], position[b]))) for own in handles for (a, _), (b, _) in combinations(own, 2)
     )
     writers = tuple(pairs[place, other] for place, of in enumerate(neighbours) for other, _ in of)
-    return Blocks(max(rows), tuple(rows), tuple(position), tuple(neighbours), (first, second), writers)
+    closes_loops = _closes_loops(count, handles)
+    return Blocks(max(rows), tuple(rows), tuple(position), tuple(neighbours), (first, second), writers, closes_loops)
 
 
 def _order(adjacent: list[set[int]]) -> tuple[int, ...]:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import accumulate, chain
 
 from derive.ir.expressions import Element, Operator
 from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.statements import Entry, ForEach, InstanceItem, InstanceStatement, Work
-from derive.lowering.instances.block_body import BlockBody, plus, product, scaled, transposed
+from derive.lowering.instances.block_body import BlockBody, diagonal, plus, product, transposed
 from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks
 from derive.lowering.instances.places import Places
 
-FACTOR, ADJUGATE = "factor", "adjugate"
-"""The local arrays of the blocks after the elimination of their first joint, and of the adjugate of a block."""
+FACTOR, INVERSE, SCALE = "factor", "inverse", "scale"
+"""The local arrays of the blocks after the elimination of their first joint, of the inverse of a block, and of
+the diagonals before, with which pivots are compared."""
 JOINT, NEIGHBOUR, PAIR = "joint", "neighbour", "pair"
 """The variables of the loops over joints, their neighbours and pairs of these."""
 
@@ -24,14 +26,11 @@ def in_graph(of: Blocks, places: Places, has_known: bool) -> tuple[InstanceState
     of the right-hand side.
     """
     size, square, n, blocks = of.size, of.size**2, of.joints, of.couplings
-    starts, first_pairs = [0], [0]
-    others: list[int] = []
-    pairs: list[tuple[int, int, int]] = []
-    for place, neighbours in enumerate(of.neighbours):
-        others += [other for other, _ in neighbours]
-        starts.append(len(others))
-        pairs += list(_pairs(of, place))
-        first_pairs.append(len(pairs))
+    others = [other for neighbours in of.neighbours for other, _ in neighbours]
+    starts = list(accumulate(map(len, of.neighbours), initial=0))
+    every_pair = [list(_pairs(of, place)) for place in range(n)]
+    pairs = list(chain(*every_pair))
+    first_pairs = list(accumulate(map(len, every_pair), initial=0))
     first_neighbours = places.integers("first_neighbours", starts)
     bounds = [
         Entry("first_neighbour", first_neighbours, _index(JOINT)),
@@ -39,20 +38,21 @@ def in_graph(of: Blocks, places: Places, has_known: bool) -> tuple[InstanceState
     ]
     every = _index("first_neighbour"), _index("last_neighbour")
     head = BlockBody(size)
-    d = plus(*(head.symmetric(f"{name}_", _at(name, n, JOINT)) for name in DIAGONAL))
+    block = plus(*(head.symmetric(f"{name}_", _at(name, n, JOINT)) for name in DIAGONAL))
+    scales = head.vector("scale", _at(SCALE, n, JOINT))
     names = [*RIGHT, *([KNOWN] if has_known else [])]
     right = plus(*(head.vector(f"{name}_", _at(name, n, JOINT)) for name in names))
-    a, inverse = head.adjugate(d)
-    head.store_rows(_at(FORCE, n, JOINT), scaled(inverse, product(a, right)))
+    inverse = head.inverse(block, [value for (value,) in scales], of.closes_loops)
+    head.store_rows(_at(FORCE, n, JOINT), inverse.solve(right))
     forward: list[InstanceItem] = []
     backward: list[InstanceItem] = []
-    works = [Work(FACTOR, blocks * square), Work(ADJUGATE, of.packed)] if others else []
+    works = [Work(FACTOR, blocks * square), Work(INVERSE, of.packed)] if others else []
     if others:
         other = Entry("other", places.integers("neighbours", others), _index(NEIGHBOUR))
-        head.store_symmetric(_fixed(ADJUGATE), scaled(inverse, a))
+        head.store_symmetric(_fixed(INVERSE), inverse.block)
         inner = BlockBody(size)
         s = inner.matrix("s", _at(COUPLING, blocks, NEIGHBOUR))
-        y = product(inner.symmetric("a", _fixed(ADJUGATE)), s)
+        y = type(inverse).of_block(inner.symmetric("a", _fixed(INVERSE))).solve(s)
         w = inner.vector("w", _at(FORCE, n, JOINT))
         inner.store_rows(_at(FACTOR, blocks, NEIGHBOUR), y)
         inner.store_symmetric(_at(DIAGONAL[0], n, "other"), product(transposed(s), y), Operator.SUB)
@@ -79,10 +79,20 @@ def in_graph(of: Blocks, places: Places, has_known: bool) -> tuple[InstanceState
             ForEach(PAIR, _index("first_pair"), _index("last_pair"), (*entries, *update.statements())),
         ]
     whole = constant(0), constant(n)
-    result: list[InstanceStatement] = [*works, ForEach(JOINT, *whole, (*head.statements(), *forward))]
+    works.append(Work(SCALE, n * size))
+    result: list[InstanceStatement] = [*works, ForEach(JOINT, *whole, _scales(of))]
+    result.append(ForEach(JOINT, *whole, (*head.statements(), *forward)))
     if backward:
         result.append(ForEach(JOINT, *whole, tuple(backward), backward=True))
     return tuple(result)
+
+
+def _scales(of: Blocks) -> tuple[InstanceItem, ...]:
+    """The diagonal of a block before the elimination of other joints."""
+    body, n = BlockBody(of.size), of.joints
+    assembled = plus(*(body.symmetric(f"{name}_", _at(name, n, JOINT)) for name in DIAGONAL))
+    body.store_rows(_at(SCALE, n, JOINT), [[value] for value in diagonal(assembled)])
+    return body.statements()
 
 
 def _index(variable: str) -> ElementIndex:

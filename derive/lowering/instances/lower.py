@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from derive.ir.expressions import Expr, ScalarRef, walk
 from derive.ir.model import ConstantArray, Kernel, Model, Variable, Zero
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
+from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances import accelerations, body_functions, constraints, dae, outputs
 from derive.lowering.instances.classes import obstacle
 from derive.lowering.instances.context import InstanceContext
@@ -131,8 +133,26 @@ def _setup(context: InstanceContext, kernels: tuple[Kernel, ...]) -> tuple[Kerne
     coefficients |= {c.symbol: c for of in codes for c in of.context.coefficients if str(c.symbol) not in of.differing}
     equations = replace(context.known.context.equations, definitions=(), coefficients=tuple(coefficients.values()))
     whole = Context(equations)
-    whole.constants = context.constants
+    whole.constants = _of_all(context)
     return setup_kernel(whole, kernels)
+
+
+def _of_all(context: InstanceContext) -> Constants:
+    """The constants and checks of setup, without those of numbers that differ from instance to instance."""
+    codes = (*context.classes, *(group.code for group in (*context.forces, *context.outputs)))
+    differing = set().union(*(of.differing for of in codes))
+    result = Constants(context.constants.coefficients - differing)
+    for expr, name in context.constants.hoisted.items():
+        if _names(expr) & differing:
+            differing.add(name)
+        else:
+            result.hoisted[expr] = name
+    result.requirements += [r for r in context.constants.requirements if not _names(r.expr) & differing]
+    return result
+
+
+def _names(expr: Expr) -> set[str]:
+    return {part.name for part in walk(expr) if isinstance(part, ScalarRef)}
 
 
 def _with_constants(kernel: Kernel, constants: tuple[Variable, ...], arrays: Mapping[str, ConstantArray]) -> Kernel:

@@ -21,7 +21,7 @@ from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.terms import MarkerEquations
 from derive.spec.model.instances import identifier
 
-MOST_MARKERS = 256
+MOST_MARKERS = 64
 """The largest number of markers that have functions, whose text grows with it."""
 
 

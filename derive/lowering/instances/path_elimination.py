@@ -8,10 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import casadi as ca
+
 from derive.ir.expressions import Element, Ends
 from derive.ir.indices import ElementIndex, IndexTerm, constant, variable
 from derive.ir.statements import ForEach, InstanceItem, InstanceStatement, Work
-from derive.lowering.instances.block_body import Block, BlockBody, Target, minus, plus, product, scaled, transposed
+from derive.lowering.instances.block_body import (
+    Adjugate,
+    Block,
+    BlockBody,
+    Target,
+    diagonal,
+    has_adjugate,
+    minus,
+    plus,
+    product,
+    scaled,
+    transposed,
+)
 from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks
 
 FACTOR, UPDATE, RIGHT_UPDATE, LAST = "factor", "update", "right_update", "last_reaction"
@@ -33,7 +47,8 @@ class _Path:
         self.pairs = (of.joints - 1) // 2
         self.left = of.joints - 1 - 2 * self.pairs
         self.middle = self.pairs + self.left
-        self.kept = self.size**2 + self.size + 1
+        self.has_factor = has_adjugate(of.size, of.closes_loops)
+        self.kept = self.size**2 + self.size + self.has_factor
 
     def statements(self) -> tuple[InstanceStatement, ...]:
         """All loops."""
@@ -64,29 +79,32 @@ class _Path:
     def forward(self, ends: _Ends) -> tuple[InstanceItem, ...]:
         """The elimination of a joint: what the next one needs, and what back substitution needs."""
         body = BlockBody(self.size)
-        d, r = self.pivot(body, ends.own)
-        d = minus(d, body.symmetric("u", lambda c: ends.carried(UPDATE, c)))
+        whole, r = self.pivot(body, ends.own)
+        d = minus(whole, body.symmetric("u", lambda c: ends.carried(UPDATE, c)))
         r = minus(r, body.vector("v", lambda c: ends.carried(RIGHT_UPDATE, c)))
-        a, inverse = body.adjugate(d)
+        inverse = body.inverse(d, diagonal(whole), self.of.closes_loops)
         s = body.matrix("s", ends.coupling)
-        y, w = product(a, s), product(a, r)
+        if isinstance(inverse, Adjugate):  # the division takes long: its result is a factor of sums
+            y, w, factor = inverse.part(s), inverse.part(r), inverse.inverse
+            body.store(ends.factor(self.kept - 1), factor)
+        else:
+            y, w, factor = inverse.solve(s), inverse.solve(r), ca.SX(1)
         body.store_rows(ends.factor, y)
         body.store_rows(lambda c: ends.factor(self.size**2 + c), w)
-        body.store(ends.factor(self.kept - 1), inverse)
-        body.store_symmetric(lambda c: ends.carried(UPDATE, c), scaled(inverse, product(transposed(s), y)))
-        body.store_rows(lambda c: ends.carried(RIGHT_UPDATE, c), scaled(inverse, product(transposed(s), w)))
+        body.store_symmetric(lambda c: ends.carried(UPDATE, c), scaled(factor, product(transposed(s), y)))
+        body.store_rows(lambda c: ends.carried(RIGHT_UPDATE, c), scaled(factor, product(transposed(s), w)))
         return body.statements()
 
     def meet(self) -> tuple[InstanceItem, ...]:
         """The reactions of the joint in the middle."""
         body = BlockBody(self.size)
         n = self.of.joints
-        d, r = self.pivot(body, lambda array, c, n: Element(array, constant(c * n + self.middle)))
+        whole, r = self.pivot(body, lambda array, c, n: Element(array, constant(c * n + self.middle)))
+        d = whole
         for end in (0, 1) if self.pairs else (0,) if self.middle else ():
             d = minus(d, body.symmetric(f"u_{end}_", _at_end(UPDATE, end)))
             r = minus(r, body.vector(f"v_{end}_", _at_end(RIGHT_UPDATE, end)))
-        a, inverse = body.adjugate(d)
-        for c, (value,) in enumerate(scaled(inverse, product(a, r))):
+        for c, (value,) in enumerate(body.inverse(d, diagonal(whole), self.of.closes_loops).solve(r)):
             body.store(Element(FORCE, constant(c * n + self.middle)), value)
             if self.middle:
                 body.store(Element(LAST, constant(2 * c)), value)
@@ -98,9 +116,9 @@ class _Path:
         body = BlockBody(self.size)
         y = body.matrix("y", ends.factor)
         w = body.vector("w", lambda c: ends.factor(self.size**2 + c))
-        inverse = body.element("inverse", ends.factor(self.kept - 1))
         known = body.vector("f", lambda c: ends.carried(LAST, c))
-        for c, (value,) in enumerate(scaled(inverse, minus(w, product(y, known)))):
+        factor = body.element("inverse", ends.factor(self.kept - 1)) if self.has_factor else ca.SX(1)
+        for c, (value,) in enumerate(scaled(factor, minus(w, product(y, known)))):
             body.store(ends.carried(LAST, c), value)
             body.store(ends.own(FORCE, c, self.of.joints), value)
         return body.statements()
