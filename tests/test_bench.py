@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -161,3 +163,39 @@ def test_the_page_of_frames_says_of_each_elimination_order_whether_it_is_safe(be
     readme = page.with_section((ROOT / "README.md").read_text(), page.section(rows))
     assert readme.count(page.BEGIN) == 1 and page.with_section(readme, page.section(rows)) == readme
     assert "<svg" in page.picture(rows)
+
+
+@pytest.mark.long
+def test_chains(tmp_path: Path) -> None:
+    """Straight line, instances and CasADi agree in single calls and batches, or the script fails."""
+    figures = tmp_path / "figures.json"
+    printed("chains.py", "--counts", "1", "2", "3", "--json", str(figures))
+    rows = json.loads(figures.read_text())["figures"]
+    assert [(row["count"], row["form"]) for row in rows] == [
+        (n, form) for n in (1, 2, 3) for form in ("instances", "flat", "casadi")
+    ]
+    for row in rows:
+        assert row["compiler"] > 0 and row["ns"] > 0 and 0 <= row["tables"] < row["size"]
+        assert (row["batch_ns"] is None) == (row["form"] == "casadi") == (row["tables"] == 0)
+
+
+def test_chains_refuse_other_values(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "bench"))
+    chains = import_module("chains")
+    same = chains.TimedCall("same", "for (int i = 0; i < 5; i++) out[i] = q[5 * s + i];", 5)
+    other = chains.TimedCall("other", "for (int i = 0; i < 5; i++) out[i] = q[5 * s + i] * (1 + 1e-11);", 5)
+    arrays = dict(zip(("q", "v"), chains.states(1, 2), strict=True))
+    program = chains.Program()
+    assert program.times([(same, 1), (same, 1)], arrays, tmp_path, 1)["same"] > 0
+    with pytest.raises(ArithmeticError, match=re.escape("other of 1 beams is off by 1.0e-11")):
+        program.times([(same, 1), (other, 1)], arrays, tmp_path, 1)
+
+
+def test_the_tables_of_chains_are_those_of_their_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "bench"))
+    page, runs = import_module("chain_page"), import_module("chain_run")
+    run = runs.read_run(page.FIGURES)
+    readme = page.README.read_text()
+    assert page.with_tables(readme, run) == readme
+    picture = page.picture(run.figures)
+    assert "<svg" in picture and all(name in picture for name in ("straight line", "instances", "CasADi"))
