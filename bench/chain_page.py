@@ -82,7 +82,7 @@ def picture(figures: Sequence[Figures]) -> str:
     panels = (
         MethodPanel("Generation", "CPU seconds from the specification to C", lambda a: _generation(a, figures)),
         MethodPanel("Compilation", "CPU seconds of gcc; CasADi: one function", lambda a: _compilation(a, figures)),
-        MethodPanel("Text", "kB of C; dashed: without tables", lambda a: _text(a, figures)),
+        MethodPanel("Text", "kB of C; dashed: without tables; CasADi: one function", lambda a: _text(a, figures)),
         MethodPanel("Accelerations", "ns per body; dashed: in a batch of 8 states", lambda a: _speed(a, figures)),
     )
     return panels_svg("Chains of flexible beams: straight line and loops over instances", panels)

@@ -66,7 +66,7 @@ Call = tuple[TimedCall, int]
 
 @dataclass
 class Program:
-    """What the timed program of a chain is made of, besides its states."""
+    """The parts of the timed program of a chain, besides its states."""
 
     declare: list[str] = field(default_factory=list)
     once: list[str] = field(default_factory=list)
