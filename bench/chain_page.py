@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chain_run import ANY_GRAPH, BOTH_ENDS, CASADI, FLAT, INSTANCES, LANES, Figures, Run, write_run
+from chain_run import ANY_GRAPH, BOTH_ENDS, CASADI, FLAT, INSTANCES, LANES, Figures, Run, read_run, write_run
 
 from derive.study.methods.methods_chart import BLUE, BROWN, GREEN, ORANGE, PURPLE, MethodPanel, logarithmic, panels_svg
 
@@ -184,6 +184,7 @@ def with_tables(text: str, run: Run) -> str:
 def write(run: Run) -> None:
     """Write the figures, the picture and the tables."""
     write_run(run, FIGURES)
+    run = read_run(FIGURES)  # rounded, so that the tables follow from the file
     PICTURE.write_text(picture(run.figures))
     README.write_text(with_tables(README.read_text(), run))
     for path in (FIGURES, PICTURE, README):
