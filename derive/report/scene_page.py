@@ -53,7 +53,7 @@ def scene_page(
     Raises TypeError when what was built is a body.
     """
     mechanism, equations, model = built.derived, built.equations, built.model
-    if not isinstance(mechanism, Mechanism) or model.kkt is None:
+    if not isinstance(mechanism, Mechanism):
         raise TypeError("this is no scene")
     spec, once = mechanism.scene, shown_once(mechanism)
     shown = once.equations
@@ -79,7 +79,7 @@ def scene_page(
         *constraint_blocks(equations, written),
         *mass_blocks(equations, _matrix(mechanism, equations), written),
         *vanished_blocks(equations, written),
-        *kkt_blocks(model, model.kkt),
+        *(kkt_blocks(model, model.kkt) if model.kkt is not None else ()),
         *code_blocks(code, targets(visible, moment_anchors(shown, families))),
         *manifest_blocks(built.files),
     )

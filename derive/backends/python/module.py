@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
-from fractions import Fraction
 from typing import assert_never
 
 from derive.artifacts import MARK, File
@@ -72,7 +71,7 @@ class PythonBackend:
             "tables": _tables(model),
             "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "loops" else _splines(model),
             "grouped": any(text.groups for text in pattern_texts(model, "        ")),
-            "constant_arrays": [(a.name, _lines([_constant(a, x) for x in a.values])) for a in model.constant_arrays],
+            "constant_arrays": list(map(constant_array, model.constant_arrays)),
             "defaults": _defaults(model),
             "elements": model.lowering != "loops",
         }
@@ -259,8 +258,9 @@ class TupleConstant:
     items: str
 
 
-def _constant(array: ConstantArray, value: int | Fraction) -> str:
-    return repr(int(value) if array.integers else float(value))
+def constant_array(array: ConstantArray) -> tuple[str, str]:
+    """The name of a constant array, and its values as a tuple."""
+    return array.name, _lines([repr(int(x) if array.integers else float(x)) for x in array.values])
 
 
 def _tables(model: Model) -> list[TupleConstant]:

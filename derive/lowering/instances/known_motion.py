@@ -73,7 +73,7 @@ class KnownMotion:
 
     @cached_property
     def moving(self) -> frozenset[sp.Symbol]:
-        """Those of these symbols that depend on the time or on inputs."""
+        """The symbols that depend on the time or on inputs."""
         varying = {t, *(given.symbol for given in input_symbols(self.mechanism.scene))}
         return moving_symbols(self.definitions, varying) & self.symbols
 
