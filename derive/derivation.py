@@ -16,6 +16,7 @@ from derive.errors import Problem, SpecError
 from derive.garbage_collection import paused
 from derive.ir.model import Model
 from derive.lowering import cost_model
+from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.lower import lower as lower_flat
 from derive.lowering.instances.lower import instances_reason, lower_instances
 from derive.lowering.loops.body_functions import lower_loops
@@ -78,6 +79,12 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
     return parameters_of(body, symbolic_tables(spec), spec.gravity)
 
 
+TOO_LONG = (
+    "straight-line code of so many bodies is too long; loops over bodies have no derivatives by parameters and inputs, "
+    "which FMUs and --sensitivities need"
+)
+
+
 @paused()
 def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit: bool = False) -> Model:
     """The kernels of a model: straight-line code, or loops over the modes of a spatial body if these are faster.
@@ -95,7 +102,10 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
         if reason:
             return lower_instances(derived, reason, explicit)
     if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
-        return lower_flat(derived.expanded(), sensitivities=sensitivities, explicit=explicit)
+        try:
+            return lower_flat(derived.expanded(), sensitivities=sensitivities, explicit=explicit)
+        except RecursionError:
+            raise LoweringError(TOO_LONG) from None
     estimate = cost_model.estimate_costs(derived.body)
     try:
         flat = estimate.selected(derived.lowering) == "flat"

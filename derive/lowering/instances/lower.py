@@ -42,7 +42,7 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kern
 }
 """The functions of a mechanism, by their kinds."""
 
-MANY = 16
+MANY = 8
 """Bodies from which on straight-line code takes long to compile."""
 
 
