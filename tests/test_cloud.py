@@ -24,7 +24,7 @@ from derive.mechanics.bodies.spatial_tables import symbolic_tables
 from derive.runtime.compiled_model import Native
 
 SHAPES = (0, 1, pytest.param(3, marks=pytest.mark.long), 5)
-KINDS = ("numbers flat", "numbers table", "parameters flat", "parameters table")
+KINDS = ("numbers flat", "numbers loops", "parameters flat", "parameters loops")
 POINTS = 10
 GRAVITY = (0.7, -0.3, -9.81)
 MASS_DAMPING, STIFFNESS_DAMPING = 0.1, 0.01
@@ -107,7 +107,7 @@ def given(n: int, kind: str) -> np.ndarray:
     if kind == "numbers flat":
         return np.zeros(0)
     spec = derive.symbolic_body("cloud", n, frame="given", damping=True)
-    tables = derive.derive_modal(body(cloud(n))).tables if kind == "numbers table" else symbolic_tables(spec)
+    tables = derive.derive_modal(body(cloud(n))).tables if kind == "numbers loops" else symbolic_tables(spec)
     return parameters(body(cloud(n)), tables)
 
 
@@ -234,7 +234,7 @@ def test_generated_code_is_the_oracle(n: int, kind: str) -> None:
         assert np.max(left) < 1e-12 * np.linalg.cond(mass) * np.max(np.abs(h))
 
 
-@pytest.mark.parametrize("kind", ["numbers flat", "numbers table"])
+@pytest.mark.parametrize("kind", ["numbers flat", "numbers loops"])
 @pytest.mark.parametrize("n", SHAPES)
 def test_jacobian_markers_and_loads(n: int, kind: str) -> None:
     native, python = compiled(n, kind), module(n, kind)
@@ -263,7 +263,7 @@ def test_jacobian_markers_and_loads(n: int, kind: str) -> None:
         )
 
 
-@pytest.mark.parametrize("kind", ["numbers flat", "numbers table"])
+@pytest.mark.parametrize("kind", ["numbers flat", "numbers loops"])
 @pytest.mark.parametrize("n", SHAPES)
 def test_power_balance_and_momentum(n: int, kind: str) -> None:
     """v . (M vdot + h) less what damping takes is d/dt (T + U + V); gravity alone changes the momenta."""
@@ -291,9 +291,9 @@ def test_power_balance_and_momentum(n: int, kind: str) -> None:
 @pytest.mark.parametrize("n", SHAPES)
 def test_both_lowerings_give_the_same(n: int, what: str) -> None:
     """They agree to 1e-14 of the largest value; accelerations as far as the mass matrix is conditioned."""
-    flat, table = compiled(n, f"{what} flat"), compiled(n, f"{what} table")
+    flat, loops = compiled(n, f"{what} flat"), compiled(n, f"{what} loops")
     dense = module(n, f"{what} flat")["dense"]
-    kf, kt = flat.setup(given(n, f"{what} flat")), table.setup(given(n, f"{what} table"))
+    kf, kt = flat.setup(given(n, f"{what} flat")), loops.setup(given(n, f"{what} loops"))
     for seed in range(3):
         q, v, a = state(n, seed)
         y, ydot = np.concatenate([q, v]), np.concatenate([flat.rates(q, v, kf), a])
@@ -311,6 +311,6 @@ def test_both_lowerings_give_the_same(n: int, what: str) -> None:
         }
         condition = np.linalg.cond(dense(flat.mass_pattern, flat.mass(q, kf)))
         for name, call in calls.items():
-            one, other = call(flat, kf), call(table, kt)
+            one, other = call(flat, kf), call(loops, kt)
             limit = 1e-15 * condition if name == "accel" else 1e-14
             assert np.max(np.abs(one - other)) < limit * np.max(np.abs(one)), name

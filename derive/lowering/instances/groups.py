@@ -12,6 +12,7 @@ from typing import Any
 
 import sympy as sp
 
+from derive.errors import TisserandError
 from derive.lowering.instances.classes import BodyClass, Member, fixed_values, force_key, moving_bodies
 from derive.lowering.instances.known_motion import STILL, KnownMotion, canonical
 from derive.mechanics.equations import Equations
@@ -27,7 +28,7 @@ from derive.mechanics.terms import Constraint, ModelConstant, OutputEquation
 from derive.spec.model.markers import GROUND, MarkerRef
 
 
-class NotInLoops(Exception):
+class NotInLoops(TisserandError):
     """An element depends on more of the mechanism than the bodies that it names."""
 
 
