@@ -21,6 +21,7 @@ def searches() -> Iterator[list[int]]:
 
     thresholds = gc.get_threshold()  # a library may have raised them
     gc.set_threshold(700, 10, 10)
+    gc.collect()  # what earlier tests have left
     gc.callbacks.append(seen)
     yield sizes
     gc.callbacks.remove(seen)
