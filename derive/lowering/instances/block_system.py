@@ -77,10 +77,6 @@ class Blocks:
         """The number of the block of two places, the earlier one first."""
         return dict(self.neighbours[first])[second]
 
-    def rows_at(self, place: int) -> int:
-        """The constraints of the joint at a place."""
-        return self.rows[self.position.index(place)]
-
 
 def _closes_loops(count: int, handles: Sequence[Sequence[tuple[int, bool]]]) -> bool:
     """Whether some of the joints are between bodies that others connect already; the last body is the ground."""

@@ -39,7 +39,7 @@ class Places:
         if all(first == firsts[0] + stride * n for n, first in enumerate(firsts)):
             first = ElementIndex(firsts[0], (IndexTerm(stride, variable),)) if stride else constant(firsts[0])
             return Place(first, spacing=spacing)
-        array = self.integers(f"{name}_of", firsts)
+        array = self.integers(f"of_{name}", firsts)  # no integer is called so
         return Place(
             ElementIndex(0, (IndexTerm(1, name),)),
             Entry(name, array, ElementIndex(0, (IndexTerm(1, variable),))),
