@@ -75,7 +75,7 @@ def _system(
     loads = [*state(of, *names), *side.inputs]
     before = of.loop(symbols, [Step(of.name, "", "", tuple(items))], loads, targets, in_lanes)
     later = symbols.copy()
-    inputs = state(of, *names)
+    inputs = [*state(of, *names), *side.inputs]
     if work:
         labels = [local(f"kept_{k + 1}") for k in range(len(kept))]
         for symbol in labels:
