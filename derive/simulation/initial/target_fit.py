@@ -93,9 +93,9 @@ class TargetFit:
         return np.asarray(tangent @ np.linalg.lstsq(gradients @ tangent, -missed, rcond=1e-9)[0])
 
     def polished(self, q: Vector) -> Vector:
-        """The configuration near q in which the Gauss-Newton step vanishes."""
+        """The configuration near q in which the Gauss-Newton step vanishes; q where no step is short, far from such."""
         step = self.step(q)
-        if self.length(step) <= SMALLEST_STEP:
+        if not SMALLEST_STEP < self.length(step) <= LARGEST_STEP:
             return q
         tangent = self.tangent(q)
         inverse = np.linalg.pinv(tangent)
