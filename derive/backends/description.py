@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import assert_never
 
@@ -20,7 +20,10 @@ from derive.ir.model import (
     Zero,
 )
 from derive.ir.patterns import Pattern, RowSetKind
+from derive.ir.repeated_columns import repeated_columns
+from derive.ir.series import variable_series
 from derive.roles import Source
+from derive.spec.model.instances import instance_name, joined
 
 MOST_ROWS = 40
 """Rows of a mass matrix that are drawn with letters."""
@@ -36,15 +39,16 @@ class PatternText:
     """A sparsity pattern as a language writes it: its name, and its integers as lines.
 
     A pattern with groups of columns has no integers, but `fill`, the loops of C that write them, and `groups`, the
-    groups as nested tuples of Python.
+    groups as nested tuples of Python. One of loops over instances has `repeated`, the integers of columns that repeat.
     """
 
     name: str
     pattern: Pattern
-    colptr: str
-    rowidx: str
-    fill: str
-    groups: str
+    colptr: str = ""
+    rowidx: str = ""
+    fill: str = ""
+    groups: str = ""
+    repeated: str = ""
 
 
 def pattern_texts(model: Model, indent: str) -> list[PatternText]:
@@ -52,18 +56,24 @@ def pattern_texts(model: Model, indent: str) -> list[PatternText]:
     matrices = [("mass", "M"), (JACOBIAN, "jac"), *((f"marker_{m.name}", "jacobian") for m in model.markers)]
     matrices += [("constraint_jacobian", "G"), (f"{JACOBIAN}_ggl", "jac"), (f"{JACOBIAN}_index1", "jac")]
     matrices += [("outputs_jacobian", "jac"), (PARAMETER_JACOBIAN, "jac")]
+    matrices += [(f"marker_{of.name}", "jacobian") for of in model.marker_classes]
     present = {kernel.name for kernel in model.kernels}
     patterns = [(kernel, model.pattern(kernel, output)) for kernel, output in matrices if kernel in present]
 
-    def lines(values: tuple[int, ...]) -> str:
-        return "\n".join(prefixed([", ".join(map(str, values))], indent))
+    def text(name: str, p: Pattern) -> PatternText:
+        if p.groups:
+            return PatternText(name, p, fill=_fill(p), groups=_groups(p, indent))
+        if model.lowering == "instances":
+            numbers = tuple(number for columns in repeated_columns(p) for number in columns.numbers)
+            return PatternText(name, p, repeated=integer_lines(numbers, indent))
+        return PatternText(name, p, integer_lines(p.colptr, indent), integer_lines(p.rowidx, indent))
 
-    return [
-        PatternText(name, p, "", "", _fill(p), _groups(p, indent))
-        if p.groups
-        else PatternText(name, p, lines(p.colptr), lines(p.rowidx), "", "")
-        for name, p in patterns
-    ]
+    return [text(name, p) for name, p in patterns]
+
+
+def integer_lines(values: Iterable[int], indent: str) -> str:
+    """Integers, separated by commas, on indented lines."""
+    return "\n".join(prefixed([", ".join(map(str, values))], indent))
 
 
 def _fill(pattern: Pattern) -> str:
@@ -119,19 +129,20 @@ class ModelText:
 def model_text(model: Model) -> ModelText:
     """The description of a model."""
     names = [row.name for row in model.equations]
-    width = max(len(q.name) for q in model.coordinates)
-    state = tuple(f"{k}  {q.name:<{width}}  [{q.unit}]  {q.doc}" for k, q in _counted(model.coordinates))
-    velocities = tuple(
-        f"{k}  {v.name}  [{v.unit}]  {v.doc}; equation {row.name} [{row.unit}]"
-        for (k, v), row in zip(_counted(model.velocities), model.equations, strict=True)
+    coordinates, velocities, equations = (
+        _listed(of, model.lowering == "instances") for of in (model.coordinates, model.velocities, model.equations)
     )
+    width = max(len(q.name) for q in coordinates)
     mass = model.pattern("mass", "M")
     return ModelText(
         title=f"{model.name}: {model.doc}",
         frame_doc=model.frame_doc,
         choice=f"Kernels are {model.choice}." if model.choice else "",
-        state=state,
-        velocities=velocities,
+        state=tuple(f"{q.where}  {q.name:<{width}}  [{q.unit}]  {q.doc}{q.range}" for q in coordinates),
+        velocities=tuple(
+            f"{v.where}  {v.name}  [{v.unit}]  {v.doc}; equation {row.name} [{row.unit}]{v.range}"
+            for v, row in zip(velocities, equations, strict=True)
+        ),
         parameters=tuple(
             f"{p.name}  [{p.unit}]  {p.doc}, {f'{p.size} values' if p.size > 1 else f'default {p.default!r}'}"
             for p in model.parameters
@@ -146,16 +157,55 @@ def model_text(model: Model) -> ModelText:
         zeros=_by_reason(model.zeros),
         vanished=_by_reason(model.vanished),
         bodies=model.bodies,
-        multipliers=tuple(f"{k}  {m.name}  [{m.unit}]  {m.doc}" for k, m in enumerate(model.multipliers)),
+        multipliers=tuple(
+            f"{m.where}  {m.name}  [{m.unit}]  {m.doc}{m.range}"
+            for m in _listed(model.multipliers, model.lowering == "instances")
+        ),
         eliminated=tuple(f"{out.what}: {out.reason}" for out in model.eliminated),
     )
 
 
-def _counted(variables: tuple[Variable, ...]) -> Iterator[tuple[str, Variable]]:
-    """Variables with their indices: 3, or 7 .. 14 for an array."""
+@dataclass(frozen=True)
+class ListedVariable:
+    """A line about a variable: its index, or that for instance i of a series, which `range` names."""
+
+    where: str
+    name: str
+    unit: str
+    doc: str
+    range: str = ""
+
+
+def _listed(variables: tuple[Variable, ...], by_series: bool) -> list[ListedVariable]:
+    """The lines about variables; `by_series`: one for all instances of a table."""
+    if not by_series:
+        return list(_each(0, variables))
+    lines: list[ListedVariable] = []
     first = 0
+    for series in variable_series(variables):
+        if series.table:
+            step = len(series.labels)
+            instances = f"i = {series.first} .. {series.first + series.count - 1}"
+            for k, label in enumerate(series.labels, first - series.first * step):
+                name = joined(instance_name(series.table, "i"), label.name)
+                lines.append(ListedVariable(affine(k, step), name, label.unit, label.doc, f"; {instances}"))
+        else:
+            lines += _each(first, series.labels)
+        first += series.size
+    return lines
+
+
+def affine(first: int, step: int, variable: str = "i") -> str:
+    """first + step * variable as text."""
+    product = variable if step == 1 else f"{step} * {variable}"
+    return f"{product} + {first}" if first > 0 else product if first == 0 else f"{product} - {-first}"
+
+
+def _each(first: int, variables: tuple[Variable, ...]) -> Iterator[ListedVariable]:
+    """Variables with their indices: 3, or 7 .. 14 for an array."""
     for v in variables:
-        yield str(first) if v.size == 1 else f"{first} .. {first + v.size - 1}", v
+        where = str(first) if v.size == 1 else f"{first} .. {first + v.size - 1}"
+        yield ListedVariable(where, v.name, v.unit, v.doc)
         first += v.size
 
 

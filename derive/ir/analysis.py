@@ -45,12 +45,17 @@ def needed(body: Iterable[Node], terms: Iterable[Node]) -> list[Let]:
     return kept
 
 
-def operations(statement: Statement, constants: Mapping[str, Sequence[int]] | None = None) -> int:
+def operations(
+    statement: Statement,
+    constants: Mapping[str, Sequence[int]] | None = None,
+    integers: Mapping[str, int] | None = None,
+) -> int:
     """Arithmetic operations of a statement; a sine or a look-up counts as one, padding does not count.
 
-    constants: the constant arrays of integers, on which the bounds of loops over instances may depend.
+    constants: the constant arrays of integers, on which the bounds of loops over instances may depend; integers:
+    values of arguments that are integers.
     """
-    return _operations(expand(statement), {}, constants or {})
+    return _operations(expand(statement), integers or {}, constants or {})
 
 
 def _operations(nodes: Iterable[Node], values: Mapping[str, int], constants: Mapping[str, Sequence[int]]) -> int:

@@ -94,6 +94,9 @@ class _Run:
         self.arrays: dict[str, tuple[list[Any], int]] = {}
         for a in kernel.arguments:
             values: Any = arguments[a.name]
+            if a.integer:
+                self.variables[a.name] = values
+                continue
             if a.scalar:
                 self.values[a.name] = values
                 continue

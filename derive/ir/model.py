@@ -55,7 +55,7 @@ class Argument:
     """An input: a scalar (no elements) or an array whose elements have names.
 
     `arrays` are parts of it with one name, or the whole under its own name; `positions` are the indices of the named
-    elements, if those do not follow each other from 0.
+    elements, if those do not follow each other from 0. integer: whether a scalar is one from which indices count.
     """
 
     name: str
@@ -64,6 +64,7 @@ class Argument:
     scalar: bool = False
     arrays: tuple[View, ...] = ()
     positions: tuple[int, ...] = ()
+    integer: bool = False
 
     @property
     def named_elements(self) -> tuple[tuple[int, str], ...]:
@@ -156,7 +157,8 @@ class Kernel:
     def operations(self) -> int:
         """Arithmetic operations of one evaluation; a sine or a cosine counts as one, padding does not count."""
         integers: dict[str, Sequence[int]] = {a.name: list(map(int, a.values)) for a in self.constants if a.integers}
-        return sum(operations(s, integers) for s in self.statements)
+        first = {a.name: 0 for a in self.arguments if a.integer}
+        return sum(operations(s, integers, first) for s in self.statements)
 
     @property
     def checked(self) -> bool:
@@ -175,7 +177,8 @@ class Variable:
     """A generalised coordinate, generalised velocity, equation of motion, parameter, constant, marker or multiplier.
 
     doc: a description in words; unit: that of the value; default: the value of a parameter that the user does not set;
-    size: the number of values of an array; role: what a coordinate describes.
+    size: the number of values of an array; role: what a coordinate describes; shown: the name for people, link[3]_phi
+    of link_3_phi, where that is another one.
     """
 
     name: str
@@ -184,6 +187,7 @@ class Variable:
     default: float = 0.0
     size: int = 1
     role: Role | None = None
+    shown: str = ""
 
     @property
     def elements(self) -> tuple[str, ...]:
@@ -197,6 +201,22 @@ def element_names(name: str, size: int) -> tuple[str, ...]:
         return (name,)
     stem = name.removesuffix("dot")
     return tuple(f"{stem}{k}{name[len(stem) :]}" for k in range(1, size + 1))
+
+
+@dataclass(frozen=True)
+class MarkerClass:
+    """Markers of one name of bodies that have one code: functions with the number of the instance as an argument.
+
+    name: that of the functions, which `marker_` and `load_` precede; doc: a description in words; pattern: that of the
+    Jacobian in the generalised velocities of the body; markers: the markers of the instances; columns: the first
+    generalised velocity of each.
+    """
+
+    name: str
+    doc: str
+    pattern: Pattern
+    markers: tuple[Variable, ...]
+    columns: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -254,7 +274,7 @@ class Model:
 
     A scene also has multipliers (the constraint reactions on body 2 of each joint), the names of its bodies, the
     components and constraints that are eliminated, its run-time inputs and outputs, the structure of its KKT matrix
-    and, if it has been computed, its initial state.
+    and, if it has been computed, its initial state. Loops over instances have `marker_classes` in place of `markers`.
     """
 
     name: str
@@ -281,6 +301,7 @@ class Model:
     terms: tuple[ModelTerm, ...] = ()
     start: StartState | None = None
     splines: tuple[Spline, ...] = ()
+    marker_classes: tuple[MarkerClass, ...] = ()
 
     @property
     def defaults(self) -> tuple[float, ...]:

@@ -110,6 +110,11 @@ class Pattern:
             numbers = np.concatenate([numbers, numbers[below]])
         return csc_array((numbers, (rows, cols)), shape=(self.rows, self.cols))
 
+    def among(self, first: int, columns: int) -> Pattern:
+        """The pattern of a matrix with so many columns, of which those from `first` on are the columns of this one."""
+        before, after = (0,) * first, (len(self.rowidx),) * (columns - first - self.cols)
+        return Pattern(self.rows, columns, (*before, *self.colptr, *after), self.rowidx, symmetric=False)
+
     def _checked(self, values: ArrayLike) -> NDArray[np.float64]:
         numbers = np.asarray(values, dtype=np.float64)
         if numbers.ndim == 0 or numbers.shape[-1] != len(self.rowidx):

@@ -15,7 +15,7 @@ from typing import Any
 
 import sympy as sp
 
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import identifier, joined
 
 
 class Index(Enum):
@@ -153,6 +153,16 @@ class Identity:
     @cached_property
     def name(self) -> str:
         """The printed name."""
+        return identifier(self.owner, *self._parts) + ("_" if self.parameter else "")
+
+    @property
+    def shown(self) -> str:
+        """The name for people, in which the index of an instance is in brackets."""
+        return joined(self.owner, *self._parts)
+
+    @property
+    def _parts(self) -> list[str]:
+        """The parts of the name after that of the owner."""
         shapes = [str(s) for s in self.shapes]
         components = "".join([str(c) for c in self.components])
         stem = self.family.stem + DOTS[self.derivative]
@@ -171,7 +181,7 @@ class Identity:
                 parts = [self.family.stem, f"{self.label}{DOTS[self.derivative]}"]
             case Kind.CHOSEN | Kind.LOCAL:
                 parts = [self.label, *shapes, components]
-        return identifier(self.owner, *parts) + ("_" if self.parameter else "")
+        return parts
 
     @property
     def indexed(self) -> bool:

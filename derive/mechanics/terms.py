@@ -196,10 +196,11 @@ class Constraint:
 
     `position` is g, `rate` is gdot, and `bias` is gddot with all accelerations set to zero. `jacobian` holds the factor
     of each generalised velocity in gdot, by the name of its row. `of` names the joint or the drive; `unit` is the unit
-    of g, `force_unit` that of the multiplier.
+    of g, `force_unit` that of the multiplier. `shown` is the name for people.
     """
 
     name: str
+    shown: str
     of: str
     doc: str
     unit: str
@@ -217,9 +218,13 @@ class Constraint:
 
 @dataclass(frozen=True)
 class OutputEquation:
-    """A component of an output in terms of coordinates, velocities, accelerations, multipliers and the time."""
+    """A component of an output in terms of coordinates, velocities, accelerations, multipliers and the time.
+
+    `shown` is the name for people.
+    """
 
     name: str
+    shown: str
     unit: str
     doc: str
     expr: sp.Expr

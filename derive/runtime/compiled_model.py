@@ -27,6 +27,7 @@ from derive.runtime.native_call import (
     constants_of,
     doubles,
 )
+from derive.runtime.native_markers import NativeMarker, native_markers
 
 
 def cj_first(function: Callable[..., int]) -> Callable[..., int]:
@@ -86,7 +87,8 @@ class Native:
         m.defaults(self.defaults.ctypes.data)
         self.mass_pattern = pattern_of(m.mass_pattern.contents)
         self.jacobian_pattern = pattern_of(m.jacobian_pattern.contents) if m.jacobian_pattern else NO_PATTERN
-        self.markers = tuple(m.markers[i].name.decode() for i in range(m.nmarkers))
+        self._marker_of = native_markers(library, m, name)
+        self.markers = tuple(self._marker_of)
         state, n, nnz = (m.nq, m.nv, m.nk), m.nq + m.nv + m.nlambda, len(self.mass_pattern.rowidx)
         self._compiled = CompiledFunctions()
         self._add(m, "setup", (m.np,), (m.nk,), constants=None)
@@ -106,12 +108,11 @@ class Native:
         if self.parameter_pattern:
             self._add(m, "parameter_jacobian", (n, n, m.nk), (len(self.parameter_pattern.rowidx),))
             self._add(m, "solve_kkt", (m.nq, m.nk, m.nv, m.nlambda), (m.nv, m.nlambda), constants=1)
-        for i, point in enumerate(self.markers):
-            marker = m.markers[i]
-            nnz = marker.pattern.contents.nnz
-            results = marker.dimension, marker.dimension, nnz
-            self._add(marker, "evaluate", state, results, f"marker_{point}")
-            self._add(marker, "load", (m.nq, marker.dimension, m.nk), (m.nv,), f"load_{point}")
+        for point, marker in self._marker_of.items():
+            dimension, of = marker.dimension, marker.holder
+            results = dimension, dimension, marker.size
+            self._add(of, "evaluate", state, results, f"marker_{point}", order=marker.bound)
+            self._add(of, "load", (m.nq, dimension, m.nk), (m.nv,), f"load_{point}", order=marker.bound)
 
     def _add(
         self,
@@ -309,11 +310,14 @@ class Native:
         qs, vs = (np.ascontiguousarray(checked_rows(n, x, function)) for n, x in ((self.nq, q), (self.nv, v)))
         constants = checked_vector(self.nk, self.own(k), function)
         result, xdot = np.empty((len(qs), marker.dimension)), np.empty(marker.dimension)
-        jacobian = np.empty(marker.pattern.contents.nnz)
+        jacobian = np.empty(marker.size)
         rows = zip(
             *(range(x.ctypes.data, x.ctypes.data + x.nbytes, x.strides[0]) for x in (qs, vs, result)), strict=True
         )
-        evaluate, others = marker.evaluate, (constants.ctypes.data, xdot.ctypes.data, jacobian.ctypes.data)
+        evaluate, others = (
+            marker.bound(marker.holder.evaluate),
+            (constants.ctypes.data, xdot.ctypes.data, jacobian.ctypes.data),
+        )
         for q_i, v_i, x_i in rows:  # a row takes a microsecond, and ten by `marker`
             if code := evaluate(q_i, v_i, others[0], x_i, *others[1:]):
                 raise ModelError(f"{self.name}_{function}", code)
@@ -326,15 +330,15 @@ class Native:
 
     def marker_pattern(self, name: str) -> Pattern:
         """The pattern of the Jacobian of a marker."""
-        return pattern_of(self._marker(name).pattern.contents)
+        return self._marker(name).pattern(self.nv)
 
     def _check_marker(self, name: str) -> None:
         if name not in self.markers:
             raise UnknownNameError(f"marker of {self.name}", name, self.markers)
 
-    def _marker(self, name: str) -> Any:
+    def _marker(self, name: str) -> NativeMarker:
         self._check_marker(name)
-        return self._model.markers[self.markers.index(name)]
+        return self._marker_of[name]
 
     def own(self, k: ArrayLike) -> ArrayLike:
         """The constants as they are given. Raises ValueError if they come from the setup of another model."""

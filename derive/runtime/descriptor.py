@@ -54,6 +54,21 @@ class MarkerStruct(ctypes.Structure):
     ]
 
 
+class MarkerClassStruct(ctypes.Structure):
+    """The C structure `tisserand_marker_class`."""
+
+    _fields_ = [
+        ("name", ctypes.c_char_p),
+        ("count", ctypes.c_int),
+        ("dimension", ctypes.c_int),
+        ("names", ctypes.POINTER(ctypes.c_char_p)),
+        ("columns", ctypes.POINTER(ctypes.c_int)),
+        ("pattern", ctypes.POINTER(PatternStruct)),
+        ("evaluate", _function(ctypes.c_int, *[Doubles] * 6)),
+        ("load", _function(ctypes.c_int, *[Doubles] * 4)),
+    ]
+
+
 _T = ctypes.c_double
 
 

@@ -30,13 +30,17 @@ class InterpretedScene(NativeScene):
         self.parameters, self.defaults = _names(model.parameters), np.array(model.defaults)
         self.coordinates, self.velocities = _names(model.coordinates), _names(model.velocities)
         self.roles = tuple(variable.role or Role.AMPLITUDE for variable in model.coordinates)
-        self.multipliers, self.bodies, self.markers = _names(model.multipliers), model.bodies, _names(model.markers)
+        self.multipliers, self.bodies = _names(model.multipliers), model.bodies
+        instances = {m.name: (of, number) for of in model.marker_classes for number, m in enumerate(of.markers)}
+        self.markers, self._instances = (*_names(model.markers), *instances), instances
         self.inputs, self.outputs = _names(model.inputs), _names(model.outputs)
         self.mass_pattern, self.jacobian_pattern = model.pattern("mass", "M"), model.pattern("jacobian", "jac")
         self.constraint_pattern = model.pattern("constraint_jacobian", "G")
         self._compiled = CompiledFunctions(
             {kernel.name: InterpretedFunction(model, kernel) for kernel in model.kernels}
         )
+        for name, (of, number) in instances.items():
+            self._compiled[f"marker_{name}"] = InterpretedFunction(model, model.kernel(f"marker_{of.name}"), number)
 
     def marker_positions(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
         """Positions (n, dimension) of a marker for each row of q and v."""
@@ -45,14 +49,18 @@ class InterpretedScene(NativeScene):
 
     def marker_pattern(self, name: str) -> Pattern:
         """The pattern of the Jacobian of a marker."""
+        if name in self._instances:
+            of, number = self._instances[name]
+            return of.pattern.among(of.columns[number], self.nv)
         return self._kernels.pattern(f"marker_{name}", "jacobian")
 
 
 class InterpretedFunction(CompiledFunction):
     """A function that is interpreted."""
 
-    def __init__(self, model: Model, kernel: Kernel) -> None:
-        self.name, self._kernel = f"{model.name}_{kernel.name}", kernel
+    def __init__(self, model: Model, kernel: Kernel, number: int = 0) -> None:
+        """number: the integer that functions of instances take."""
+        self.name, self._kernel, self._number = f"{model.name}_{kernel.name}", kernel, number
         self._tables = {spline.name: spline for spline in model.splines}
 
     def __call__(self, arrays: tuple[ArrayLike, ...], *numbers: float, out: Vector | None = None) -> Vector:
@@ -71,7 +79,11 @@ class InterpretedFunction(CompiledFunction):
         """All results. Raises ModelError where the compiled function returns a code other than 0."""
         vectors, scalars = iter(arrays), iter(numbers)
         given = {
-            a.name: float(next(scalars)) if a.scalar else np.asarray(next(vectors), dtype=np.float64).tolist()
+            a.name: self._number
+            if a.integer
+            else float(next(scalars))
+            if a.scalar
+            else np.asarray(next(vectors), dtype=np.float64).tolist()
             for a in self._kernel.arguments
         }
         try:

@@ -27,7 +27,7 @@ from corpus.summed_terms import summed_terms, worst
 from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
 from derive.ir.interpreter import interpret
-from derive.ir.model import Model
+from derive.ir.model import Kernel, Model
 from derive.ir.patterns import Pattern
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
@@ -44,7 +44,19 @@ GENERATED = (0, 9, 12)
 
 
 def results(of: Graph, model: Model, name: str) -> dict[str, np.ndarray]:
-    return {o: np.array(x, float) for o, x in interpret(model.kernel(name), of.arguments(name)).items()}
+    """The results of a function, under its name in straight-line code."""
+    kernel, number = of_marker(model, name)
+    return {o: np.array(x, float) for o, x in interpret(kernel, of.arguments(name) | number).items()}
+
+
+def of_marker(model: Model, name: str) -> tuple[Kernel, dict[str, int]]:
+    """The function of that name; of a marker of a class that of the class, and the number of the marker there."""
+    kind, _, marker = name.partition("_")
+    for in_class in model.marker_classes if kind in ("marker", "load") else ():
+        markers = [m.name for m in in_class.markers]
+        if marker in markers:
+            return model.kernel(f"{kind}_{in_class.name}"), {"number": markers.index(marker)}
+    return model.kernel(name), {}
 
 
 def terms(of: Graph, name: str) -> np.ndarray:
@@ -118,13 +130,26 @@ def check(of: Graph) -> None:
 
 
 def check_patterns(of: Graph) -> None:
-    """The functions, their arguments, the names of their results and the patterns of matrices are the same."""
-    assert [k.name for k in of.flat.kernels] == [k.name for k in of.instances.kernels]
-    for flat, loops in zip(of.flat.kernels, of.instances.kernels, strict=True):
-        assert [(a.name, a.size) for a in flat.arguments] == [(a.name, a.size) for a in loops.arguments]
+    """The functions, their arguments, the names of variables and the patterns of matrices are the same."""
+    for table in ("coordinates", "velocities", "multipliers", "outputs"):
+        flat, loops = getattr(of.flat, table), getattr(of.instances, table)
+        assert [(v.name, v.unit, v.doc) for v in flat] == [(v.name, v.unit, v.doc) for v in loops]
+    functions = [of_marker(of.instances, kernel.name)[0] for kernel in of.flat.kernels]
+    assert [*dict.fromkeys(k.name for k in functions)] == [k.name for k in of.instances.kernels]
+    for flat, loops in zip(of.flat.kernels, functions, strict=True):
+        numbers = [(a.name, a.size) for a in loops.arguments if not a.integer]
+        assert [(a.name, a.size) for a in flat.arguments] == numbers
         for a, b in zip(flat.outputs, loops.outputs, strict=True):
-            assert (a.name, a.size, shape(a.pattern)) == (b.name, b.size, shape(b.pattern)), flat.name
-            assert a.pattern or a.elements == b.elements, flat.name
+            number = of_marker(of.instances, flat.name)[1]
+            expected = b.pattern if b.pattern is None or not number else among(of.instances, flat.name)
+            assert (a.name, a.size, shape(a.pattern)) == (b.name, b.size, shape(expected)), flat.name
+
+
+def among(model: Model, name: str) -> Pattern:
+    """The pattern of the Jacobian of a marker in all generalised velocities."""
+    kernel, number = of_marker(model, name)
+    (in_class,) = (c for c in model.marker_classes if kernel.name == f"marker_{c.name}")
+    return in_class.pattern.among(in_class.columns[number["number"]], len(model.velocities))
 
 
 def shape(pattern: Pattern | None) -> tuple[int, int, tuple[tuple[int, int], ...]] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from derive.ir.model import Kernel
+from derive.ir.model import Argument, Kernel
 
 
 def signature(name: str, parameters: Sequence[str]) -> list[str]:
@@ -15,10 +15,14 @@ def signature(name: str, parameters: Sequence[str]) -> list[str]:
 
 def parameters(kernel: Kernel, outputs: str = "double *") -> list[str]:
     """The arguments and outputs of a kernel; `outputs` precedes the names of the latter."""
-    inputs = [
-        f"double {a.name}" if a.scalar else f"const double *TISSERAND_RESTRICT {a.name}" for a in kernel.arguments
-    ]
-    return [*inputs, *(f"{outputs}{o.name}" for o in kernel.outputs)]
+    return [*(f"{_type(a)}{a.name}" for a in kernel.arguments), *(f"{outputs}{o.name}" for o in kernel.outputs)]
+
+
+def _type(argument: Argument) -> str:
+    """The type of an argument, before its name."""
+    if argument.scalar:
+        return "int " if argument.integer else "double "
+    return "const double *TISSERAND_RESTRICT "
 
 
 def names(kernel: Kernel) -> list[str]:

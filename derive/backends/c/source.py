@@ -9,6 +9,7 @@ from itertools import accumulate, groupby
 from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers, stack
+from derive.backends.c.composed_names import ComposedNames, composed_names
 from derive.backends.c.nests import CNests
 from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
 from derive.backends.c.packed import entries, packed_functions
@@ -18,6 +19,7 @@ from derive.backends.description import (
     LICENCE,
     MODEL_HASH,
     description,
+    integer_lines,
     kernel_text,
     model_text,
     pattern_texts,
@@ -79,6 +81,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
     tables += [("u", model.inputs), ("out", model.outputs)]
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
+    names = composed_names(model) if model.lowering == "instances" else None
     blocks = batch_blocks(model)
     checked = [f"{name}_batch" for name in blocks if model.kernel(name).checked]
     return {
@@ -116,12 +119,25 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "packed": list(packed_functions(model, BATCHED)),
         "energies": len(model.kernel("energy").outputs[0].elements),
         "sizes": sizes,
-        "indices": {name: _first_indices(variables) for name, variables in tables},
+        "indices": {
+            name: names.indices(name) if names and _composed(names, name) else _first_indices(variables)
+            for name, variables in tables
+        },
         "momenta": len(model.kernel("momentum").outputs[0].elements),
-        "tables": [{"name": n, "variables": variables} for n, variables in tables if variables],
+        "tables": [
+            {"name": n, "variables": variables} for n, variables in tables if variables and not _composed(names, n)
+        ],
+        "names": names,
+        "integer_lines": integer_lines,
+        "series_macros": names.macros(model.name.upper()) if names else [],
         "members": {n: f"{model.name}_table_{n}" if variables else "0" for n, variables in tables}
         | {"markers": f"{model.name}_table_markers" if model.markers else "0"},
     }
+
+
+def _composed(names: ComposedNames | None, table: str) -> bool:
+    """Whether the names of a table are composed when the descriptor is asked for."""
+    return names is not None and any(of.name == table for of in names.tables)
 
 
 def enumerated(names: Sequence[str]) -> str:

@@ -24,7 +24,8 @@ from derive.backends.source_map import SourceBuilder, SourceLine, defining, plai
 from derive.backends.wrapping import WIDTH, broken, join, prefixed
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Number, Operation, Operator, ScalarRef, walk
-from derive.ir.model import Argument, ConstantArray, Kernel, Model, Output, Variable
+from derive.ir.model import Argument, ConstantArray, Kernel, MarkerClass, Model, Output, Variable
+from derive.ir.series import variable_series
 from derive.ir.statements import (
     Clear,
     Entry,
@@ -74,6 +75,7 @@ class PythonBackend:
             "constant_arrays": list(map(constant_array, model.constant_arrays)),
             "defaults": _defaults(model),
             "elements": model.lowering != "loops",
+            "marker_classes": list(map(_marker_class, model.marker_classes)),
         }
         builder = SourceBuilder(model)
         builder.text(render("python/prologue.py.jinja", values))
@@ -97,16 +99,17 @@ def python_function(
     errors and NaN.
     """
     names = ", ".join(a.name for a in kernel.arguments)
-    sizes = ", ".join(f"{a.name}={None if a.scalar else a.size}" for a in kernel.arguments)
-    own = _tuple([a.name for a in kernel.arguments])
+    given = tuple(a for a in kernel.arguments if not a.integer)
+    sizes = ", ".join(f"{a.name}={None if a.scalar else a.size}" for a in given)
+    own = _tuple([a.name for a in given])
     first, *doc = broken(kernel_text(kernel), WIDTH - len("    "))
-    converted = f"xp, batch, {own} = _arrays(dict({sizes}), {names})"
+    converted = f"xp, batch, {own} = _arrays(dict({sizes}), {', '.join(a.name for a in given)})"
     lines = [
         f"def {kernel.name}({names}):",
         f'    """{first}',
         *(f"    {line}" if line else "" for line in doc),
         '    """',
-        *([*_single_state(kernel.arguments), "    else:", f"        {converted}"] if numbers else [f"    {converted}"]),
+        *([*_single_state(given), "    else:", f"        {converted}"] if numbers else [f"    {converted}"]),
     ]
     used = kernel.used
     for argument in kernel.arguments:
@@ -270,20 +273,41 @@ def _tables(model: Model) -> list[TupleConstant]:
         literals = [f'"{item}"' if isinstance(item, str) else repr(item) for item in items]
         return TupleConstant(name, _lines(literals))
 
+    def names(name: str, variables: tuple[Variable, ...], form: str = "") -> TupleConstant:
+        if model.lowering == "instances":
+            return TupleConstant(name, _composed(variables, form))
+        return table(name, _each_name(variables))
+
+    bodies = tuple(Variable(name, "", "", shown=name) for name in model.bodies)
     return [
-        table("COORDINATES", _each_name(model.coordinates)),
-        table("VELOCITIES", _each_name(model.velocities)),
+        names("COORDINATES", model.coordinates),
+        names("VELOCITIES", model.velocities),
         table("PARAMETERS", (v.name for v in model.parameters)),
         table("SIZES", (v.size for v in model.parameters)),
         table("UNITS", (v.unit for v in model.parameters)),
         table("CONSTANTS", (v.name for v in model.constants)),
         table("MARKERS", (v.name for v in model.markers)),
-        *(
-            (table("MULTIPLIERS", (v.name for v in model.multipliers)), table("BODIES", model.bodies))
-            if model.bodies
-            else ()
-        ),
+        *((names("MULTIPLIERS", model.multipliers), names("BODIES", bodies, "{}[{}]")) if model.bodies else ()),
     ]
+
+
+def _composed(variables: tuple[Variable, ...], form: str = "") -> str:
+    """The call that composes the names of variables."""
+    parts = []
+    for series in variable_series(variables):
+        labels = _lines([f'"{label.name}"' for label in series.labels])
+        parts.append(f'("{series.table}", {series.first}, {series.count}, {labels})')
+    if form:
+        parts.append(f'form="{form}"')
+    return "\n".join(["_names(", *(f"    {part}," for part in parts), ")"])
+
+
+def _marker_class(of: MarkerClass) -> str:
+    """A class of markers, with what its functions need."""
+    columns = "\n".join(f"    {line}" for line in _lines([str(k) for k in of.columns]).splitlines()).strip()
+    names = "\n".join(f"    {line}" for line in _composed(of.markers).splitlines()).strip()
+    parts = [f'"{of.name}"', names, columns, f"MARKER_{of.name.upper()}"]
+    return "\n".join([f"{of.name.upper()}_MARKERS = MarkerClass(", *(f"    {part}," for part in parts), ")"])
 
 
 def _each_name(variables: tuple[Variable, ...]) -> list[str]:

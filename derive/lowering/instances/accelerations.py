@@ -255,13 +255,16 @@ def _forces(context: InstanceContext, of: ClassCode) -> Right:
 
 def accel(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of vdot alone, for integrators of first-order equations."""
-    results = {"vdot": Result(tuple(str(row.a) for row in context.mechanism.rows))}
+    results = {"vdot": Result(("body by body",), count=len(context.rows))}
     return _solved(context, function, results, _forces, ("t", "q", "v"), "vdot", _known_bias(context))
 
 
 def solve(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of vdot and lambda."""
-    results = {"vdot": Result(tuple(str(row.a) for row in context.mechanism.rows)), "lam": Result(context.multipliers)}
+    results = {
+        "vdot": Result(("body by body",), count=len(context.rows)),
+        "lam": Result(("joint by joint",), count=len(context.multipliers)),
+    }
     return _solved(context, function, results, _forces, ("t", "q", "v"), "vdot", _known_bias(context))
 
 
@@ -277,5 +280,5 @@ def project_velocity(context: InstanceContext, function: ModelFunction) -> Kerne
             body = [StoreElement(Element(KNOWN, of.at(k)), Element("r", to.at(k))) for k in range(rows)]
             given.append(ForEach(INSTANCE, constant(0), constant(count), (*_entry(to), *_entry(of), *body)))
     argument = whole("r", len(context.multipliers), "prescribed change of gdot")
-    results = {"dv": Result(tuple(str(row.v) for row in context.mechanism.rows))}
+    results = {"dv": Result(("body by body",), count=len(context.rows))}
     return _solved(context, function, results, nothing, ("t", "q"), "dv", given, {"r": argument}, in_lanes=False)

@@ -58,7 +58,7 @@ def _force_items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[
 
 
 def _force_result(context: InstanceContext) -> Result:
-    return Result(tuple(f"h[{name}]" for name in context.rows))
+    return Result(("body by body",), count=len(context.rows))
 
 
 def force(context: InstanceContext, function: ModelFunction) -> Kernel:
@@ -162,9 +162,11 @@ def rates(context: InstanceContext, function: ModelFunction) -> Kernel:
         values = [symbols(rate) for rate in of.context.equations.rates]
         return [*stores("qdot", values)], {"qdot": of.target("qdot", of.coordinate)}
 
-    result = Result(tuple(f"{name}_t" for name in context.names))
     return kernel(
-        context, function, {"qdot": result}, ("rates", "(1)", "in the plane qdot = v", loops_of(context, items, "v"))
+        context,
+        function,
+        {"qdot": Result(("body by body",), count=len(context.rows))},
+        ("rates", "(1)", "in the plane qdot = v", loops_of(context, items, "v")),
     )
 
 
@@ -183,10 +185,10 @@ def poses(context: InstanceContext, function: ModelFunction) -> Kernel:
         if not instance.moves
         for k, value in enumerate(context.known.pose(instance.name))
     ]
-    labels = tuple(f"{i.name}.{what}" for i in context.mechanism.instances for what in ("c1", "c2", "phi"))
+    count = 3 * len(context.mechanism.instances)
     return kernel(
         context,
         function,
-        {"pose": Result(labels)},
+        {"pose": Result(("body by body",), count=count)},
         ("poses", "(1)", "bodies in the order of the specification", [*known, *loops_of(context, items, "t", "q")]),
     )

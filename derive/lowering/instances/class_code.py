@@ -45,8 +45,10 @@ Loaded = tuple[str, Place, Input]
 class LoopCode:
     """The code of a class of bodies or of a group: its context of straight-line code, and places of its instances."""
 
-    def __init__(self, of: BodyClass | Group, equations: ClassEquations, places: Places, constants: Constants) -> None:
-        self.name, self.places = of.name, places
+    def __init__(
+        self, of: BodyClass | Group, equations: ClassEquations, places: Places, constants: Constants, name: str = ""
+    ) -> None:
+        self.name, self.places = name or of.name, places
         self.context = Context(_with_differences(of, equations))
         constants.coefficients |= self.context.constants.coefficients
         self.context.constants = constants
@@ -141,8 +143,10 @@ class LoopCode:
 class ClassCode(LoopCode):
     """The code of a class of bodies; `rows` are the numbers of its constraints for each of its handles."""
 
-    def __init__(self, of: BodyClass, equations: ClassEquations, places: Places, constants: Constants) -> None:
-        super().__init__(of, equations, places, constants)
+    def __init__(
+        self, of: BodyClass, equations: ClassEquations, places: Places, constants: Constants, name: str = ""
+    ) -> None:
+        super().__init__(of, equations, places, constants, name)
         self.of, self.rows = of, equations.rows
         self.coordinate = self.place("coordinate", [m.coordinate for m in of.members])
 

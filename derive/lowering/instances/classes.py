@@ -13,7 +13,7 @@ from derive.mechanics.multibody.joints.relative_rows import Axes
 from derive.mechanics.multibody.kinds import BodyInstance, ForceInstance, JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import identifier, instance_parts
 from derive.spec.model.markers import GROUND, MarkerRef
 
 
@@ -99,6 +99,27 @@ def body_classes(mechanism: Mechanism) -> tuple[BodyClass, ...]:
             member = Member(number, instance, tuple(handles[name]), tuple(forces[name]), first)
             classes.setdefault(_key(member, mechanism), []).append(member)
     return tuple(BodyClass(tuple(members)) for members in classes.values())
+
+
+def marker_classes(mechanism: Mechanism) -> dict[str, BodyClass]:
+    """The classes of the bodies with markers, whose joints and forces do not matter, by their names.
+
+    The name is that of the table whose instances they are, if they are all of them, and else that of the first body.
+    """
+    firsts = accumulate((len(instance.coordinates.rows) for instance in mechanism.instances), initial=0)
+    classes: dict[Hashable, list[Member]] = {}
+    for number, (instance, first) in enumerate(zip(mechanism.instances, firsts, strict=False)):
+        if instance.moves and instance.component.markers:
+            member = Member(number, instance, (), (), first)
+            classes.setdefault(_key(member, mechanism), []).append(member)
+    tables = [{instance_parts(m.instance.component.specified).table for m in members} for members in classes.values()]
+    result = {}
+    for own, members in zip(tables, classes.values(), strict=True):
+        (table, *others) = own
+        whole = table and not others and sum(table in of for of in tables) == 1
+        name = table if whole else identifier(members[0].instance.name)
+        result[name] = BodyClass(tuple(members))
+    return result
 
 
 def _key(member: Member, mechanism: Mechanism) -> Hashable:

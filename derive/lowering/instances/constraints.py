@@ -37,7 +37,7 @@ def constraints(context: InstanceContext, function: ModelFunction) -> Kernel:
     return kernel(
         context,
         function,
-        {"g": Result(context.multipliers)},
+        {"g": Result(("joint by joint",), count=len(context.multipliers))},
         ("g", "(1)", "points of body 2 minus points of body 1", body),
     )
 
@@ -48,7 +48,7 @@ def constraint_rates(context: InstanceContext, function: ModelFunction) -> Kerne
     return kernel(
         context,
         function,
-        {"gdot": Result(context.multipliers)},
+        {"gdot": Result(("joint by joint",), count=len(context.multipliers))},
         ("gdot", "(1)", "velocities of body 2 minus those of body 1", body),
     )
 
@@ -59,7 +59,7 @@ def constraint_bias(context: InstanceContext, function: ModelFunction) -> Kernel
     return kernel(
         context,
         function,
-        {"gamma": Result(context.multipliers)},
+        {"gamma": Result(("joint by joint",), count=len(context.multipliers))},
         ("gamma", "(5)", "centrifugal and Coriolis parts", body),
     )
 

@@ -19,7 +19,7 @@ from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.block_system import Blocks, blocks
 from derive.lowering.instances.class_code import ClassCode, Loaded, LoopCode, LoopTarget
 from derive.lowering.instances.class_equations import class_equations, with_known
-from derive.lowering.instances.classes import body_classes
+from derive.lowering.instances.classes import body_classes, marker_classes
 from derive.lowering.instances.groups import (
     Bodies,
     Group,
@@ -35,7 +35,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, OutputEquation
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import identifier, joined
 
 ZERO = Number(Fraction(0))
 
@@ -53,6 +53,12 @@ class InstanceContext:
             ClassCode(of, class_equations(mechanism, of, self.known), self.places, self.constants)
             for of in body_classes(mechanism)
         ]
+        self.marker_classes = {
+            name: ClassCode(
+                of, class_equations(mechanism, of, self.known), self.places, self.constants, f"markers_{name}"
+            )
+            for name, of in marker_classes(mechanism).items()
+        }
         bodies = Bodies(mechanism, [of.of for of in self.classes], self.known)
         self.forces = [self._group(group, force_equations(bodies, group)) for group in force_groups(bodies)]
         self.outputs = [self._group(group, equations) for group, equations in output_groups(bodies)]
@@ -61,7 +67,6 @@ class InstanceContext:
         self.first_rows = [0, *accumulate(rows)]
         handles = [[(h.joint, h.is_first) for h in m.handles] for c in self.classes for m in c.of.members]
         self.blocks: Blocks | None = blocks(rows, handles) if rows else None
-        self.names = tuple(str(c.q) for c in mechanism.coordinates)
         self.rows = tuple(row.name for row in mechanism.rows)
         self.multipliers = tuple(c.name for c in self.conditions)
 
@@ -75,6 +80,12 @@ class InstanceContext:
         return any(m.number in self.loaded for m in of.of.members)
 
     @property
+    def codes(self) -> tuple[LoopCode, ...]:
+        """All codes of loops over instances."""
+        groups = (group.code for group in (*self.forces, *self.outputs))
+        return (*self.classes, *self.marker_classes.values(), *groups)
+
+    @property
     def output_components(self) -> tuple[OutputEquation, ...]:
         """The components of all outputs in the order of the specification, with the text of the first of a group."""
         named: dict[int, OutputEquation] = {}
@@ -84,7 +95,8 @@ class InstanceContext:
                 for k, (label, of) in enumerate(
                     zip(own.type.labels, group.code.context.equations.outputs, strict=True)
                 ):
-                    named[element.first + k] = replace(of, name=identifier(own.name, label))
+                    shown = joined(own.name, label)
+                    named[element.first + k] = replace(of, name=identifier(shown), shown=shown)
         return tuple(named[k] for k in sorted(named))
 
     @property
@@ -156,14 +168,15 @@ def _runs(positions: list[list[int]]) -> list[tuple[int, int]]:
 
 @dataclass(frozen=True)
 class Result:
-    """The names of the elements of an output; of a matrix its pattern instead, since it has too many."""
+    """The names of the elements of an output; where instances have them their order and their number; or a pattern."""
 
     elements: tuple[str, ...] = ()
     pattern: Pattern | None = None
+    count: int | None = None
 
     def output(self, name: str, doc: str) -> Output:
         """The output with this name and documentation."""
-        count = None if self.pattern is None else len(self.pattern.rowidx)
+        count = self.count if self.pattern is None else len(self.pattern.rowidx)
         return Output(name, self.elements, doc, self.pattern, count)
 
 

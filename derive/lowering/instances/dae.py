@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cached_property
 
 import casadi as ca
 
@@ -70,14 +69,6 @@ class _Form:
         """For each element of a group the indices in y of the velocities of its bodies."""
         return [[self.coordinates + k for k in own] for own in group.coordinates]
 
-    @cached_property
-    def labels(self) -> tuple[str, ...]:
-        """The names of the elements of y."""
-        context = self.context
-        velocities = (str(row.v) for row in context.mechanism.rows)
-        letters = ("lambda", "mu")[: self.blocks]
-        return (*context.names, *velocities, *(f"{c}_{name}" for c in letters for name in context.multipliers))
-
     @property
     def arguments(self) -> dict[str, Argument]:
         """y and ydot."""
@@ -106,7 +97,7 @@ def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
         body.append(of.loop(symbols, [Step(of.name, "", "", stores("F", rows))], given, {"F": target}))
     body += _between_bodies(context, form)
     text = "kinematics, equations of motion, constraints"
-    results = {"F": Result(form.labels)}
+    results = {"F": Result(("in the order of y",), count=form.size)}
     return kernel(context, function, results, ("residual", "(15)", text, body), inputs=form.arguments)
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+import sympy as sp
+
 from derive.ir.expressions import Expr, ScalarRef, walk
 from derive.ir.model import ConstantArray, Kernel, Model, Variable, Zero
 from derive.lowering.flat.casadi_symbols import table_name
@@ -14,11 +16,12 @@ from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances import accelerations, body_functions, constraints, dae, outputs
 from derive.lowering.instances.classes import obstacle
 from derive.lowering.instances.context import InstanceContext
-from derive.lowering.instances.markers import MOST_MARKERS, Markers
+from derive.lowering.instances.markers import Markers
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.mechanics.multibody.mechanism import Mechanism, refuse_equal_names, refuse_idle
 from derive.mechanics.multibody.mechanism_text import frame_doc, mechanism_doc
-from derive.mechanics.terms import Eliminated
+from derive.mechanics.symbols import identity
+from derive.roles import Role
 
 FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kernel]] = {
     FunctionKind.MASS: body_functions.mass,
@@ -64,45 +67,47 @@ def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = Fal
     made = {**FUNCTIONS, FunctionKind.MARKER: markers.motion, FunctionKind.LOAD: markers.load}
     functions = functions_of(named, explicit=explicit)
     kernels = tuple(made[function.kind](context, function) for function in functions)
-    for of in context.classes:
+    for of in (*context.classes, *context.marker_classes.values()):
         of.add_numbers()
     setup, constants = _setup(context, kernels)
     scene, conditions = mechanism.scene, context.conditions
     return Model(
         name=scene.name,
         doc=mechanism_doc(scene, mechanism.coordinates, conditions),
-        frame_doc=frame_doc(mechanism.instances, scene),
-        coordinates=tuple(Variable(str(c.q), c.doc, c.unit, role=c.role) for c in mechanism.coordinates),
-        velocities=tuple(Variable(str(row.v), row.doc, row.unit) for row in mechanism.rows),
-        equations=tuple(Variable(row.name, f"row of delta {row.name}", row.force_unit) for row in mechanism.rows),
+        frame_doc=frame_doc(mechanism.instances, scene, by_table=True),
+        coordinates=tuple(_variable(c.q, c.doc, c.unit, c.role) for c in mechanism.coordinates),
+        velocities=tuple(_variable(row.v, row.doc, row.unit) for row in mechanism.rows),
+        equations=tuple(
+            replace(_variable(c.q, f"row of delta {row.name}", row.force_unit), name=row.name)
+            for c, row in zip(mechanism.coordinates, mechanism.rows, strict=True)
+        ),
         parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in mechanism.parameters),
         constants=constants,
         kernels=(setup, *(_with_constants(kernel, constants, context.places.arrays) for kernel in kernels)),
-        markers=tuple(Variable(m.name, m.doc, "m") for m in markers.equations),
+        markers=(),
         zeros=(),
         vanished=(),
         lowering="instances",
         choice=choice,
-        multipliers=tuple(Variable(c.name, c.doc, c.force_unit) for c in conditions),
+        multipliers=tuple(Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in conditions),
         splines=tuple(replace(s, name=table_name(scene.name, s.name)) for s in equations.splines),
         bodies=tuple(instance.name for instance in mechanism.instances),
         inputs=tuple(Variable(given.name, given.doc, given.unit) for given in equations.inputs),
-        outputs=tuple(Variable(o.name, o.doc, o.unit) for o in context.output_components),
+        outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in context.output_components),
         eliminated=tuple(
             Zero(out.what, out.reason)
             for out in (
                 *mechanism.eliminated,
-                *_without_functions(markers),
                 *(o for c in context.classes for o in c.context.equations.eliminated),
             )
         ),
+        marker_classes=markers.classes,
     )
 
 
-def _without_functions(markers: Markers) -> tuple[Eliminated, ...]:
-    """The statement that markers have no functions, if there are too many."""
-    text = f"there are {markers.left_out}, and at most {MOST_MARKERS} have functions"
-    return (Eliminated("functions of markers", text),) if markers.left_out else ()
+def _variable(symbol: sp.Symbol, doc: str, unit: str, role: Role | None = None) -> Variable:
+    """A coordinate or a velocity with its name for people."""
+    return Variable(str(symbol), doc, unit, role=role, shown=identity(symbol).shown)
 
 
 def _check(context: InstanceContext) -> None:
@@ -128,9 +133,10 @@ def _check(context: InstanceContext) -> None:
 
 def _setup(context: InstanceContext, kernels: tuple[Kernel, ...]) -> tuple[Kernel, tuple[Variable, ...]]:
     """The kernel that computes the constants k from the parameters, and these constants."""
-    codes = (*context.classes, *(group.code for group in (*context.forces, *context.outputs)))
     coefficients = {c.symbol: c for c in context.known.context.coefficients}
-    coefficients |= {c.symbol: c for of in codes for c in of.context.coefficients if str(c.symbol) not in of.differing}
+    coefficients |= {
+        c.symbol: c for of in context.codes for c in of.context.coefficients if str(c.symbol) not in of.differing
+    }
     equations = replace(context.known.context.equations, definitions=(), coefficients=tuple(coefficients.values()))
     whole = Context(equations)
     whole.constants = _of_all(context)
@@ -139,8 +145,7 @@ def _setup(context: InstanceContext, kernels: tuple[Kernel, ...]) -> tuple[Kerne
 
 def _of_all(context: InstanceContext) -> Constants:
     """The constants and checks of setup, without those of numbers that differ from instance to instance."""
-    codes = (*context.classes, *(group.code for group in (*context.forces, *context.outputs)))
-    differing = set().union(*(of.differing for of in codes))
+    differing = set().union(*(of.differing for of in context.codes))
     result = Constants(context.constants.coefficients - differing)
     for expr, name in context.constants.hoisted.items():
         if _names(expr) & differing:

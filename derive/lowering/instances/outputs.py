@@ -35,7 +35,7 @@ def outputs(context: InstanceContext, function: ModelFunction) -> Kernel:
         items = stores("out", [symbols(output.expr) for output in ctx.equations.outputs])
         target = spread(code, "out", _components(group), None)
         body.append(code.loop(symbols, [Step(code.name, "", "", items)], _reads(context, group), {"out": target}))
-    results = {"out": Result(tuple(output.name for output in context.output_components))}
+    results = {"out": Result(("output by output",), count=len(context.output_components))}
     text = "outputs in groups that have one code"
     return kernel(context, function, results, ("outputs", "", text, body), inputs=_arguments(context))
 

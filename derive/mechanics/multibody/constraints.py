@@ -7,7 +7,7 @@ import sympy as sp
 from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
 from derive.mechanics.multibody.point_motion import Derivatives, RelativeMotion, added
 from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import identifier, joined
 from derive.spec.model.scene import Joint
 
 
@@ -26,20 +26,20 @@ def constraints(
     texts = {"markers": _markers(joint), "second": joint.second.body, "joint": joint.name}
     result = []
     for row, residual in zip(joint_type.removes, equations.residuals, strict=True):
-        name, doc = identifier(joint.name, row.label), row.doc.format(**texts)
-        result.append(_constraint(joint, name, doc, row.unit, row.force_unit, residual, rows))
+        shown, doc = joined(joint.name, row.label), row.doc.format(**texts)
+        result.append(_constraint(joint, shown, doc, row.unit, row.force_unit, residual, rows))
     if drive:
         driven = joint_type.driven
         assert driven is not None and equations.driven is not None, "the specification refuses other drives"
         residual = added(equations.driven, drive.motion, -1)
         doc = driven.drive_doc.format(drive=drive.name, **texts)
-        result.append(_constraint(joint, identifier(drive.name), doc, driven.unit, driven.force_unit, residual, rows))
+        result.append(_constraint(joint, drive.name, doc, driven.unit, driven.force_unit, residual, rows))
     return equations.definitions, tuple(result)
 
 
 def _constraint(
     joint: Joint,
-    name: str,
+    shown: str,
     doc: str,
     unit: str,
     force_unit: str,
@@ -51,7 +51,8 @@ def _constraint(
     present = second.free_symbols
     factors = ((row, second.coeff(row.a)) for row in rows if row.a in present)
     return Constraint(
-        name=name,
+        name=identifier(shown),
+        shown=shown,
         of=joint.name,
         doc=doc,
         unit=unit,

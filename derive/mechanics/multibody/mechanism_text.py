@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.terms import Constraint, Coordinate
+from derive.spec.model.instances import instance_parts, skeleton, text_of_instances
 from derive.spec.model.scene import Scene
 
 BETWEEN_BODIES = "the mass matrix is block-diagonal, because joints couple bodies through constraints"
 
 
-def frame_doc(instances: Sequence[BodyInstance], scene: Scene) -> str:
-    """The description of the frames of the bodies for users of the generated code."""
+def frame_doc(instances: Sequence[BodyInstance], scene: Scene, by_table: bool = False) -> str:
+    """The description of the frames of the bodies for users of the generated code.
+
+    by_table: one for all instances of a table.
+    """
     groups = Counter(instance.component.group for instance in instances)
     firsts: dict[str, str] = {}
     for instance in instances:
@@ -22,9 +27,18 @@ def frame_doc(instances: Sequence[BodyInstance], scene: Scene) -> str:
     cut = [first for group, first in firsts.items() if groups[group] > 1]
     alike = f" The statements about {', '.join(cut)} hold for the other pieces as well." if cut else ""
     centre = "For beams, c is the position of the centre of the undeformed beam."
-    texts = (BODIES[body.kind].note(body) for body in scene.bodies)
+    texts = _notes_by_table(scene) if by_table else (BODIES[body.kind].note(body) for body in scene.bodies)
     notes = "".join(f"\n{text}" for text in texts if text)
     return f"{centre}{notes}\nFor several bodies {BETWEEN_BODIES}.{alike}"
+
+
+def _notes_by_table(scene: Scene) -> Iterator[str]:
+    """The notes on the bodies; on alike instances of a table one, with the index i in it."""
+    notes = [(instance_parts(body.name), BODIES[body.kind].note(body)) for body in scene.bodies]
+    for (table, _), group in groupby(notes, key=lambda note: (note[0].table, skeleton(note[1]))):
+        of_table = list(group)
+        texts = [text for _, text in of_table]
+        yield from [text_of_instances(texts, of_table[0][0].index or 0)] if table else texts
 
 
 def mechanism_doc(scene: Scene, coordinates: tuple[Coordinate, ...], conditions: tuple[Constraint, ...]) -> str:

@@ -8,7 +8,7 @@ from derive.mechanics.multibody.outputs.output_type import OutputInstance
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.symbols import DOTS, run_time_input
 from derive.mechanics.terms import InputSymbol, ModelConstant, OutputEquation
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import identifier, joined
 from derive.spec.model.scene import Scene
 
 
@@ -33,6 +33,7 @@ def output_equations(
     for output in instances:
         made = output.type.components(output.name, output.values, parts)
         for part in made.components:
-            equations.append(OutputEquation(identifier(output.name, part.label), part.unit, part.doc, part.expr))
+            shown = joined(output.name, part.label)
+            equations.append(OutputEquation(identifier(shown), shown, part.unit, part.doc, part.expr))
         constants += made.constants
     return tuple(equations), tuple(constants)

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from derive.mechanics.multibody.outputs.deflection import distance_from_line
-from derive.simulation.observables.beams import axis_points, piece_at, piece_names
 from derive.simulation.observables.motion import Array, SceneMotion, body_coordinates, transformed
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.plots import Deflection
-from derive.spec.model.scene import BeamBody, RigidBody
+from derive.spec.model.scene import RigidBody
 
 
 def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
@@ -21,11 +20,7 @@ def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
     body = next(b for b in motion.scene.bodies if b.name == marker.body)
     if isinstance(body, RigidBody):
         return transformed(motion.pose(body.name), body_coordinates(motion.scene, marker))
-    name = identifier(marker.body, marker.marker)
-    if isinstance(body, BeamBody) and name not in native.markers:  # code with loops over many bodies has none
-        piece, xi = piece_at(body, next(m.at for m in body.beam.markers if m.name == marker.marker))
-        return axis_points(motion, body, piece_names(body)[piece], np.array([xi]))[:, 0]
-    return native.marker_positions(name, motion.q, motion.v, motion.k)
+    return native.marker_positions(identifier(marker.body, marker.marker), motion.q, motion.v, motion.k)
 
 
 def deflection(motion: SceneMotion, quantity: Deflection) -> Array:
