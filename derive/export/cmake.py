@@ -85,7 +85,7 @@ def _member_function(kernel: Kernel) -> MemberFunction:
         if argument.name in KEPT:
             arguments.append(f"{argument.name}_.data()")
         elif argument.scalar:
-            parameters.append(f"double {argument.name}")
+            parameters.append(f"{'int' if argument.integer else 'double'} {argument.name}")
             arguments.append(argument.name)
         else:
             parameters.append(f"tisserand::span<const double, {argument.size}> {argument.name}")

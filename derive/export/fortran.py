@@ -95,7 +95,8 @@ def _procedure(kernel: Kernel) -> Procedure:
         names.append(argument.name)
         shape = "" if argument.scalar else f"({argument.size})"
         kind = "value" if argument.scalar else "intent(in)"
-        declarations.append(f"real(c_double), {kind} :: {argument.name}{shape}")
+        number = "integer(c_int)" if argument.integer else "real(c_double)"
+        declarations.append(f"{number}, {kind} :: {argument.name}{shape}")
     for output in kernel.outputs:
         taken = output.name.lower() in {kernel.name, *(name.lower() for name in names)}
         names.append(f"{output.name}_out" if taken else output.name)

@@ -12,7 +12,7 @@ from derive.export.c_parts import INTEGRATOR, integrator_files, motion_file
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
 from derive.export.reference_motion import reference_motion
-from derive.ir.model import Kernel
+from derive.ir.model import Argument, Kernel
 from derive.ir.statements import ReturnCode
 from derive.rendering import render
 
@@ -71,9 +71,14 @@ def octave_files(model: HostModel) -> tuple[File, ...]:
 def _branch(model: str, kernel: Kernel) -> MexBranch:
     arguments = tuple((a.name, 1 if a.scalar else a.size) for a in kernel.arguments)
     results = tuple((o.name, o.size) for o in kernel.outputs)
-    given = [f"{'*' if a.scalar else ''}in[{n}]" for n, a in enumerate(kernel.arguments)]
+    given = [f"{_conversion(a)}in[{n}]" for n, a in enumerate(kernel.arguments)]
     call = ", ".join([*given, *(f"out[{n}]" for n in range(len(results)))])
     return MexBranch(kernel.name, arguments, results, f"{model}_{kernel.name}({call})")
+
+
+def _conversion(argument: Argument) -> str:
+    """The operators that make an argument of C of the address of its first number."""
+    return ("(int) *" if argument.integer else "*") if argument.scalar else ""
 
 
 def _numbers(values: Iterable[float | None]) -> str:
