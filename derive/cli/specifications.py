@@ -18,7 +18,7 @@ from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.spec.toml.key_lines import lines
-from derive.spec.toml.read import read
+from derive.spec.toml.read import read, read_with_counts
 from derive.terminal import show_progress
 
 if TYPE_CHECKING:
@@ -39,11 +39,14 @@ def read_changed(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Sp
 
     assignments: pairs of a name and a value. Raises SpecError.
     """
-    spec = read(path)
     names = [name for name, _ in assignments]
     if repeated := sorted({name for name in names if names.count(name) > 1}):
         raise SpecError((Problem("", f"{', '.join(repeated)} has several values; give one"),), "--set")
-    return with_values(spec, dict(assignments)) if assignments else (spec, ())
+    spec, counts = read_with_counts(path, dict(assignments))
+    changes = tuple(SetValue(name, str(counts[name]), text) for name, text in assignments if name in counts)
+    others = {name: text for name, text in assignments if name not in counts}
+    changed, more = with_values(spec, others) if others else (spec, ())
+    return changed, (*changes, *more)
 
 
 def in_file_order(plots: Sequence[Plot], path: Path) -> tuple[Plot, ...]:

@@ -194,6 +194,11 @@ class Variable:
         """The names of the values of the variable."""
         return element_names(self.name, self.size)
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The names of its values for people, which are those of columns."""
+        return (self.shown,) if self.shown else self.elements
+
 
 def element_names(name: str, size: int) -> tuple[str, ...]:
     """The names of the values of a variable; those of an array are numbered from 1, as straight-line code has them."""

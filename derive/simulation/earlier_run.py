@@ -46,9 +46,9 @@ class EarlierRun:
     def continued(self, model: Model, solution: Solution) -> Solution:
         """The earlier rows and those of a solution that begins with the last state."""
         q, v = (
-            self._matrix([name for x in each for name in x.elements]) for each in (model.coordinates, model.velocities)
+            self._matrix([name for x in each for name in x.columns]) for each in (model.coordinates, model.velocities)
         )
-        lam = self._matrix([f"lambda_{x.name}" for x in model.multipliers])
+        lam = self._matrix([f"lambda_{name}" for x in model.multipliers for name in x.columns])
         return replace(
             solution,
             t=np.concatenate([self.columns["t"][:-1], solution.t]),

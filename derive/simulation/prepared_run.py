@@ -122,7 +122,7 @@ class PreparedRun:
             size=self.size,
             step=self.settings.step,
             breaks=breaks(self.scene),
-            until=stop_event(self._until, row, native, k, state_columns(self.scene, native)),
+            until=stop_event(self._until, row, native, k, state_columns(self.scene, native, tuple(self.units))),
             progress=progress,
             watch=watched.watch if watched.beams else None,
         )

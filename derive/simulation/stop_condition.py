@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -35,13 +35,17 @@ StateColumn = Callable[[float, Vector], float]
 """A column as a function of the time (s) and the state y = [q; v] alone."""
 
 
-def state_columns(scene: Scene, native: NativeScene) -> dict[str, StateColumn]:
-    """The columns of a scene that need neither multipliers nor outputs, with the numbers of `column_values`."""
+def state_columns(scene: Scene, native: NativeScene, names: Sequence[str]) -> dict[str, StateColumn]:
+    """The columns of a scene that need neither multipliers nor outputs, with the numbers of `column_values`.
+
+    names: those of all columns, in their order.
+    """
     result: dict[str, StateColumn] = {"t": lambda t, y: t}
     for drive in scene.drives:
         if drive.motion is None or drive.motion.kind != "input":
             result[drive.name] = _drive_column(drive)
-    for number, name in enumerate((*native.coordinates, *native.velocities)):
+    first = 1 + len(scene.drives)
+    for number, name in enumerate(names[first : first + native.nq + native.nv]):
         result[name] = _state_column(number)
     return result
 

@@ -48,11 +48,12 @@ def column_units(scene: Scene, model: Model) -> list[tuple[str, str]]:
         *(
             (name, "" if x.unit == "1" else x.unit)
             for x in (*model.coordinates, *model.velocities)
-            for name in x.elements
+            for name in x.columns
         ),
-        *((f"lambda_{x.name}", x.unit) for x in model.multipliers),  # a drive and its multiplier have one name
+        # a drive and its multiplier have one name
+        *((f"lambda_{name}", x.unit) for x in model.multipliers for name in x.columns),
         *((f"u_{x.name}", x.unit) for x in model.inputs),
-        *((x.name, x.unit) for x in model.outputs),
+        *((name, x.unit) for x in model.outputs for name in x.columns),
         *((name, "J") for name in energy_names(scene, model)),
     ]
 

@@ -17,7 +17,7 @@ from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
 from derive.spec.checks.scene_parameters import beam_constants, scene_constants
 from derive.spec.construction import validated_tables
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import COUNT, identifier, instance_parts
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing.faults import KeyPath, did_you_mean, path_text, readable
@@ -77,6 +77,8 @@ def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetVa
                 continue
             changes.append(SetValue(name, "not given", _shown(new)))
             tables = added
+        elif (count := _count_of(tables, name)) is not None:
+            problems.append(count)
         else:
             names = [*symbols, *by_key]
             listed = f"the parameters are {', '.join(symbols)}" if symbols else "there are no parameters"
@@ -110,6 +112,18 @@ def _without_unused(spec: S, tables: Any, assignments: Mapping[str, str]) -> tup
         unused = [path for path in paths if path_text(path) in faulty]
         used = {name: table for name, table in tables["parameters"].items() if ("parameters", name) not in unused}
         return validated_tables(spec, {**tables, "parameters": used}), unused
+
+
+def _count_of(tables: Mapping[str, Any], name: str) -> Problem | None:
+    """The statement that a name is the number of instances of a table, which have been made already, if it is."""
+    section, *table, key = name.split(".")
+    of_section = tables.get(section)
+    names = of_section if isinstance(of_section, Mapping) else ()
+    count = sum([instance_parts(other).table] == table for other in names)
+    if key != COUNT.name or not count:
+        return None
+    text = f"there are {count}, and another number makes another model: --set of a command that reads a file changes it"
+    return Problem(name, text)
 
 
 def _added(spec: Specification, tables: Mapping[str, Any], name: str, new: Any) -> Any:

@@ -53,7 +53,7 @@ def test_columns_of_a_state_are_computed_from_the_state_alone(monkeypatch: pytes
     monkeypatch.setattr(NativeScene, "solve", lambda self, t, *rest: (calls.append(t), solve(self, t, *rest))[1])
     quick = derive.simulate(BEAM, until="beam_c2 + beam_phidot*t < 0")
     assert not any(calls)  # at the start monitors ask for the forces of vibrations
-    monkeypatch.setattr("derive.simulation.prepared_run.state_columns", lambda scene, native: {})
+    monkeypatch.setattr("derive.simulation.prepared_run.state_columns", lambda scene, native, names: {})
     slow = derive.simulate(BEAM, until="beam_c2 + beam_phidot*t < 0")
     assert len(calls) > 50
     assert np.array_equal(quick.t, slow.t) and np.array_equal(quick.q, slow.q)

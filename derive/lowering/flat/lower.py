@@ -14,6 +14,7 @@ from derive.lowering.flat.context import Context
 from derive.lowering.flat.sensitivities import parameter_jacobian, solve_kkt, with_derivatives
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
+from derive.lowering.symbol_variables import symbol_variable
 from derive.lowering.terms import model_terms
 from derive.mechanics.equations import Equations
 
@@ -77,8 +78,8 @@ def lower(
         name=equations.name,
         doc=equations.doc,
         frame_doc=equations.frame_doc,
-        coordinates=tuple(Variable(str(c.q), c.doc, c.unit, role=c.role) for c in coordinates),
-        velocities=tuple(Variable(str(row.v), row.doc, row.unit) for row in equations.rows),
+        coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in coordinates),
+        velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in equations.rows),
         equations=tuple(Variable(row.name, f"row of delta {row.name}", row.force_unit) for row in equations.rows),
         parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in equations.parameters),
         constants=constants,
@@ -86,11 +87,11 @@ def lower(
         markers=tuple(Variable(m.name, m.doc, "m") for m in equations.markers),
         zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", str(why)) for i, j, why in equations.mass_zeros),
         choice=choice,
-        multipliers=tuple(Variable(c.name, c.doc, c.force_unit) for c in equations.constraints),
+        multipliers=tuple(Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in equations.constraints),
         splines=tuple(replace(s, name=table_name(equations.name, s.name)) for s in equations.splines),
         bodies=tuple(pose.name for pose in equations.poses),
         inputs=tuple(Variable(given.name, given.doc, given.unit) for given in equations.inputs),
-        outputs=tuple(Variable(o.name, o.doc, o.unit) for o in equations.outputs),
+        outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in equations.outputs),
         kkt=constraints.kkt(context) if scene else None,
         eliminated=tuple(Zero(out.what, out.reason) for out in equations.eliminated),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-import sympy as sp
-
 from derive.ir.expressions import Expr, ScalarRef, walk
 from derive.ir.model import ConstantArray, Kernel, Model, Variable, Zero
 from derive.lowering.flat.casadi_symbols import table_name
@@ -18,10 +16,9 @@ from derive.lowering.instances.classes import obstacle
 from derive.lowering.instances.context import InstanceContext
 from derive.lowering.instances.markers import Markers
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
+from derive.lowering.symbol_variables import symbol_variable
 from derive.mechanics.multibody.mechanism import Mechanism, refuse_equal_names, refuse_idle
 from derive.mechanics.multibody.mechanism_text import frame_doc, mechanism_doc
-from derive.mechanics.symbols import identity
-from derive.roles import Role
 
 FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kernel]] = {
     FunctionKind.MASS: body_functions.mass,
@@ -75,10 +72,10 @@ def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = Fal
         name=scene.name,
         doc=mechanism_doc(scene, mechanism.coordinates, conditions),
         frame_doc=frame_doc(mechanism.instances, scene, by_table=True),
-        coordinates=tuple(_variable(c.q, c.doc, c.unit, c.role) for c in mechanism.coordinates),
-        velocities=tuple(_variable(row.v, row.doc, row.unit) for row in mechanism.rows),
+        coordinates=tuple(symbol_variable(c.q, c.doc, c.unit, c.role) for c in mechanism.coordinates),
+        velocities=tuple(symbol_variable(row.v, row.doc, row.unit) for row in mechanism.rows),
         equations=tuple(
-            replace(_variable(c.q, f"row of delta {row.name}", row.force_unit), name=row.name)
+            replace(symbol_variable(c.q, f"row of delta {row.name}", row.force_unit), name=row.name)
             for c, row in zip(mechanism.coordinates, mechanism.rows, strict=True)
         ),
         parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in mechanism.parameters),
@@ -103,11 +100,6 @@ def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = Fal
         ),
         marker_classes=markers.classes,
     )
-
-
-def _variable(symbol: sp.Symbol, doc: str, unit: str, role: Role | None = None) -> Variable:
-    """A coordinate or a velocity with its name for people."""
-    return Variable(str(symbol), doc, unit, role=role, shown=identity(symbol).shown)
 
 
 def _check(context: InstanceContext) -> None:

@@ -11,7 +11,7 @@ from derive.mechanics.multibody.outputs.marker_motion import MARKER
 from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS, output_type
 from derive.roles import Role
 from derive.simulation.trajectory import energy_names
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import identifier, joined
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import Scene
@@ -66,7 +66,7 @@ def _quantities(scene: Scene, model: Model) -> dict[str, list[str]]:
     """The names of the columns that are plotted, by the names of the default plots."""
     spatial = any(c.role is Role.QUATERNION for c in model.coordinates)
     quantities = {
-        name: [x for c in model.coordinates if c.role in roles for x in c.elements]
+        name: [x for c in model.coordinates if c.role in roles for x in c.columns]
         for name, roles in (SPATIAL if spatial else PLANAR).items()
     }
     if spatial:
@@ -104,7 +104,7 @@ def _free_name(output: SceneOutput, scene: Scene) -> str:
 def output_columns(output: SceneOutput) -> tuple[str, ...]:
     """The names of the columns of an output of a scene, or of one that monitors a model."""
     labels = {**OUTPUTS, **MONITORS}[output.kind].labels
-    return tuple(identifier(output.name, label) for label in labels)
+    return tuple(joined(output.name, label) for label in labels)
 
 
 def _plot(name: str, columns: Sequence[str]) -> Plot:

@@ -14,7 +14,7 @@ from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.beam_parts import DEFAULT_ANSATZ
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import identifier, joined
 from derive.spec.model.keys import quantities
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import NAMED
@@ -136,14 +136,14 @@ def _shape_count(ansatz: object) -> int:
 
 
 def _coordinates(path: KeyPath, name: str, shapes: int, of: str) -> Iterator[Made]:
-    for coordinate in coordinate_names(name, shapes):
+    for coordinate in map(identifier, coordinate_names(name, shapes)):
         for rate in RATES:
             yield path, f"{coordinate}{rate}", f"a {'rate' if rate else 'coordinate'} of {of}"
 
 
 def coordinate_names(body: str, shapes: int) -> list[str]:
-    """The names that the coordinates of a body with so many shape functions may have."""
-    return [identifier(body, end) for end in ("c1", "c2", "phi", "s", *(f"alpha{i}" for i in range(1, shapes + 1)))]
+    """The names of columns that the coordinates of a body with so many shape functions may have."""
+    return [joined(body, end) for end in ("c1", "c2", "phi", "s", *(f"alpha{i}" for i in range(1, shapes + 1)))]
 
 
 def piece_counts(view: SceneData, name: str, body: Raw) -> list[int]:

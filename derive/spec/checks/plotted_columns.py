@@ -14,7 +14,7 @@ from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.name_clashes import RATES, coordinate_names
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import ShapeFamily
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import joined
 from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.scene import BeamBody, RigidBody, Scene, Specification
 from derive.spec.parsing.condition import condition
@@ -60,15 +60,15 @@ def possible_columns(spec: Specification) -> tuple[str, ...] | None:
             coordinates += _of_beam(body.name, body.beam, counts)
             cuts = range(1, max(counts))
             multipliers += (
-                identifier(body.name, "cut", str(k), weld.label) for k in cuts for weld in JOINTS["weld"].removes
+                joined(body.name, "cut", str(k), weld.label) for k in cuts for weld in JOINTS["weld"].removes
             )
         else:
             coordinates += coordinate_names(body.name, 0)
     for joint in spec.joints:
-        multipliers += (identifier(joint.name, multiplier.label) for multiplier in JOINTS[joint.kind].removes)
+        multipliers += (joined(joint.name, multiplier.label) for multiplier in JOINTS[joint.kind].removes)
     drives = [drive.name for drive in spec.drives]
     inputs = (f"u_{each.name}{rate}" for each in spec.inputs for rate in RATES)
-    outputs = (identifier(output.name, label) for output in spec.outputs for label in OUTPUTS[output.kind].labels)
+    outputs = (joined(output.name, label) for output in spec.outputs for label in OUTPUTS[output.kind].labels)
     reactions = (f"lambda_{name}" for name in (*multipliers, *drives))
     return ("t", *drives, *_of_states(coordinates), *reactions, *inputs, *outputs)
 

@@ -44,7 +44,7 @@ class Token(NamedTuple):
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)"
-    r"|(?P<name>[^\W\d]\w*)|(?P<operator>\*\*|[-+*/^(),<])|(?P<end>$)|(?P<other>.))",
+    r"|(?P<name>[^\W\d]\w*(?:\[[0-9]+\]\w*)?)|(?P<operator>\*\*|[-+*/^(),<])|(?P<end>$)|(?P<other>.))",
     re.DOTALL,
 )
 

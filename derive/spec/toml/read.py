@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import re
 import tomllib
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
 from derive.errors import Problem, SpecError, printable, problem_text
 from derive.spec.files.file_content import regular_file_start, why_unreadable
+from derive.spec.model.instances import COUNT, COUNTED
 from derive.spec.model.scene import Specification
 from derive.spec.parsing.faults import Fault, line_of, path_text
 from derive.spec.parsing.values import TomlFloat
@@ -34,9 +35,31 @@ def read(path: str | os.PathLike[str]) -> Specification:
     return parse(_text(source), source)
 
 
+def read_with_counts(path: str | os.PathLike[str], counts: Mapping[str, str]) -> tuple[Specification, dict[str, int]]:
+    """The specification of a file with other numbers of instances, and those numbers that it replaces, by their keys.
+
+    counts: texts by keys, `bodies.link.count`; what is no count of a table in the file is left alone. Raises SpecError.
+    """
+    source = os.fsdecode(path)
+    text = _text(source)
+    data = _data(text, source)
+    replaced: dict[str, int] = {}
+    for section in COUNTED:
+        tables = data.get(section)
+        for name, table in tables.items() if isinstance(tables, dict) else ():
+            key = path_text((section, name, COUNT.name))
+            if key in counts and isinstance(table, dict) and isinstance(table.get(COUNT.name), int):
+                replaced[key] = table[COUNT.name]
+                table[COUNT.name] = int(counts[key]) if re.fullmatch(r"-?\d+", counts[key]) else counts[key]
+    return _validated(data, text, source), replaced
+
+
 def parse(text: str, source: str | None = None) -> Specification:
     """The specification in a TOML text; `source` is the file that errors show and to which other paths are relative."""
-    data = _data(text, source)
+    return _validated(_data(text, source), text, source)
+
+
+def _validated(data: dict[str, Any], text: str, source: str | None) -> Specification:
     # pydantic is imported only when there is something to check, so that the command line answers at once.
     from derive.spec.checks.validation import validate
 

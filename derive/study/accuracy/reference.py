@@ -156,7 +156,7 @@ def _coordinates(beam: BeamBody) -> Iterator[str]:
     for order in (0, 1):
         symbols = [*vector(Family.TRANSLATION, 2, order), quantity(Family.ANGLE, derivative=order)]
         symbols += [amplitude(i + 1, order) for i in range(len(fields_of(beam)))]
-        yield from (owned(symbol, piece).name for piece in piece_names(beam) for symbol in symbols)
+        yield from (owned(symbol, piece).identity.shown for piece in piece_names(beam) for symbol in symbols)
 
 
 def _bodies(values: list[object], scene: Scene) -> Iterator[str]:

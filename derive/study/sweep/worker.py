@@ -206,7 +206,9 @@ def _solution(
         tolerance=simulation.tolerance,
         size=start.size,
         breaks=start.breaks,
-        until=stop_event(condition, row, native, k, state_columns(start.scene, native) if condition else {}),
+        until=stop_event(
+            condition, row, native, k, state_columns(start.scene, native, code.columns) if condition else {}
+        ),
         watch=scene_watch(start.scene, native, k, 0.0, start.q).watch if watched else None,
         interruptible=False,
     )
