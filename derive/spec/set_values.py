@@ -116,7 +116,7 @@ def _without_unused(spec: S, tables: Any, assignments: Mapping[str, str]) -> tup
 
 def _count_of(tables: Mapping[str, Any], name: str) -> Problem | None:
     """The statement that a name is the number of instances of a table, which have been made already, if it is."""
-    section, *table, key = name.split(".")
+    section, *table, key = ("", *name.split("."))[-3:]
     of_section = tables.get(section)
     names = of_section if isinstance(of_section, Mapping) else ()
     count = sum([instance_parts(other).table] == table for other in names)

@@ -8,12 +8,12 @@ from typing import Any
 
 from corpus.draft import Table
 from corpus.draws import Draws
-from derive.spec.model.instances import COUNTED, identifier, instance_name
+from derive.spec.model.instances import COUNTED, instance_name
 from derive.spec.tables.instance_tables import instance_tables
 
 SHARE = 0.4
 """The share of the elements of a scene that have a count, if some have."""
-NAMES = ("joint", "spring", "beam", "cut")
+NAMES = ("joint", "spring", "beam", "cut", "drive", "over")
 """The keys whose values are names of elements."""
 NUMBERS = ("mass", "inertia", "length", "bending_stiffness", "stiffness")
 
@@ -69,7 +69,7 @@ def _rename_columns(tables: Table, output: str) -> None:
     """Give the columns of an output in plots and conditions the names that they have with an index."""
 
     def renamed(text: str) -> str:
-        return re.sub(rf"\b{output}(?=_|\b)", identifier(instance_name(output, 0)), text)
+        return re.sub(rf"\b{output}(?=_|\b)", instance_name(output, 0), text)
 
     if "until" in tables.get("simulation", {}):
         tables["simulation"]["until"] = renamed(tables["simulation"]["until"])

@@ -8,9 +8,11 @@ import sys
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import derive
+from derive.cli.specifications import read_changed
 from derive.errors import SpecError
 from derive.spec.as_tables import specification_tables
 from derive.spec.model.instances import identifier, instance_name
@@ -262,6 +264,76 @@ def test_a_scene_moves_like_the_one_with_other_names():
     one, other = derive.simulate(parse(CHAIN)), derive.simulate(derive.scene(plain))
     assert one.q.tobytes() == other.q.tobytes()
     assert one.model.coordinates[3].name == other.model.coordinates[3].name == "link_0_alpha1"
+    assert [*map(identifier, one.columns)] == [*other.columns]
+
+
+# ---- columns ----
+
+
+def test_columns_have_the_names_of_instances() -> None:
+    """Coordinates, rates, multipliers and outputs, in plots and conditions as well."""
+    text = CHAIN.replace("[simulation]", '[plots.turn]\ny = ["link[2]_phi", "tip[3]_1"]\n[simulation]')
+    motion = derive.simulate(parse(text), until="link[1]_phi < -0.001", duration=0.05)
+    names = ["link[3]_alpha2", "link[0]_phidot", "lambda_weld[2]_turn", "lambda_hinge_1", "tip[1]_2", "reaction[0]_1"]
+    assert set(names) <= set(motion.columns)
+    assert not any("link_" in name for name in motion.columns)
+    assert motion["link[1]_phi"][-1] == pytest.approx(-0.001) and motion.t[-1] < 0.05
+
+
+def test_a_column_has_one_name() -> None:
+    with pytest.raises(SpecError, match=r'there is no column "link_2_phi"; did you mean "link\[2\]_phi"'):
+        parse(CHAIN.replace("[simulation]", '[plots.turn]\ny = ["link_2_phi"]\n[simulation]'))
+
+
+# ---- numbers of instances ----
+
+
+def test_the_number_of_instances_may_be_set(tmp_path: Path) -> None:
+    file = tmp_path / "chain.toml"
+    file.write_text((EXAMPLES / "chain_100.toml").read_text())
+    scene, changes = read_changed(
+        file, [("bodies.link.count", "12"), ("joints.weld.count", "11"), ("bodies.link[3].mass", "2")]
+    )
+    assert [body.name for body in scene.bodies] == [f"link[{i}]" for i in range(12)] and len(scene.joints) == 12
+    assert [str(change) for change in changes][:2] == ["bodies.link.count: 100 -> 12", "joints.weld.count: 99 -> 11"]
+    with pytest.raises(SpecError, match=r"29: joints\.weld\.between.*the count of link is 12"):
+        read_changed(file, [("bodies.link.count", "12")])
+    with pytest.raises(SpecError, match=r"bodies\.link\.count: there are 4, and another number makes another model"):
+        with_values(parse(CHAIN), {"bodies.link.count": "5"})
+
+
+DRIVEN = """\
+name = "driven"
+[ground.markers]
+hook = [0, 0]
+[bodies.hub]
+count = 3
+mass = 1
+inertia = 0.1
+markers = { a = [0, 0], b = [1, 0] }
+start = { position = ["i", 0] }
+[joints.first]
+kind = "revolute"
+between = ["ground.hook", "hub[0].a"]
+[joints.pin]
+count = 2
+kind = "revolute"
+between = ["hub[i].b", "hub[i+1].a"]
+[drives.motor]
+count = 2
+joint = "pin[i]"
+motion = "0.1*(i + 1)*sin(t)"
+[simulation]
+duration = 0.1
+output = 0.05
+"""
+
+
+def test_drives_may_have_a_count() -> None:
+    motion = derive.simulate(parse(DRIVEN))
+    assert motion["motor[1]"] == pytest.approx(0.2 * np.sin(motion.t))
+    assert motion["hub[2]_phi"] - motion["hub[1]_phi"] == pytest.approx(0.2 * np.sin(motion.t), abs=1e-9)
+    assert {"motor[0]", "lambda_motor[0]", "lambda_motor[1]"} <= set(motion.columns)
 
 
 # ---- faults ----
@@ -406,9 +478,7 @@ def test_many_instances_with_many_faults_are_few_lines():
 
 
 def test_a_count_belongs_to_some_sections():
-    assert errors(more='[drives.m]\ncount = 2\njoint = "hinge"\nspeed = 1\n')[0].startswith(
-        "45: drives.m.count: unknown key"
-    )
+    assert any(text.startswith("45: inputs.m.count: unknown key") for text in errors(more="[inputs.m]\ncount = 2\n"))
 
 
 def test_warnings_of_instances_are_one(tmp_path: Path):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from derive.spec.model.keys import KeyType, key
 
-COUNTED = ("bodies", "joints", "forces", "torques", "springs", "outputs")
+COUNTED = ("bodies", "joints", "forces", "torques", "springs", "drives", "outputs")
 """The sections whose tables may have a count."""
 
 COUNT = key(
