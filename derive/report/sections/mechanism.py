@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from derive.ir.model import Kkt, Model
+from collections.abc import Iterator, Sequence
+
+from derive.ir.model import Kkt, Model, Variable
+from derive.ir.series import VariableSeries, variable_series
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.symbols import identity
@@ -20,8 +23,10 @@ from derive.report.document.page import (
     table,
 )
 from derive.report.notation.expressions import Notation
+from derive.report.sections.instance_rows import merged_rows
 from derive.spec.model.beam_parts import AttachedMass
 from derive.spec.model.forces import SceneForce
+from derive.spec.model.instances import instance_name, joined
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, RigidBody, Scene, SceneBody
 from derive.visual.kkt_matrix import kkt_picture
@@ -70,7 +75,7 @@ def mechanism_blocks(spec: Scene) -> tuple[Block, ...]:
 def body_blocks(spec: Scene, model: Model, equations: Equations) -> tuple[Block, ...]:
     """The bodies with their coordinates, and what is eliminated."""
     reasons = {out.what: out.reason for out in model.eliminated}
-    rows: list[list[Content]] = [["ground", "the inertial frame", "", "0", reasons.get("ground", "")]]
+    rows = [["ground", "the inertial frame", "", "0", reasons.get("ground", "")]]
     for body in spec.bodies:
         owners = {body.name, *((piece_name(body, k) for k in range(body.pieces)) if isinstance(body, BeamBody) else ())}
         kept = sum(identity(c.q).owner in owners for c in equations.coordinates)
@@ -79,9 +84,14 @@ def body_blocks(spec: Scene, model: Model, equations: Equations) -> tuple[Block,
     blocks: list[Block] = [
         Heading("Bodies", "bodies"),
         Paragraph((f"A {model.doc}. Coordinates and constraints that the mechanism does not need are eliminated.",)),
-        table("Bodies", ("body", "kind", "mass and stiffness", "coordinates", "eliminated"), rows, "lllrl"),
+        table("Bodies", ("body", "kind", "mass and stiffness", "coordinates", "eliminated"), _cells(rows), "lllrl"),
     ]
     return (*blocks, table("Also eliminated", ("what", "reason"), others)) if others else tuple(blocks)
+
+
+def _cells(rows: Sequence[Sequence[str]]) -> list[list[Content]]:
+    """The rows of a table, with one for successive instances that are alike."""
+    return [[*row] for row in merged_rows(rows)]
 
 
 def _names(spec: Scene) -> set[str]:
@@ -129,14 +139,15 @@ def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:
     own: dict[str, list[Constraint]] = {}
     for constraint in equations.constraints:
         own.setdefault(constraint.of, []).append(constraint)
-    rows: list[list[Content]] = []
+    rows: list[list[str]] = []
     for joint in spec.joints:
         drive = next((d.name for d in spec.drives if d.joint == joint.name), "")
-        names = [c.name for c in (*own.pop(joint.name, ()), *own.pop(drive, ()))]
+        names = [c.shown for c in (*own.pop(joint.name, ()), *own.pop(drive, ()))]
         exerted = ", ".join(names) or "none: it eliminates coordinates"
         rows.append([joint.name, joint.kind, str(joint.first), str(joint.second), drive, exerted])
     cuts = sum(map(len, own.values()))
-    multipliers: list[list[Content]] = [[CodeSpan(c.name), c.force_unit, c.doc] for c in equations.constraints]
+    variables = (Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in equations.constraints)
+    multipliers = [row for series in variable_series(variables) for row in _multipliers(series)]
     whole = table("", ("multiplier", "unit", "constraint"), multipliers)
     return (
         Heading("Joints", "joints"),
@@ -147,17 +158,27 @@ def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:
                 f" The welds between the beams of a rod have {cuts} further multipliers." if cuts else "",
             )
         ),
-        table("Joints", ("joint", "kind", "marker 1", "marker 2", "drive", "multipliers"), rows),
-        *([Details(f"The {len(multipliers)} multipliers", (whole,))] if multipliers else []),
+        table("Joints", ("joint", "kind", "marker 1", "marker 2", "drive", "multipliers"), _cells(rows)),
+        *([Details(f"The {len(equations.constraints)} multipliers", (whole,))] if multipliers else []),
         *_loads(spec),
     )
 
 
+def _multipliers(series: VariableSeries) -> Iterator[list[Content]]:
+    """The rows of a table on multipliers, those of instances with their index i."""
+    last = series.first + series.count - 1
+    instances = f"; i = {series.first} to {last}" if series.table else ""
+    for label in series.labels:
+        name = joined(instance_name(series.table, "i"), label.name) if series.table else label.shown or label.name
+        yield [CodeSpan(name), label.unit, f"{label.doc}{instances}"]
+
+
 def _loads(spec: Scene) -> tuple[Block, ...]:
-    rows: list[list[Content]] = [[_load(f, "force"), f.name, str(f.markers[0])] for f in spec.forces]
-    rows += [[_load(t, "torque"), t.name, ", against ".join(map(str, t.markers))] for t in spec.torques]
-    rows += [[_load(s, "spring"), s.name, " to ".join(map(str, s.markers))] for s in spec.springs]
-    return (table("Loads", ("load", "name", "marker"), rows),) if rows else ()
+    rows = [[f.name, _load(f, "force"), str(f.markers[0])] for f in spec.forces]
+    rows += [[t.name, _load(t, "torque"), ", against ".join(map(str, t.markers))] for t in spec.torques]
+    rows += [[s.name, _load(s, "spring"), " to ".join(map(str, s.markers))] for s in spec.springs]
+    cells: list[list[Content]] = [[load, name, marker] for name, load, marker in merged_rows(rows)]
+    return (table("Loads", ("load", "name", "marker"), cells),) if cells else ()
 
 
 def _load(load: SceneForce, noun: str) -> str:
