@@ -9,11 +9,16 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.spec.model.instances import instance_parts
+
 Array = NDArray[np.float64]
 Box = tuple[float, float, float, float]
 
 LETTER, LINE = 6.6, 15
 """Width of a letter and height of a line of a label, in pixels."""
+
+MOST_LABELS = 40
+"""The most labels that a drawing shows of instances, besides the first and the last of each table."""
 
 EDGE = 12
 """The margin beside everything drawn, in pixels."""
@@ -52,7 +57,7 @@ class LabelledDrawing:
 
     def place_labels(self, height: float) -> None:
         """Draw each label where it covers least: above, below, beside, or further away."""
-        for x, y, text, kind in self.labels:
+        for x, y, text, kind in self._readable():
             wide = LETTER * len(text)
             boxes = [
                 (x + dx * (wide / 2 + gap) - wide / 2, y + dy * (LINE / 2 + gap) - LINE / 2, wide, float(LINE))
@@ -65,6 +70,20 @@ class LabelledDrawing:
             self.lines.append(
                 f'  <text class="{kind}" x="{middle:g}" y="{base:g}" text-anchor="middle">{escape(text)}</text>'
             )
+
+    def _readable(self) -> list[tuple[float, float, str, str]]:
+        """All labels or, if there are many, of instances of a table the first and the last."""
+        if len(self.labels) <= MOST_LABELS:
+            return self.labels
+        parts = [instance_parts(label[2]) for label in self.labels]
+        indices: dict[str, list[int | None]] = {}
+        for part in parts:
+            indices.setdefault(part.table, []).append(part.index)
+        return [
+            label
+            for label, part in zip(self.labels, parts, strict=True)
+            if part.index is None or part.index in (indices[part.table][0], indices[part.table][-1])
+        ]
 
     def extent(self) -> tuple[int, int]:
         """The left and the right edge of what is drawn, with a margin, so that narrow screens show it large."""

@@ -81,3 +81,10 @@ def test_labels_do_not_cover_each_other() -> None:
     for k, (x, y, wide) in enumerate(boxes):
         for other, above, room in boxes[:k]:
             assert abs(y - above) >= 14 or x + wide <= other or other + room <= x
+
+
+def test_of_many_instances_the_first_and_the_last_have_labels() -> None:
+    """Labels of a hundred bodies and joints would cover each other."""
+    picture = mechanism_picture(read(Path(__file__).parents[3] / "examples" / "chain_100.toml"))
+    shown = {name for name in ("hinge", "link[0]", "link[99]", "weld[0]", "weld[98]") if f">{name}<" in picture}
+    assert len(shown) == 5 and picture.count("link[") == 2
