@@ -301,11 +301,16 @@ Loop = Map | Accumulate | MatVec | MatrixStore | Pack | Clear | RequireFinite | 
 
 @dataclass(frozen=True)
 class Work:
-    """Declare a local array of `count` elements; `cleared`: they begin as zeros."""
+    """Declare a local array of `count` elements; `cleared`: they begin as zeros.
+
+    spacing: the distance of the components of an instance, if the array holds one component of all instances after the
+    other.
+    """
 
     array: str
     count: int
     cleared: bool = False
+    spacing: int = 0
 
 
 @dataclass(frozen=True)

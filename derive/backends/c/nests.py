@@ -7,17 +7,17 @@ mix, so that the bits are the same in every way.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import groupby
+from itertools import count, groupby
 from typing import assert_never
 
+from derive.backends.c.loop_text import Lines, address_text, declarations, indented, loop_head, row_distance
 from derive.backends.expression_text import C, Named, element, index_text, text
-from derive.backends.source_map import SourceLine, defining, plain, storing
-from derive.backends.wrapping import WIDTH, BreakableText, join, statement
+from derive.backends.source_map import defining, plain, storing
+from derive.backends.wrapping import BreakableText, join, statement
 from derive.ir.expressions import Element, Ends, Expr, Operation, Operator, ScalarRef, walk
-from derive.ir.indices import LANE, ElementIndex, IndexTerm
-from derive.ir.library_calls import STATE
+from derive.ir.indices import LANE, LANES, ElementIndex, IndexTerm
 from derive.ir.loop_nests import (
     Accumulator,
     Alias,
@@ -31,13 +31,10 @@ from derive.ir.loop_nests import (
     Node,
     PartOf,
     Sines,
+    every,
 )
-from derive.ir.statements import Let, Require, Requirement
+from derive.ir.statements import Let, Require, Requirement, ReturnCode
 
-Lines = list[SourceLine]
-
-SHORT = 16
-"""Iterations that gcc unrolls completely before it makes vectors."""
 OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "="}
 
 
@@ -47,13 +44,17 @@ class CNests:
 
     outputs: the arrays that the function writes; arrays: all arrays that are its parameters, in which a batch has rows
     of all its states; helpers: the first part of the names of the functions that it calls; has_codes: whether the
-    states of a batch have codes, which the first loop over states with requirements gives them otherwise.
+    states of a batch have codes, which the first loop over states with requirements gives them otherwise; starts: the
+    elements from which on vectors are stored in local arrays, see `vector_starts`; counter: the type of integers and of
+    the variables of loops in order. Where these place elements, ptrdiff_t spares an extension of each index.
     """
 
     outputs: Collection[str] = ()
     arrays: Collection[str] = ()
     helpers: str = ""
     has_codes: bool = False
+    starts: Mapping[str, int] = field(default_factory=dict)
+    counter: str = "int"
     _known: set[str] = field(default_factory=set)
     """The arrays that are declared."""
     _lanes: set[str] = field(default_factory=set)
@@ -64,6 +65,10 @@ class CNests:
     """The names that differ from lane to lane, in a loop over lanes."""
     _lane: str = LANE
     """The variable of that loop, which is that of the ends in a loop over the ends of a path."""
+    _checks: dict[ReturnCode, str] | None = None
+    """The names of what a loop with lanes inside finds out about its requirements, by their codes."""
+    _names: Iterator[int] = field(default_factory=lambda: count(1))
+    """The numbers of these names."""
 
     def lines(self, nodes: Iterable[Node]) -> Lines:
         """The lines of plain statements, as they are written in a function."""
@@ -88,22 +93,22 @@ class CNests:
                 return self._declared([node])
             case Alias():
                 kind = "double" if node.array in self.outputs else "const double"
-                return plain(f"    {kind} *{node.name} = {_address(node.array, node.index)};")
+                return plain(f"    {kind} *{node.name} = {address_text(node.array, node.index)};")
             case Integer():
-                return plain(f"    const int {node.name} = {node.array}[{index_text(node.index)}];")
+                return plain(f"    const {self.counter} {node.name} = {node.array}[{index_text(node.index)}];")
             case Accumulator():
                 return self._accumulator(node)
             case For():
                 return self._loop(node)
             case If():
-                then, otherwise = (_indented(self.lines(body)) for body in (node.then, node.otherwise))
+                then, otherwise = (indented(self.lines(body)) for body in (node.then, node.otherwise))
                 head = f"    if ({node.variable} < {node.bound}) {{"
                 return [*plain(head), *then, *plain("    } else {"), *otherwise, *plain("    }")]
             case PartOf():
                 return [replace(line, statement=node.statement) for line in self.lines(node.body)]
             case BlockProduct():
-                matrix = f"{_address(node.matrix, node.first)}, {node.stride}, {node.sign}.0"
-                vector, target = (_address(e.array, e.index) for e in (node.vector, node.target))
+                matrix = f"{address_text(node.matrix, node.first)}, {node.stride}, {node.sign}.0"
+                vector, target = (address_text(e.array, e.index) for e in (node.vector, node.target))
                 return plain(f"    {self.helpers}_rows(count, {matrix}, {vector}, {target});")
             case Sines():
                 angle = self._row(node.angle)
@@ -115,7 +120,7 @@ class CNests:
         """The values of all states of a batch, from the first one on."""
         if element.array not in self.arrays:
             return element.array
-        rows = _rows(element.index)
+        rows = row_distance(element.index)
         return f"{element.array} + {rows}" if rows else element.array
 
     # ---- expressions ----
@@ -132,7 +137,7 @@ class CNests:
         if leaf.state:
             return BreakableText((self._of_state(leaf),))
         if self._vectors is not None and leaf.index and leaf.index.stride(self._lane):
-            address, stride = _address(leaf.array, leaf.index), leaf.index.stride(self._lane)
+            address, stride = address_text(leaf.array, leaf.index), leaf.index.stride(self._lane)
             return BreakableText(
                 (f"{self._macro('GATHER')}({address}, {stride})",)
                 if stride != 1
@@ -156,7 +161,7 @@ class CNests:
 
     def _of_state(self, leaf: Element) -> str:
         if leaf.array in self.arrays:
-            rows = _rows(leaf.index)
+            rows = row_distance(leaf.index)
             return f"{leaf.array}[{rows} + {leaf.state}]" if rows else f"{leaf.array}[{leaf.state}]"
         index = f"[{index_text(leaf.index)}]" if leaf.index else ""
         return f"{leaf.array}{index}[{leaf.state}]"
@@ -185,7 +190,16 @@ class CNests:
         new = [node for node in nodes if not self.arrays and node.array not in self._known]
         self._known |= {node.array for node in new}
         self._lanes |= {node.array for node in new if node.totals}
-        return plain(*declarations(f"{n.array}[{n.size}]{' = {0.0}' if n.cleared else ''}" for n in new))
+        aligned = [node.array for node in new if node.array in self.starts and not node.cleared]
+        lines = declarations(
+            f"{n.array}[{n.size}]{' = {0.0}' if n.cleared else ''}" for n in new if n.array not in aligned
+        )
+        lines += [
+            f"    TISSERAND_ALIGNED({n.array}, {n.size + LANES}, {-self.starts[n.array] % LANES});"
+            for n in new
+            if n.array in aligned
+        ]
+        return plain(*lines)
 
     def _accumulator(self, node: Accumulator) -> Lines:
         assert self._vectors is not None
@@ -206,7 +220,7 @@ class CNests:
             return self._stored(
                 node, statement("    ", f"{self._leaf(target)} {OPERATORS[node.operator]} ", value, ";")
             )
-        address, stride = _address(target.array, target.index), target.index.stride(self._lane)
+        address, stride = address_text(target.array, target.index), target.index.stride(self._lane)
         if not self._differs(node.expr):
             index = index_text(ElementIndex(target.index.offset, (*target.index.terms, IndexTerm(stride, "m"))))
             code = statement(
@@ -234,7 +248,9 @@ class CNests:
         holds = join("!(", value, " > 0.0)") if node.kind is Requirement.POSITIVE else join("!isfinite(", value, ")")
         if self._vectors is not None and self._differs(node.expr):
             assert node.kind is Requirement.POSITIVE
-            holds = join(f"!{self._macro('POSITIVE')}(", value, ")")
+            if self._checks is not None and self._lane == LANE:
+                return statement("    ", f"TISSERAND_CHECK({self._checks[node.code]}, ", value, f"); /* {node.text} */")
+            holds = join("!TISSERAND_POSITIVE_ENDS(", value, ")")
         return statement("    ", "if (", holds, f") return {int(node.code)}; /* {node.text} */")
 
     def _states(self, node: For) -> Lines:
@@ -265,7 +281,21 @@ class CNests:
 
     # ---- loops ----
 
+    def _checked_once(self, node: For) -> Lines:
+        """A loop with lanes inside whose requirements are tested behind it, since a branch in each block takes time."""
+        lanes = (item for item in every([node]) if isinstance(item, For) and item.kind is LoopKind.LANES)
+        codes = dict.fromkeys(item.code for loop in lanes for item in loop.body if isinstance(item, Require))
+        self._checks = {code: f"holds_{next(self._names)}" for code in codes}
+        lines = plain(*(f"    tisserand_holds {name} = TISSERAND_HOLDS;" for name in self._checks.values()))
+        lines += self._loop(node)
+        for code, name in self._checks.items():
+            lines += plain(f"    if (!TISSERAND_EVERY({name})) return {int(code)}; /* {code.meaning} */")
+        self._checks = None
+        return lines
+
     def _loop(self, node: For) -> Lines:
+        if self._checks is None:
+            return self._checked_once(node)
         match node.kind:
             case LoopKind.ENDS:
                 body = self._in_lanes(node)
@@ -278,60 +308,13 @@ class CNests:
             case LoopKind.ORDERED | LoopKind.INDEPENDENT:
                 if node.count == 0:
                     return []
-                body, head = self.lines(node.body), _head(node, short=self._vectors is None)
+                body, head = self.lines(node.body), loop_head(node, self.counter, short=self._vectors is None)
             case _:
                 assert_never(node.kind)
-        return [*plain(f"    {head}"), *_indented(body), *plain("    }")]
+        return [*plain(f"    {head}"), *indented(body), *plain("    }")]
 
     def _in_lanes(self, node: For) -> Lines:
         self._vectors, self._lane = set(), node.variable
         lines = self.lines(node.body)
         self._vectors, self._lane = None, LANE
         return lines
-
-
-def declarations(arrays: Iterable[str]) -> list[str]:
-    """Declarations of arrays, on as few lines as possible."""
-    lines: list[str] = []
-    for name in arrays:
-        if lines and len(lines[-1]) + len(name) + 3 <= WIDTH:
-            lines[-1] = f"{lines[-1][:-1]}, {name};"
-        else:
-            lines.append(f"    double {name};")
-    return lines
-
-
-def _head(node: For, short: bool) -> str:
-    """The head of a loop; see the macros for the pragma before a short loop."""
-    i, start, stop = node.variable, index_text(node.start, False), index_text(node.stop, False)
-    if node.step < 0:
-        return f"for (int {i} = {start}; {i} >= {index_text(node.stop.plus(1), False)}; {i}--) {{"
-    step = f"{i}++" if node.step == 1 else f"{i} += {_step(node)}"
-    vectors = any(isinstance(item, For) and item.variable in (LANE, STATE) for item in node.body)
-    pragma = short and not vectors and node.step == 1 and 1 < (node.count or 0) <= SHORT
-    return f"{'TISSERAND_SHORT ' if pragma else ''}for (int {i} = {start}; {i} < {stop}; {step}) {{"
-
-
-def _step(node: For) -> str:
-    """The distance of blocks: the last one ends at the end of the loop, if blocks may overlap."""
-    left = (node.stop.offset - node.start.offset) % node.step
-    if not node.overlaps or not left:
-        return str(node.step)
-    return f"{node.variable} == {node.stop.offset - left - node.step} ? {left} : {node.step}"
-
-
-def _address(array: str, index: ElementIndex | None) -> str:
-    return f"{array} + {index_text(index)}" if index and (index.offset or index.terms) else array
-
-
-def _rows(index: ElementIndex | None) -> str:
-    """The distance of a row of states from the first one, as the first part of an index; "" if there is none."""
-    assert index is not None
-    if not index.terms and index.offset < 2:
-        return ("", "all")[index.offset]
-    count = index_text(index)
-    return f"({count}) * all" if len(index.terms) + bool(index.offset) > 1 else f"{count} * all"
-
-
-def _indented(lines: Iterable[SourceLine]) -> Lines:
-    return [line.indented() for line in lines]
