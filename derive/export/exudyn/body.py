@@ -73,7 +73,7 @@ def _quaternion(model: Model) -> int | None:
 def _values(model: Model) -> Iterator[int]:
     """The numbers of values of the sparse matrices that the user functions expand."""
     named = [("mass", "M"), ("jacobian", "jac"), *((f"marker_{marker.name}", "jacobian") for marker in model.markers)]
-    if model.kkt is not None:
+    if model.bodies:
         named.append(("constraint_jacobian", "G"))
     for kernel, output in named:
         yield len(model.pattern(kernel, output).rowidx)
