@@ -34,7 +34,7 @@ PARTS = {"": ("position",), "ggl": ("rate", "position"), "index1": ("bias",)}
 """For each form the parts of the constraints that the blocks of F after the equations of motion contain."""
 
 
-class Form:
+class DaeLayout:
     """The layout of y and F in one form: q, v and lambda, and in the stabilised form mu."""
 
     def __init__(self, context: InstanceContext, form: str) -> None:
@@ -97,7 +97,7 @@ class Form:
 
 def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of F(t, y, ydot)."""
-    form = Form(context, function.variant)
+    form = DaeLayout(context, function.variant)
     body: list[Statement] = [Clear("F", form.size)]
     for b, part in enumerate(PARTS[form.form]):
         first = 2 * form.coordinates + b * form.constraints
@@ -116,7 +116,7 @@ def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
     return kernel(context, function, results, ("residual", "(15)", text, body), inputs=form.arguments)
 
 
-def _between_bodies(context: InstanceContext, form: Form) -> list[Statement]:
+def _between_bodies(context: InstanceContext, form: DaeLayout) -> list[Statement]:
     """The loops that add the forces between bodies to F."""
     result: list[Statement] = []
     for group in context.forces:
@@ -130,7 +130,7 @@ def _between_bodies(context: InstanceContext, form: Form) -> list[Statement]:
 
 def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the iteration matrix dF/dy + cj dF/dydot."""
-    form = Form(context, function.variant)
+    form = DaeLayout(context, function.variant)
     entries = {(i, i) for i in range(form.size)}
     local, between = [], []
     for of in context.classes:

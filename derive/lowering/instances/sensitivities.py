@@ -24,7 +24,7 @@ from derive.lowering.flat.schedule import Step
 from derive.lowering.flat.sensitivities import by_parameters_and_inputs, dynamic_rows
 from derive.lowering.instances.class_code import Loaded, LoopCode
 from derive.lowering.instances.context import GroupCode, InstanceContext, Result, kernel, loads, scatter
-from derive.lowering.instances.dae import Form
+from derive.lowering.instances.dae import DaeLayout
 from derive.lowering.instances.known_motion import PARTS, known_symbol
 from derive.lowering.model_functions import ModelFunction
 
@@ -46,7 +46,7 @@ class _Rows:
 
 def parameter_jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the derivatives with respect to the parameters and the inputs."""
-    form = Form(context, "index1")
+    form = DaeLayout(context, "index1")
     every = [rows for rows in _of_all(context, form) if rows.derivatives]
     known = list(_of_known(context))
     first = form.coordinates + 3 * form.constraints
@@ -66,7 +66,7 @@ def parameter_jacobian(context: InstanceContext, function: ModelFunction) -> Ker
     return kernel(context, function, {"jac": Result(pattern=shape)}, section, inputs=form.arguments)
 
 
-def _of_all(context: InstanceContext, form: Form) -> Iterator[_Rows]:
+def _of_all(context: InstanceContext, form: DaeLayout) -> Iterator[_Rows]:
     """The rows of all bodies, of the forces between bodies, and of the outputs."""
     for of in context.classes:
         y, ydot = states(of.context, "index1")
@@ -124,7 +124,7 @@ def _of_known(context: InstanceContext) -> Iterator[tuple[tuple[int, int], str]]
             yield from (((first + b * count + k, j), str(name)) for j, name in columns.items())
 
 
-def _reads(context: InstanceContext, form: Form, group: GroupCode) -> list[Loaded]:
+def _reads(context: InstanceContext, form: DaeLayout, group: GroupCode) -> list[Loaded]:
     """Where the state, the accelerations and the reactions of the bodies of an output are in y and ydot."""
     code, ctx, velocities = group.code, group.code.context, form.velocities(group)
     reactions = [[2 * form.coordinates + k for k in own] for own in group.reactions(context.first_rows)]
