@@ -53,9 +53,13 @@ def fortran_files(model: HostModel) -> tuple[File, ...]:
         "constant_inputs": _numbers(model.constant_inputs) if model.inputs else "",
         "nlambda": len(model.multipliers),
         "reference": [
-            *_assigned("times", motion.times),
-            *_assigned("tolerances", motion.tolerances),
-            *(part for j, row in enumerate(motion.states, 1) for part in _assigned("reference", row, f", {j}")),
+            *_assigned("times", motion.times.tolist()),
+            *_assigned("tolerances", motion.tolerances.tolist()),
+            *(
+                part
+                for j, row in enumerate(motion.states.tolist(), 1)
+                for part in _assigned("reference", row, f", {j}")
+            ),
         ],
         "count": len(motion.times),
         "sources": " ".join(f"{part}.c" for part in (name, f"{name}_motion", *INTEGRATOR)),

@@ -38,9 +38,7 @@ def test_fmpy_validates_without_a_message(name: str, version: int, tmp_path: Pat
 @pytest.mark.parametrize("name", ["crank_slider_3", "free_beam_mean", "block", *CHAINS])
 def test_the_motion_is_that_of_a_simulation(name: str, version: int, kind: str, tmp_path: Path) -> None:
     model = model_of(name)
-    duration, rows = {"crank_slider_3": (0.02, 41), "free_beam_mean": (0.5, 41), "block": (0.01, 21)}.get(
-        name, (0.02, 21)
-    )
+    duration, rows = {"crank_slider_3": (0.02, 41), "free_beam_mean": (0.5, 41)}.get(name, (0.01, 21))
     ours = derive.simulate(model.spec, duration=duration, output=duration / (rows - 1)).solution
     states = [x.name for x in fmi_variables(model) if x.state]
     path = unit(model, version, tmp_path)
