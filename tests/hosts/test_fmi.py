@@ -47,7 +47,8 @@ def test_the_motion_is_that_of_a_simulation(name: str, version: int, kind: str, 
     )
     for mine, other in ((ours.q, theirs[:, : ours.q.shape[1]]), (ours.v, theirs[:, ours.q.shape[1] :])):
         assert mine.shape == other.shape
-        assert np.max(np.abs(mine - other)) < ACCURACY[kind] * max(np.max(np.abs(mine)), 1e-3)
+        accuracy = ACCURACY[kind] * (10 if name in CHAINS else 1)  # chains vibrate, so that small errors of time matter
+        assert np.max(np.abs(mine - other)) < accuracy * max(np.max(np.abs(mine)), 1e-3)
 
 
 def pushed_by_a_simulation() -> np.ndarray:
