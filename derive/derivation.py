@@ -18,6 +18,7 @@ from derive.ir.model import Model
 from derive.lowering import cost_model
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.lower import lower as lower_flat
+from derive.lowering.instances.classes import obstacle
 from derive.lowering.instances.lower import instances_reason, lower_instances
 from derive.lowering.loops.body_functions import lower_loops
 from derive.mechanics import indexed_equations
@@ -79,10 +80,10 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
     return parameters_of(body, symbolic_tables(spec), spec.gravity)
 
 
-TOO_LONG = (
-    "straight-line code of so many bodies is too long; loops over bodies have no derivatives by parameters and inputs, "
-    "which FMUs and --sensitivities need"
-)
+def _too_long(derived: Equations | Mechanism) -> str:
+    """The message where straight-line code is too long, with the reason why there are no loops over bodies."""
+    reason = obstacle(derived) if isinstance(derived, Mechanism) else ""
+    return f"straight-line code is too long{f', and there are no loops over bodies, since {reason}' if reason else ''}"
 
 
 @paused()
@@ -90,22 +91,22 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
     """The kernels of a model: straight-line code, or loops over the modes of a spatial body if these are faster.
 
     sensitivities: add the kernels `parameter_jacobian` and `solve_kkt` for derivatives with respect to parameters and
-    inputs, which models with loops do not have. explicit: leave out the kernels of a scene that explicit integration
-    does not call, which takes half the time.
+    inputs, which models with loops over the modes do not have. explicit: leave out the kernels of a scene that explicit
+    integration does not call, which takes half the time.
     Raises SpecError if the specification requires straight-line code that would be too long, or has loops where
     sensitivities are required; TypeError for anything but equations.
     """
     if not isinstance(derived, (Equations, Mechanism)):
         raise TypeError(f"the equations that derive.derive(spec) returns are needed, not {type(derived).__name__}")
-    if isinstance(derived, Mechanism) and not sensitivities:
+    if isinstance(derived, Mechanism):
         reason = instances_reason(derived)
         if reason:
-            return lower_instances(derived, reason, explicit)
+            return lower_instances(derived, reason, explicit, sensitivities)
     if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
         try:
             return lower_flat(derived.expanded(), sensitivities=sensitivities, explicit=explicit)
         except RecursionError:
-            raise LoweringError(TOO_LONG) from None
+            raise LoweringError(_too_long(derived)) from None
     estimate = cost_model.estimate_costs(derived.body)
     try:
         flat = estimate.selected(derived.lowering) == "flat"

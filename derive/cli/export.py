@@ -32,7 +32,12 @@ def run(options: argparse.Namespace) -> int:
     finally:
         show_progress()
     write(files, options.out)
-    notes = [*map(str, changes), *model.notes, *(f"warning: {text}" for text in warnings(options.spec))]
+    notes = [
+        *map(str, changes),
+        *model.notes,
+        *interface.notes(model),
+        *(f"warning: {text}" for text in warnings(options.spec)),
+    ]
     if options.json:
         print(json.dumps(_plain(model, options, notes, files), indent=2))
     else:

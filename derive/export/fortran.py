@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from derive.artifacts import MARK, File
@@ -19,6 +19,8 @@ from derive.rendering import render
 
 LONGEST = 63
 """Characters of a name in Fortran."""
+MOST = 400
+"""Numbers of a statement, which are at least two on each of its lines."""
 
 
 @dataclass(frozen=True)
@@ -45,14 +47,21 @@ def fortran_files(model: HostModel) -> tuple[File, ...]:
         "codes": [(code.name.lower(), code.value, code.meaning) for code in ReturnCode],
         "procedures": [_procedure(kernel) for kernel in model.model.kernels],
         "start": [
-            ("q", _numbers(x.start for x in model.coordinates)),
-            ("v", _numbers(x.start for x in model.velocities)),
+            *_assigned("q", [x.start for x in model.coordinates]),
+            *_assigned("v", [x.start for x in model.velocities]),
         ],
         "constant_inputs": _numbers(model.constant_inputs) if model.inputs else "",
         "nlambda": len(model.multipliers),
-        "times": _numbers(motion.times),
-        "rows": [_numbers(row) for row in motion.states],
-        "tolerances": _numbers(motion.tolerances),
+        "reference": [
+            *_assigned("times", motion.times.tolist()),
+            *_assigned("tolerances", motion.tolerances.tolist()),
+            *(
+                part
+                for j, row in enumerate(motion.states.tolist(), 1)
+                for part in _assigned("reference", row, f", {j}")
+            ),
+        ],
+        "count": len(motion.times),
         "sources": " ".join(f"{part}.c" for part in (name, f"{name}_motion", *INTEGRATOR)),
     }
     return (
@@ -102,6 +111,14 @@ def _procedure(kernel: Kernel) -> Procedure:
         names.append(f"{output.name}_out" if taken else output.name)
         declarations.append(f"real(c_double), intent(inout) :: {names[-1]}({output.size})")
     return Procedure(prefixed([kernel.doc], "        ! "), kernel.name, ", ".join(names), declarations)
+
+
+def _assigned(array: str, values: Sequence[float | None], column: str = "") -> Iterator[tuple[str, str]]:
+    """The parts of an array and their numbers, so many that a statement has at most 255 lines; column: of a matrix."""
+    for first in range(0, len(values), MOST):
+        part = values[first : first + MOST]
+        bounds = f"{first + 1}:{first + len(part)}" if len(values) > MOST else ":"
+        yield f"{array}({bounds}{column})", _numbers(part)
 
 
 def _numbers(values: Iterable[float | None]) -> str:

@@ -62,7 +62,7 @@ class HostModel:
     @property
     def is_scene(self) -> bool:
         """Whether the C has the functions of a scene, which a body alone does not have."""
-        return self.model.kkt is not None
+        return bool(self.model.bodies)
 
     @property
     def states(self) -> tuple[HostVariable, ...]:

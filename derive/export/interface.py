@@ -22,13 +22,15 @@ class Interface:
     doc: the hosts in words. files: the files of a model, with paths relative to a folder of their own; a file without
     comments, such as an archive, names RECORD as its record. next_step: what the user does with them, a line of text
     in which {folder} and {name} stand for the folder of the files and the name of the model. sensitivities: whether
-    the model has the functions for derivatives with respect to parameters and inputs, see `derive.lower`.
+    the model has the functions for derivatives with respect to parameters and inputs, see `derive.lower`. notes: lines
+    of text for the user on what the hosts cannot do with a model.
     """
 
     doc: str
     files: Callable[[HostModel], Sequence[HostFile]]
     next_step: str
     sensitivities: bool = False
+    notes: Callable[[HostModel], tuple[str, ...]] = lambda _: ()
 
 
 RECORD = "export.json"

@@ -31,8 +31,19 @@ def jax_files(host: HostModel) -> tuple[File, ...]:
     )
 
 
+SLOW = (
+    "jax.jit unrolls the loops over bodies, and its compiler takes minutes for some eight bodies: call the functions "
+    "without jit, or with arrays of NumPy"
+)
+
+
+def _notes(host: HostModel) -> tuple[str, ...]:
+    return (SLOW,) if host.model.lowering == "instances" else ()
+
+
 JAX = Interface(
     "JAX and other arrays: a Python module that can be traced, compiled, differentiated and vectorised",
     jax_files,
     "import {name} in Python with {folder} in the path; then jax.jit({name}.rhs), jax.grad, jax.vmap",
+    notes=_notes,
 )

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from host_models import LINKAGE, PUSHED, STEERED
+from host_models import CHAINS, LINKAGE, PUSHED, STEERED
 from numpy.typing import NDArray
 
 import derive
@@ -46,7 +46,7 @@ def prepared(text: str) -> HostModel:
 @cache
 def model_of(name: str) -> HostModel:
     """The model of a specification in the folder `scenes`, or of a pendulum, an arm or a linkage with inputs."""
-    given = {"pushed": PUSHED, "steered": STEERED, "linkage": LINKAGE}
+    given = {"pushed": PUSHED, "steered": STEERED, "linkage": LINKAGE, **CHAINS}
     if name in given:
         return prepared(given[name])
     return host_model(derive.read(ROOT / f"scenes/{name}.toml"), sensitivities=True)
@@ -72,4 +72,13 @@ def simulated(path: Path, kind: str, output: list[str], **options: Any) -> NDArr
         str(path), fmi_type=kind, output=output, logger=lambda *args: logged.append(str(args)), **options
     )
     assert logged == []
-    return np.array([list(row) for row in rows])[:, 1:]
+    table = np.array([list(row) for row in rows])
+    interval = options.get("output_interval")
+    return table[:, 1:] if interval is None else table[_regular(table[:, 0], interval), 1:]
+
+
+def _regular(times: NDArray[np.float64], interval: float) -> NDArray[np.intp]:
+    """The rows at multiples of an interval; FMPy adds those of events, after which the state counts."""
+    numbers = np.rint(times / interval)
+    regular = np.flatnonzero(np.abs(times / interval - numbers) < 1e-6)
+    return regular[np.append(np.diff(numbers[regular]) > 0, True)]

@@ -140,6 +140,52 @@ tolerance = 1e-9
 """
 """Two bodies and a slider, with parameters in the constraints, and a force as its input."""
 
+CHAIN = """
+name = "chain_COUNT"
+scene.gravity = [0, -9.81]
+ground.markers = { hook = [0, 0] }
+
+[bodies.link]
+count = COUNT
+ansatz = ["1", "xi", "xi^2", "xi^3"]
+mass = 0.05
+length = 0.1
+bending_stiffness = { symbol = "EI", default = 0.2, unit = "N m^2" }
+markers = { left = -1, right = 1 }
+start = { position = ["0.05 + 0.1*i", 0] }
+
+[joints.hinge]
+kind = "revolute"
+between = ["ground.hook", "link[0].left"]
+
+[joints.weld]
+count = LAST
+kind = "weld"
+between = ["link[i].right", "link[i+1].left"]
+
+[inputs.push]
+value = 0.3
+unit = "N"
+
+[forces.push]
+at = "link[LAST].right"
+components = [{ input = "push" }, 0]
+
+[outputs.tip]
+kind = "position"
+marker = "link[LAST].right"
+
+[outputs.support]
+kind = "reaction"
+joint = "hinge"
+
+[simulation]
+duration = 0.05
+output = 0.005
+"""
+CHAINS = {f"chain_{count}": CHAIN.replace("COUNT", str(count)).replace("LAST", str(count - 1)) for count in (3, 100)}
+"""Chains of flexible beams: a few in straight-line code, many in loops, with a parameter, an input and outputs."""
+
 TABLE = """
 [tables]
 load = { file = "load.csv", x = "t", y = "F" }

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import pytest
-from host_models import PUSHED, STEERED, prepared, scene
+from host_models import CHAINS, PUSHED, STEERED, prepared, scene
 from programs import program, run
 
 import derive
@@ -34,6 +34,7 @@ MODELS = {
     "steered": lambda: prepared(STEERED),
     "spinning_beam": lambda: scene("spinning_beam"),
     "block": thrown_block,
+    **{name: partial(prepared, text) for name, text in CHAINS.items()},
 }
 """A scene without ports, with a force, with a prescribed motion, a body in the plane and one in space."""
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmus import KINDS, LIVING, VERSIONS, fmpy, model_of, prepared, simulated, unit
-from host_models import PUSHED, STEERED
+from host_models import CHAINS, PUSHED, STEERED
 
 import derive
 from conftest import ROOT
@@ -16,7 +16,7 @@ from derive.export.host_model import HostModel
 
 pytestmark = pytest.mark.hosts
 
-MODELS = ("crank_slider_3", "pushed", "steered", "free_beam_mean", "block")
+MODELS = ("crank_slider_3", "pushed", "steered", "free_beam_mean", "block", *CHAINS)
 """A scene without ports, with a force, with a prescribed motion, a beam, and a body in space."""
 
 TIP = ["tip[1]", "tip[2]"]
@@ -35,10 +35,10 @@ def test_fmpy_validates_without_a_message(name: str, version: int, tmp_path: Pat
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("name", ["crank_slider_3", "free_beam_mean", "block"])
+@pytest.mark.parametrize("name", ["crank_slider_3", "free_beam_mean", "block", *CHAINS])
 def test_the_motion_is_that_of_a_simulation(name: str, version: int, kind: str, tmp_path: Path) -> None:
     model = model_of(name)
-    duration, rows = {"crank_slider_3": (0.02, 41), "free_beam_mean": (0.5, 41), "block": (0.01, 21)}[name]
+    duration, rows = {"crank_slider_3": (0.02, 41), "free_beam_mean": (0.5, 41)}.get(name, (0.01, 21))
     ours = derive.simulate(model.spec, duration=duration, output=duration / (rows - 1)).solution
     states = [x.name for x in fmi_variables(model) if x.state]
     path = unit(model, version, tmp_path)
@@ -47,7 +47,8 @@ def test_the_motion_is_that_of_a_simulation(name: str, version: int, kind: str, 
     )
     for mine, other in ((ours.q, theirs[:, : ours.q.shape[1]]), (ours.v, theirs[:, ours.q.shape[1] :])):
         assert mine.shape == other.shape
-        assert np.max(np.abs(mine - other)) < ACCURACY[kind] * max(np.max(np.abs(mine)), 1e-3)
+        accuracy = ACCURACY[kind] * (10 if name in CHAINS else 1)  # chains vibrate, so that small errors of time matter
+        assert np.max(np.abs(mine - other)) < accuracy * max(np.max(np.abs(mine)), 1e-3)
 
 
 def pushed_by_a_simulation() -> np.ndarray:

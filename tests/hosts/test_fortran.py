@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import pytest
-from host_models import PUSHED, STEERED, prepared, scene
+from host_models import CHAINS, PUSHED, STEERED, prepared, scene
 from programs import program, run
 
 import derive
@@ -13,7 +14,12 @@ from derive.errors import SpecError
 from derive.export.fortran import fortran_files
 from derive.spec.toml.read import parse
 
-MODELS = {"pushed": lambda: prepared(PUSHED), "steered": lambda: prepared(STEERED), "block": lambda: scene("block")}
+MODELS = {
+    "pushed": lambda: prepared(PUSHED),
+    "steered": lambda: prepared(STEERED),
+    "block": lambda: scene("block"),
+    **{name: partial(prepared, text) for name, text in CHAINS.items()},
+}
 
 
 @pytest.mark.hosts

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
 import pytest
-from host_models import PUSHED, STEERED, prepared, scene
+from host_models import CHAINS, PUSHED, STEERED, prepared, scene
 from programs import program, run
 
 import derive
@@ -22,6 +23,7 @@ MODELS = {
     "steered": lambda: prepared(STEERED),
     "named": lambda: prepared(NAMED),
     "block": lambda: scene("block"),
+    **{name: partial(prepared, text) for name, text in CHAINS.items()},
 }
 
 

@@ -38,20 +38,30 @@ class Graph:
     instances: Model
     state: dict[str, Any]
 
-    def arguments(self, kernel: str) -> dict[str, Any]:
-        """The arguments of a function."""
+    def arguments(self, kernel: str, model: Model | None = None) -> dict[str, Any]:
+        """The arguments of a function of one of the models, that with straight-line code unless it is given."""
         size = max((a.size for a in self.flat.kernel(kernel).arguments if a.name == "y"), default=0)
         given = self.state | {name: self.state[name][:size] for name in ("y", "ydot")}
+        given["k"] = constants(model or self.flat)
         return {a.name: given[a.name] for a in self.flat.kernel(kernel).arguments}
 
 
-def graph(seed: int, most: int = 6) -> Graph:
-    """The graph of a seed, with so many bodies at most; joints that close loops are left out if some are redundant."""
+def constants(model: Model) -> list[float]:
+    """The constants of a model, with the defaults of its parameters."""
+    return interpret(model.kernel("setup"), {"p": list(model.defaults)})["k"]
+
+
+def graph(seed: int, most: int = 6, ports: bool = False) -> Graph:
+    """The graph of a seed, with so many bodies at most; joints that close loops are left out if some are redundant.
+
+    ports: with parameters, an input, springs and outputs, and with the derivatives with respect to these.
+    """
     for kept in (1.0, 0.5, 0.25, 0.0):
         draws = random.Random(seed)
         shape = SHAPES[seed % len(SHAPES)]
-        scene = _scene(f"graph_{seed}", shape, draws, most, kept)
-        if made := _lowered(scene, shape.__name__.strip("_"), seed):
+        tables = _scene(shape, draws, most, kept)
+        scene = derive.scene(f"graph_{seed}", **(_with_ports(tables) if ports else tables))
+        if made := _lowered(scene, shape.__name__.strip("_"), seed, ports):
             return made
     raise AssertionError(f"seed {seed}: the constraints of a tree depend on each other")
 
@@ -81,16 +91,18 @@ def ring_of_rods(count: int, order: Sequence[int]) -> Graph:
     return made
 
 
-def _lowered(scene: derive.Scene, shape: str, seed: int) -> Graph | None:
+def _lowered(scene: derive.Scene, shape: str, seed: int, ports: bool = False) -> Graph | None:
     """A scene both ways with a random state; None if its constraints depend on each other."""
     mechanism = derive.derive(scene)
     assert obstacle(mechanism) == ""
     try:
-        flat = lower_flat(mechanism.expanded())
+        flat = lower_flat(mechanism.expanded(), sensitivities=ports)
     except DependentConstraints:
         return None
     state = _state(flat, scene, np.random.default_rng(seed))
-    return Graph(scene, shape, flat, lower_instances(mechanism), state) if _independent(flat, state) else None
+    if not _independent(flat, state):
+        return None
+    return Graph(scene, shape, flat, lower_instances(mechanism, sensitivities=ports), state)
 
 
 # ---- shapes: the edges of a spanning tree, and those that close loops ----
@@ -136,7 +148,8 @@ SHAPES: tuple[Shape, ...] = (_chain, _tree, _star, _ring, _grid, _any)
 # ---- bodies and joints ----
 
 
-def _scene(name: str, shape: Shape, draws: random.Random, most: int, kept: float) -> derive.Scene:
+def _scene(shape: Shape, draws: random.Random, most: int, kept: float) -> dict[str, Any]:
+    """The tables of a scene."""
     count, tree, closing = shape(draws, most)
     kinds = [_kind(draws) for _ in range(draws.randint(1, 3))]
     loops = bool(closing)
@@ -156,13 +169,45 @@ def _scene(name: str, shape: Shape, draws: random.Random, most: int, kept: float
     if draws.random() < 0.5:
         draws.shuffle(joints)
     gravity = draws.choice(([0, -9.81], ["1/3", 2], None))
-    return derive.scene(
-        name,
-        ground={f"at_{k}": [_rounded(draws.uniform(-2, 2)), _rounded(draws.uniform(-2, 2))] for k in range(3)},
-        gravity=gravity,
-        bodies=bodies,
-        joints={f"joint_{k}": joint for k, joint in enumerate(joints)},
-    )
+    return {
+        "ground": {f"at_{k}": [_rounded(draws.uniform(-2, 2)), _rounded(draws.uniform(-2, 2))] for k in range(3)},
+        "gravity": gravity,
+        "bodies": bodies,
+        "joints": {f"joint_{k}": joint for k, joint in enumerate(joints)},
+    }
+
+
+def _with_ports(tables: dict[str, Any]) -> dict[str, Any]:
+    """A scene in which numbers are parameters, equal ones the same, with an input, springs, a drive and outputs."""
+    symbols: dict[tuple[str, float], dict[str, Any]] = {}
+
+    def parameter(name: str, value: float) -> dict[str, Any]:
+        return symbols.setdefault((name, value), {"symbol": f"{name}_{len(symbols)}", "default": value})
+
+    numbers = ("mass", "length", "bending_stiffness")
+    bodies = {
+        name: body | {key: parameter(key, body[key]) for key in numbers if key in body}
+        for name, body in tables["bodies"].items()
+    }
+    ground = tables["ground"] | {"at_0": [parameter("x", 0.5), 0.25]}
+    first, *_, last = [*bodies, *bodies]
+    joint, *_ = tables["joints"]
+    driven = tables["joints"][joint]["kind"] == "revolute"
+    return tables | {
+        "bodies": bodies,
+        "ground": ground,
+        "inputs": {"push": {"unit": "N", "value": 0.7}, **({"turn": {"unit": "rad", "value": 0}} if driven else {})},
+        "forces": {"push": {"at": f"{last}.left", "components": [{"input": "push"}, "sin(2*t)"]}},
+        "springs": {
+            "held": {"between": ["ground.at_0", f"{last}.right"], "stiffness": parameter("stiffness", 3.0)},
+            **({"between": {"between": [f"{first}.left", f"{last}.right"], "stiffness": 2.0}} if first != last else {}),
+        },
+        "drives": {"motor": {"joint": joint, "motion": {"input": "turn"}}} if driven else {},
+        "outputs": {
+            "place": {"kind": "position", "marker": f"{last}.right"},
+            "pull": {"kind": "reaction", "joint": joint},
+        },
+    }
 
 
 def _rounded(value: float) -> float:
@@ -254,10 +299,15 @@ def _state(model: Model, scene: derive.Scene, rng: np.random.Generator) -> dict[
         "t": 0.3,
         "q": q.tolist(),
         "v": rng.uniform(-1, 1, n).tolist(),
-        "k": [],
+        "k": constants(model),
         "r": rng.uniform(-1, 1, rows).tolist(),
         "y": y.tolist(),
         "ydot": rng.uniform(-1, 1, size).tolist(),
+        "u": rng.uniform(-1, 1, len(model.inputs)).tolist(),
+        "vdot": rng.uniform(-1, 1, n).tolist(),
+        "lam": rng.uniform(-1, 1, rows).tolist(),
+        "a": rng.uniform(-1, 1, n).tolist(),
+        "b": rng.uniform(-1, 1, rows).tolist(),
         "cj": 7.5,
         "F": [0.3, -0.7],
     }

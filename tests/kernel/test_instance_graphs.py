@@ -35,18 +35,19 @@ from derive.runtime.native_scene import NativeScene
 TOLERANCE = 1e-13
 OF_CONDITION = 1e-15
 """Errors of solutions, relative to their terms, for a system of condition 1: a few units in the last place."""
-SOLVED = ("accel", "solve", "project_velocity")
+SOLVED = ("accel", "solve", "project_velocity", "solve_kkt")
 FEW = 4
 """Bodies of small graphs, at most."""
 SMALL = (0, 1, 4, 6, 9, 12, 14, 15, 30, 35, 38, 39)
 EXACT = (4, 9, 14, 15)
 GENERATED = (0, 9, 12)
+WITH_PORTS = (0, 1, 4, 9, 14, 15)
 
 
 def results(of: Graph, model: Model, name: str) -> dict[str, np.ndarray]:
     """The results of a function, under its name in straight-line code."""
     kernel, number = of_marker(model, name)
-    return {o: np.array(x, float) for o, x in interpret(kernel, of.arguments(name) | number).items()}
+    return {o: np.array(x, float) for o, x in interpret(kernel, of.arguments(name, model) | number).items()}
 
 
 def of_marker(model: Model, name: str) -> tuple[Kernel, dict[str, int]]:
@@ -127,19 +128,26 @@ def check(of: Graph) -> None:
     by_flat, by_loops = (results(of, model, "project_velocity")["dv"] for model in (of.flat, of.instances))
     reactions = np.linalg.solve(system.g @ system.inverse @ system.g.T, of.state["r"])
     assert system.norm(by_loops - by_flat) <= system.bound(abs(system.g.T) @ abs(reactions))
+    if of.flat.sensitivities:
+        by_flat, by_loops = (results(of, model, "solve_kkt") for model in (of.flat, of.instances))
+        forces = abs(np.array(of.state["a"])) + abs(system.g.T) @ abs(by_flat["lam"])
+        assert system.norm(by_loops["x"] - by_flat["x"]) <= system.bound(forces)
 
 
 def check_patterns(of: Graph) -> None:
-    """The functions, their arguments, the names of variables and the patterns of matrices are the same."""
+    """The functions, their arguments, the names of variables and the patterns of matrices are the same.
+
+    The constants are their own.
+    """
     for table in ("coordinates", "velocities", "multipliers", "outputs"):
         flat, loops = getattr(of.flat, table), getattr(of.instances, table)
         assert [(v.name, v.unit, v.doc) for v in flat] == [(v.name, v.unit, v.doc) for v in loops]
     functions = [of_marker(of.instances, kernel.name)[0] for kernel in of.flat.kernels]
     assert [*dict.fromkeys(k.name for k in functions)] == [k.name for k in of.instances.kernels]
     for flat, loops in zip(of.flat.kernels, functions, strict=True):
-        numbers = [(a.name, a.size) for a in loops.arguments if not a.integer]
-        assert [(a.name, a.size) for a in flat.arguments] == numbers
-        for a, b in zip(flat.outputs, loops.outputs, strict=True):
+        numbers = [(a.name, a.name != "k" and a.size) for a in loops.arguments if not a.integer]
+        assert [(a.name, a.name != "k" and a.size) for a in flat.arguments] == numbers
+        for a, b in zip(flat.outputs, loops.outputs, strict=True) if flat.name != "setup" else ():
             number = of_marker(of.instances, flat.name)[1]
             expected = b.pattern if b.pattern is None or not number else among(of.instances, flat.name)
             assert (a.name, a.size, shape(a.pattern)) == (b.name, b.size, shape(expected)), flat.name
@@ -170,6 +178,15 @@ def test_small_graphs(seed: int) -> None:
     check(small(seed))
 
 
+@pytest.mark.parametrize("seed", WITH_PORTS)
+def test_graphs_with_parameters_inputs_springs_and_outputs(seed: int) -> None:
+    """Derivatives with respect to parameters and inputs are among the functions."""
+    of = graph(seed, FEW, ports=True)
+    (jacobian,) = of.instances.kernel("parameter_jacobian").outputs
+    assert jacobian.pattern and len(jacobian.pattern.entries) > 5
+    check(of)
+
+
 @cache
 def small(seed: int) -> Graph:
     return graph(seed, FEW)
@@ -191,6 +208,12 @@ def test_every_shape_is_among_the_small_graphs() -> None:
 @pytest.mark.parametrize("seed", range(100, 170))
 def test_seventy_graphs(seed: int) -> None:
     check(graph(seed))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(20, 60))
+def test_forty_graphs_with_parameters_inputs_springs_and_outputs(seed: int) -> None:
+    check(graph(seed, ports=True))
 
 
 # ---- 50 digits ----

@@ -14,6 +14,9 @@ from derive.ir.model import Model
 from derive.rendering import render
 from derive.roles import Role
 
+MANY = 100
+"""Coordinates from which on the sample takes sparse matrices of Exudyn."""
+
 
 def exudyn_files(host: HostModel) -> tuple[File, ...]:
     """The C of a model and of its user functions, the module that adds them to a system, and a sample program.
@@ -46,6 +49,7 @@ def exudyn_files(host: HostModel) -> tuple[File, ...]:
             "constants": sum(constant.size for constant in model.constants),
             "nonzeros": max(_values(model)),
         },
+        "sparse": len(host.coordinates) > MANY,
         "times": motion.times.tolist(),
         "states": motion.states.tolist(),
         "scales": (motion.tolerances / ACCEPTED).tolist(),
@@ -73,7 +77,7 @@ def _quaternion(model: Model) -> int | None:
 def _values(model: Model) -> Iterator[int]:
     """The numbers of values of the sparse matrices that the user functions expand."""
     named = [("mass", "M"), ("jacobian", "jac"), *((f"marker_{marker.name}", "jacobian") for marker in model.markers)]
-    if model.kkt is not None:
+    if model.bodies:
         named.append(("constraint_jacobian", "G"))
     for kernel, output in named:
         yield len(model.pattern(kernel, output).rowidx)

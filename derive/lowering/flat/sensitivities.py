@@ -30,7 +30,7 @@ from derive.mechanics.terms import ModelConstant
 
 def with_derivatives(equations: Equations) -> Equations:
     """The equations with the derivatives of their constants with respect to the parameters as further constants."""
-    return replace(equations, coefficients=(*equations.coefficients, *_derivatives(equations)))
+    return replace(equations, coefficients=(*equations.coefficients, *derivatives(equations)))
 
 
 def parameter_jacobian(context: Context, function: ModelFunction) -> Kernel:
@@ -39,10 +39,8 @@ def parameter_jacobian(context: Context, function: ModelFunction) -> Kernel:
     y = array_input("y", context.state + multipliers, "state [q; v; lambda]" if multipliers else context.y.argument.doc)
     ydot = array_input("ydot", (*context.state_rates, *map(state_rate, multipliers)), "time derivative of y")
     symbols = context.symbols(context.t, y, ydot)
-    rows = _rows(context, symbols)
-    values = ca.vertcat(*rows.values())
-    by_inputs = ca.jacobian(values, ca.vertcat(*symbols.values_of(context.u.symbols)))
-    matrix = ca.horzcat(_by_parameters(context, symbols, values), by_inputs)
+    rows = dynamic_rows(context, symbols) | {out.name: symbols(out.expr) for out in eq.outputs}
+    matrix = by_parameters_and_inputs(context, symbols, list(rows.values()))
     names = (*(str(p.symbol) for p in eq.parameters), *context.u.elements)
     entries = set(zip(*matrix.sparsity().get_triplet(), strict=True))
     shape = pattern(len(rows), len(names), entries)
@@ -72,8 +70,8 @@ def solve_kkt(context: Context, function: ModelFunction) -> Kernel:
     return by_factors(context, function, outputs, symbols, right, (a, b))
 
 
-def _rows(context: Context, symbols: Symbols) -> dict[str, ca.SX]:
-    """The rows that depend on parameters, by their names."""
+def dynamic_rows(context: Context, symbols: Symbols) -> dict[str, ca.SX]:
+    """The rows that depend on parameters, besides outputs, by their names."""
     eq = context.equations
     reactions = {row.name: ca.SX(0) for row in eq.rows}
     if eq.constraints:
@@ -82,11 +80,17 @@ def _rows(context: Context, symbols: Symbols) -> dict[str, ca.SX]:
     rows = {f"F[{row.name}]": symbols(eq.sum_of(row.name)) - reactions[row.name] for row in eq.rows}
     rows |= {f"g[{c.name}]": symbols(c.position) for c in eq.constraints}
     rows |= {f"gdot[{c.name}]": symbols(c.rate) for c in eq.constraints}
-    rows |= {f"gddot[{c.name}]": acceleration_residual(c, context, symbols) for c in eq.constraints}
-    return rows | {output.name: symbols(output.expr) for output in eq.outputs}
+    return rows | {f"gddot[{c.name}]": acceleration_residual(c, context, symbols) for c in eq.constraints}
 
 
-def _derivatives(equations: Equations) -> Iterator[ModelConstant]:
+def by_parameters_and_inputs(context: Context, symbols: Symbols, rows: list[ca.SX]) -> ca.SX:
+    """The derivatives of rows with respect to the parameters and the inputs (rows, parameters and inputs)."""
+    values = ca.vertcat(*rows)
+    by_inputs = ca.jacobian(values, ca.vertcat(*symbols.values_of(context.u.symbols)))
+    return ca.horzcat(_by_parameters(context, symbols, values), by_inputs)
+
+
+def derivatives(equations: Equations) -> Iterator[ModelConstant]:
     """The derivatives of constants with respect to parameters that are not zero."""
     for c in equations.coefficients:
         for p in equations.parameters:

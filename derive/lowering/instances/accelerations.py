@@ -1,4 +1,4 @@
-"""Accelerations, multipliers and projections: bodies first, then the joints, then the bodies again."""
+"""Accelerations and multipliers: bodies first, then the joints, then the bodies again."""
 
 from __future__ import annotations
 
@@ -37,7 +37,6 @@ from derive.lowering.instances.context import (
     kernel,
     known_value,
     state,
-    whole,
 )
 from derive.lowering.instances.graph_elimination import in_graph
 from derive.lowering.instances.local_system import LocalSystem, Right, local_system
@@ -118,7 +117,7 @@ def _block_items(
         place, side = _joint_place(system, of, h), 0 if of.of.first.handles[h].is_first else 1
         pairs = [(i, j) for i in range(len(rows)) for j in range(i, len(rows))]
         index = [packed(system.size, i, j) for i, j in pairs]
-        targets[f"diagonal_{h}"] = LoopTarget(DIAGONAL[side], _chosen(place, index), None, _entry(place))
+        targets[f"diagonal_{h}"] = LoopTarget(DIAGONAL[side], _chosen(place, index), None, entries_of(place))
         items += stores(f"diagonal_{h}", [local_of.compliance(rows[i], rows[j]) for i, j in pairs])
         targets[f"right_{h}"] = of.target(RIGHT[side], place)
         items += stores(f"right_{h}", [local_of.right[r] for r in rows])
@@ -152,14 +151,14 @@ def _coupling(
     operator = Operator.ADD if system.adds else None
     if len(set(turned)) == 1:
         index = [size * j + i if turned[0] else size * i + j for i, j in cells]
-        target = LoopTarget(COUPLING, _chosen(place, index), operator, _entry(place))
+        target = LoopTarget(COUPLING, _chosen(place, index), operator, entries_of(place))
     else:
         row, column = f"{name}_row_{of.name}", f"{name}_column_{of.name}"
         spacing = system.coupling_spacing
         rows = of.places.integers(f"{row}s", [1 if t else size for t in turned])
         columns = of.places.integers(f"{column}s", [size if t else 1 for t in turned])
         here = ElementIndex(0, (IndexTerm(1, INSTANCE),))
-        entries = (*_entry(place), Entry(row, rows, here), Entry(column, columns, here))
+        entries = (*entries_of(place), Entry(row, rows, here), Entry(column, columns, here))
 
         def at_cell(k: int) -> ElementIndex:
             i, j = cells[k]
@@ -174,11 +173,12 @@ def _chosen(place: Place, numbers: list[int]) -> Callable[[int], ElementIndex]:
     return lambda k: place.at(numbers[k])
 
 
-def _entry(place: Place) -> tuple[Entry, ...]:
+def entries_of(place: Place) -> tuple[Entry, ...]:
+    """The statement that names a place, if it needs one."""
     return (place.entry,) if place.entry else ()
 
 
-def _solved(
+def solved(
     context: InstanceContext,
     function: ModelFunction,
     results: Mapping[str, Result],
@@ -227,7 +227,7 @@ def _eliminated(of: Blocks, places: Places, has_known: bool) -> tuple[Statement,
     return along_path(of, has_known) if of.is_path else in_graph(of, places, has_known)
 
 
-def _by_joint(context: InstanceContext, system: Blocks) -> Iterator[tuple[int, int, Place, Place]]:
+def by_joint(context: InstanceContext, system: Blocks) -> Iterator[tuple[int, int, Place, Place]]:
     """For joints with as many rows: these, the number of joints, their first rows and their places in the arrays."""
     for rows in sorted(set(system.rows)):
         joints = [j for j, own in enumerate(system.rows) if own == rows]
@@ -238,9 +238,9 @@ def _by_joint(context: InstanceContext, system: Blocks) -> Iterator[tuple[int, i
 
 def _reactions(context: InstanceContext, system: Blocks) -> Iterator[Statement]:
     """The reactions in the order of the constraints."""
-    for rows, count, to, of in _by_joint(context, system):
+    for rows, count, to, of in by_joint(context, system):
         body = [StoreElement(Element("lam", to.at(k)), Element(FORCE, of.at(k))) for k in range(rows)]
-        yield ForEach(INSTANCE, constant(0), constant(count), (*_entry(to), *_entry(of), *body))
+        yield ForEach(INSTANCE, constant(0), constant(count), (*entries_of(to), *entries_of(of), *body))
 
 
 def _known_bias(context: InstanceContext) -> list[Statement]:
@@ -268,7 +268,7 @@ def _forces(context: InstanceContext, of: ClassCode) -> Right:
 def accel(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of vdot alone, for integrators of first-order equations."""
     results = {"vdot": Result(("body by body",), count=len(context.rows))}
-    return _solved(context, function, results, _forces, ("t", "q", "v"), "vdot", _known_bias(context))
+    return solved(context, function, results, _forces, ("t", "q", "v"), "vdot", _known_bias(context))
 
 
 def solve(context: InstanceContext, function: ModelFunction) -> Kernel:
@@ -277,20 +277,4 @@ def solve(context: InstanceContext, function: ModelFunction) -> Kernel:
         "vdot": Result(("body by body",), count=len(context.rows)),
         "lam": Result(("joint by joint",), count=len(context.multipliers)),
     }
-    return _solved(context, function, results, _forces, ("t", "q", "v"), "vdot", _known_bias(context))
-
-
-def project_velocity(context: InstanceContext, function: ModelFunction) -> Kernel:
-    """The kernel of the smallest dv, in the metric of M, with G dv = r."""
-
-    def nothing(_: InstanceContext, of: ClassCode) -> Right:
-        return Right([sp.S.Zero for _ in of.context.rows], [sp.S.Zero for _ in of.context.multipliers])
-
-    given: list[Statement] = []
-    if context.blocks:
-        for rows, count, to, of in _by_joint(context, context.blocks):
-            body = [StoreElement(Element(KNOWN, of.at(k)), Element("r", to.at(k))) for k in range(rows)]
-            given.append(ForEach(INSTANCE, constant(0), constant(count), (*_entry(to), *_entry(of), *body)))
-    argument = whole("r", len(context.multipliers), "prescribed change of gdot")
-    results = {"dv": Result(("body by body",), count=len(context.rows))}
-    return _solved(context, function, results, nothing, ("t", "q"), "dv", given, {"r": argument}, in_lanes=False)
+    return solved(context, function, results, _forces, ("t", "q", "v"), "vdot", _known_bias(context))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import accumulate
@@ -15,6 +15,7 @@ from derive.ir.statements import ForEach, Statement, Work
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
+from derive.lowering.flat.sensitivities import derivatives
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.block_system import Blocks, blocks
 from derive.lowering.instances.class_code import ClassCode, Loaded, LoopCode, LoopTarget
@@ -43,7 +44,7 @@ ZERO = Number(Fraction(0))
 class InstanceContext:
     """The data of all functions: the classes of bodies, the joints, the names of all elements, and constant arrays."""
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(self, mechanism: Mechanism, sensitivities: bool = False) -> None:
         self.mechanism = mechanism
         self.places, self.constants = Places(), Constants(frozenset())
         self.known = KnownMotion(mechanism)
@@ -69,6 +70,11 @@ class InstanceContext:
         self.blocks: Blocks | None = blocks(rows, handles) if rows else None
         self.rows = tuple(row.name for row in mechanism.rows)
         self.multipliers = tuple(c.name for c in self.conditions)
+        if sensitivities:
+            self.known.differentiate()
+            for code in self.codes:
+                for constant in derivatives(code.context.equations):
+                    code.context.add_constant(constant)
 
     def _group(self, group: Group, equations: Equations) -> GroupCode:
         constants = sum(len(m.constants) for m in group.first.bodies)
@@ -207,9 +213,9 @@ def kernel(
         **(inputs or {}),
     }
     outputs = tuple(results[name].output(name, doc) for name, doc in function.outputs.items())
-    made = [Section(name, equation, text, tuple(body)) for name, equation, text, body in sections]
+    made = [Section(name, equation, text, tuple(_without_idle(body))) for name, equation, text, body in sections]
     used = {name for section in made for statement in section.body for name in reads(statement)}
-    names = used & {str(symbol) for symbol in context.known.symbols}
+    names = used & context.known.names
     moving = names & {str(symbol) for symbol in context.known.moving}
     assert not moving or "t" in function.arguments, f"{function.name} knows no time, on which {moving} depend"
     known = Section("known", "(1)", "the ground, prescribed motions and drives", context.known.statements(names))
@@ -220,6 +226,11 @@ def kernel(
         outputs,
         tuple(section for section in (known, *made) if section.body),
     )
+
+
+def _without_idle(body: Iterable[Statement]) -> Iterator[Statement]:
+    """Statements without the loops over bodies that have nothing to compute."""
+    return (statement for statement in body if not isinstance(statement, ForEach) or statement.body)
 
 
 def scatter(of: LoopCode, what: str, array: str, positions: list[list[int]], operator: Operator | None) -> LoopTarget:

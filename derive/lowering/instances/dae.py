@@ -15,6 +15,7 @@ from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.dae import residual_rows, states
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.class_code import ClassCode, Loaded
+from derive.lowering.instances.classes import Member
 from derive.lowering.instances.context import (
     GroupCode,
     InstanceContext,
@@ -33,7 +34,7 @@ PARTS = {"": ("position",), "ggl": ("rate", "position"), "index1": ("bias",)}
 """For each form the parts of the constraints that the blocks of F after the equations of motion contain."""
 
 
-class _Form:
+class DaeLayout:
     """The layout of y and F in one form: q, v and lambda, and in the stabilised form mu."""
 
     def __init__(self, context: InstanceContext, form: str) -> None:
@@ -44,20 +45,29 @@ class _Form:
 
     def positions(self, of: ClassCode) -> list[list[int]]:
         """For each member of a class the indices in y, and in F, of its own elements in the order of its context."""
-        n = len(of.context.rows)
-        result = []
+        n, result = len(of.context.rows), []
         for m in of.of.members:
             own = [m.coordinate + k for k in range(n)]
-            rows = [
-                self.context.first_rows[handle.joint] + k
-                for handle, numbers in zip(m.handles, of.rows, strict=True)
-                for k in range(len(numbers))
-            ]
-            result.append(
-                [*own, *(self.coordinates + i for i in own)]
-                + [2 * self.coordinates + b * self.constraints + r for b in range(self.blocks) for r in rows]
-            )
+            first = 2 * self.coordinates
+            result.append([*own, *(self.coordinates + i for i in own), *self._joints(of, m, first, self.blocks)])
         return result
+
+    def parameter_rows(self, of: ClassCode) -> list[list[int]]:
+        """For each member of a class the rows of its derivatives with respect to the parameters.
+
+        They are its equations of motion, and g, gdot and G vdot - gamma of its joints.
+        """
+        own, first = range(len(of.context.rows)), self.coordinates
+        return [[*(m.coordinate + k for k in own), *self._joints(of, m, first, 3)] for m in of.of.members]
+
+    def _joints(self, of: ClassCode, member: Member, first: int, blocks: int) -> list[int]:
+        """The indices of the constraints of a body in blocks of all constraints, which follow each other."""
+        rows = [
+            self.context.first_rows[handle.joint] + k
+            for handle, numbers in zip(member.handles, of.rows, strict=True)
+            for k in range(len(numbers))
+        ]
+        return [first + b * self.constraints + r for b in range(blocks) for r in rows]
 
     def reads(self, of: ClassCode, array: str, given: Input, what: str) -> Iterator[Loaded]:
         """The elements of an array of the size of y that one body has."""
@@ -68,6 +78,11 @@ class _Form:
     def velocities(self, group: GroupCode) -> list[list[int]]:
         """For each element of a group the indices in y of the velocities of its bodies."""
         return [[self.coordinates + k for k in own] for own in group.coordinates]
+
+    def states(self, group: GroupCode) -> list[Loaded]:
+        """Where the coordinates and the velocities of the bodies of a group are."""
+        ctx, positions = group.code.context, zip(group.coordinates, self.velocities(group), strict=True)
+        return loads(group.code, "y", array_input("y", ctx.state, ""), [[*q, *v] for q, v in positions])
 
     @property
     def arguments(self) -> dict[str, Argument]:
@@ -82,7 +97,7 @@ class _Form:
 
 def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of F(t, y, ydot)."""
-    form = _Form(context, function.variant)
+    form = DaeLayout(context, function.variant)
     body: list[Statement] = [Clear("F", form.size)]
     for b, part in enumerate(PARTS[form.form]):
         first = 2 * form.coordinates + b * form.constraints
@@ -101,22 +116,21 @@ def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
     return kernel(context, function, results, ("residual", "(15)", text, body), inputs=form.arguments)
 
 
-def _between_bodies(context: InstanceContext, form: _Form) -> list[Statement]:
+def _between_bodies(context: InstanceContext, form: DaeLayout) -> list[Statement]:
     """The loops that add the forces between bodies to F."""
     result: list[Statement] = []
     for group in context.forces:
         code, ctx = group.code, group.code.context
         symbols = ctx.symbols(*given_inputs(code, "t", "q", "v"))
-        inputs = [*loads(code, "y", ctx.q, group.coordinates), *loads(code, "y", ctx.v, form.velocities(group))]
         items = stores("F", [symbols(ctx.equations.sum_of(row.name)) for row in ctx.equations.rows])
         target = spread(code, "F", form.velocities(group), Operator.ADD)
-        result.append(code.loop(symbols, [Step(code.name, "(10)", "", items)], inputs, {"F": target}))
+        result.append(code.loop(symbols, [Step(code.name, "(10)", "", items)], form.states(group), {"F": target}))
     return result
 
 
 def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the iteration matrix dF/dy + cj dF/dydot."""
-    form = _Form(context, function.variant)
+    form = DaeLayout(context, function.variant)
     entries = {(i, i) for i in range(form.size)}
     local, between = [], []
     for of in context.classes:
@@ -150,8 +164,7 @@ def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
         given = (*form.reads(of, "y", y, f"state_{form.form}"), *form.reads(of, "ydot", ydot, f"state_{form.form}"))
         body.append(of.loop(symbols, [Step(of.name, "", "", stores("jac", values))], given, {"jac": target}))
     for group, symbols, values, positions in between:
-        code, ctx = group.code, group.code.context
-        inputs = [*loads(code, "y", ctx.q, group.coordinates), *loads(code, "y", ctx.v, form.velocities(group))]
+        code, inputs = group.code, form.states(group)
         target = scatter(code, f"force_{form.form}", "jac", [[number[e] for e in m] for m in positions], Operator.ADD)
         body.append(code.loop(symbols, [Step(code.name, "", "", stores("jac", values))], inputs, {"jac": target}))
     results = {"jac": Result(pattern=shape)}

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
+import casadi as ca
 import sympy as sp
 
 from derive.ir.expressions import Expr, Number, ScalarRef
 from derive.ir.statements import Let, Statement, Store
+from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.schedule import OutputValue, Step
+from derive.lowering.flat.sensitivities import by_parameters_and_inputs, derivatives
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
@@ -30,11 +33,25 @@ STILL = fixed_point(sp.Matrix([0, 0]))
 PARTS = ("position", "rate", "bias")
 
 
+@dataclass(frozen=True)
+class KnownDerivatives:
+    """Derivatives of what is known with respect to parameters and inputs, besides zeros.
+
+    columns: for each symbol the numbers of the parameters and inputs that it depends on, and the symbols of its
+    derivatives; values: these by their names, in terms of `symbols`.
+    """
+
+    columns: Mapping[sp.Symbol, Mapping[int, sp.Symbol]]
+    values: Mapping[str, ca.SX]
+    symbols: Symbols | None = None
+
+
 class KnownMotion:
     """The motions that are functions of the time and of inputs, with the code that computes them.
 
     bodies: the equations of the bodies without coordinates; constraints: what is known of the constraints of each
-    joint, where bodies with coordinates are at rest in 0; moving: all symbols that depend on the time.
+    joint, where bodies with coordinates are at rest in 0; moving: all symbols that depend on the time; derivatives:
+    those with respect to parameters and inputs, once there are any.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
@@ -54,6 +71,11 @@ class KnownMotion:
         for name, body in self.bodies.items():
             definitions += [d for d in _pose_definitions(name, body) if not d.expr.is_Rational]
         self.definitions = tuple(definitions)
+        self.derivatives = KnownDerivatives({}, {})
+
+    def differentiate(self) -> None:
+        """Compute the derivatives of what is known with respect to parameters and inputs, for kernels that follow."""
+        self.derivatives = _derivatives(self.context, [d.symbol for d in self.definitions])
 
     def point(self, marker: MarkerRef) -> PointMotion:
         """The motion of a marker if it is known, else that of a point at rest in 0."""
@@ -106,13 +128,19 @@ class KnownMotion:
             )
         )
 
+    @property
+    def names(self) -> frozenset[str]:
+        """The names of the definitions and of their derivatives."""
+        return frozenset((*map(str, self.symbols), *self.derivatives.values))
+
     def statements(self, names: Iterable[str]) -> tuple[Statement, ...]:
-        """The statements that compute some of the definitions, by their names."""
+        """The statements that compute some of the definitions and of their derivatives, by their names."""
         wanted = sorted(set(names))
         if not wanted:
             return ()
-        symbols = self.context.symbols(self.context.t)
+        symbols = self.derivatives.symbols or self.context.symbols(self.context.t)
         values = {str(symbol): symbols.values[symbol] for symbol in self.symbols if symbol in symbols.values}
+        values |= self.derivatives.values
         items = tuple(OutputValue("known", k, values[name]) for k, name in enumerate(wanted))
         result: list[Statement] = []
         for section in self.context.sections(symbols, Step("known", "", "", items)):
@@ -122,6 +150,24 @@ class KnownMotion:
                 elif statement.expr != ScalarRef(wanted[statement.index]):
                     result.append(Let(wanted[statement.index], statement.expr))
         return tuple(result)
+
+
+def _derivatives(context: Context, of: Iterable[sp.Symbol]) -> KnownDerivatives:
+    """The derivatives of some definitions, with the derivatives of their constants as constants of setup."""
+    for constant in derivatives(context.equations):
+        context.add_constant(constant)
+    symbols = context.symbols(context.t)
+    known = [symbol for symbol in of if symbol in symbols.values]
+    names = [*(p.symbol for p in context.equations.parameters), *context.u.symbols]
+    columns: dict[sp.Symbol, dict[int, sp.Symbol]] = {}
+    values: dict[str, ca.SX] = {}
+    if known and names:
+        matrix = by_parameters_and_inputs(context, symbols, symbols.values_of(known))
+        for i, j in sorted(zip(*matrix.sparsity().get_triplet(), strict=True)):
+            symbol = local(f"{known[i]}_by_{names[j]}")
+            columns.setdefault(known[i], {})[j] = symbol
+            values[str(symbol)] = matrix[i, j]
+    return KnownDerivatives(columns, values, symbols)
 
 
 def known_constraints(joint: JointInstance, first: PointMotion, second: PointMotion) -> tuple[Constraint, ...]:

@@ -11,10 +11,11 @@ from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
-from derive.lowering.instances import accelerations, body_functions, constraints, dae, outputs
+from derive.lowering.instances import accelerations, body_functions, constraints, dae, outputs, prescribed_sides
 from derive.lowering.instances.classes import obstacle
 from derive.lowering.instances.context import InstanceContext
 from derive.lowering.instances.markers import Markers
+from derive.lowering.instances.sensitivities import parameter_jacobian
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.symbol_variables import symbol_variable
 from derive.mechanics.multibody.mechanism import Mechanism, refuse_equal_names, refuse_idle
@@ -33,12 +34,14 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kern
     FunctionKind.CONSTRAINT_JACOBIAN: constraints.constraint_jacobian,
     FunctionKind.CONSTRAINT_BIAS: constraints.constraint_bias,
     FunctionKind.SOLVE: accelerations.solve,
-    FunctionKind.PROJECT_VELOCITY: accelerations.project_velocity,
+    FunctionKind.PROJECT_VELOCITY: prescribed_sides.project_velocity,
     FunctionKind.POSES: body_functions.poses,
     FunctionKind.OUTPUTS: outputs.outputs,
     FunctionKind.OUTPUTS_JACOBIAN: outputs.outputs_jacobian,
     FunctionKind.RESIDUAL: dae.residual,
     FunctionKind.JACOBIAN: dae.jacobian,
+    FunctionKind.PARAMETER_JACOBIAN: parameter_jacobian,
+    FunctionKind.SOLVE_KKT: prescribed_sides.solve_kkt,
 }
 """The functions of a mechanism, by their kinds."""
 
@@ -54,15 +57,17 @@ def instances_reason(mechanism: Mechanism) -> str:
     return f"looped over {moving} bodies, whose straight-line code would take long to compile"
 
 
-def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = False) -> Model:
+def lower_instances(
+    mechanism: Mechanism, choice: str = "", explicit: bool = False, sensitivities: bool = False
+) -> Model:
     """The model of a mechanism in loops over its instances."""
-    context = InstanceContext(mechanism)
+    context = InstanceContext(mechanism, sensitivities)
     _check(context)
     equations = context.classes[0].context.equations
     markers = Markers(context)
     named = replace(equations, markers=markers.equations, outputs=context.output_components)
     made = {**FUNCTIONS, FunctionKind.MARKER: markers.motion, FunctionKind.LOAD: markers.load}
-    functions = functions_of(named, explicit=explicit)
+    functions = functions_of(named, sensitivities, explicit)
     kernels = tuple(made[function.kind](context, function) for function in functions)
     for of in (*context.classes, *context.marker_classes.values()):
         of.add_numbers()
