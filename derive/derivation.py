@@ -18,8 +18,9 @@ from derive.ir.model import Model
 from derive.lowering import cost_model
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.lower import lower as lower_flat
-from derive.lowering.instances.lower import instances_reason, lower_instances
+from derive.lowering.instances.lower import lower_instances
 from derive.lowering.loops.body_functions import lower_loops
+from derive.lowering.mechanism_costs import estimate_mechanism_costs
 from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
 from derive.mechanics.bodies.modal_body import ModalBody
@@ -84,6 +85,11 @@ TOO_LONG = (
     "which FMUs and --sensitivities need"
 )
 
+NO_DERIVATIVES = (
+    "loops over instances have no derivatives by parameters and inputs, which FMUs and --sensitivities need; use "
+    'lowering = "flat" or "auto"'
+)
+
 
 @paused()
 def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit: bool = False) -> Model:
@@ -97,15 +103,10 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
     """
     if not isinstance(derived, (Equations, Mechanism)):
         raise TypeError(f"the equations that derive.derive(spec) returns are needed, not {type(derived).__name__}")
-    if isinstance(derived, Mechanism) and not sensitivities:
-        reason = instances_reason(derived)
-        if reason:
-            return lower_instances(derived, reason, explicit)
+    if isinstance(derived, Mechanism):
+        return _lower_mechanism(derived, sensitivities, explicit)
     if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
-        try:
-            return lower_flat(derived.expanded(), sensitivities=sensitivities, explicit=explicit)
-        except RecursionError:
-            raise LoweringError(TOO_LONG) from None
+        return lower_flat(derived.expanded(), sensitivities=sensitivities, explicit=explicit)
     estimate = cost_model.estimate_costs(derived.body)
     try:
         flat = estimate.selected(derived.lowering) == "flat"
@@ -117,6 +118,20 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
             (Problem("body.lowering", f'{reason}; loops have no derivatives by parameters: lowering = "flat"'),)
         )
     return lower_flat(derived.expanded(), reason, sensitivities=sensitivities) if flat else lower_loops(derived, reason)
+
+
+def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) -> Model:
+    requested = mechanism.scene.lowering
+    if requested == "instances" and sensitivities:
+        raise SpecError((Problem("scene.lowering", NO_DERIVATIVES),))
+    costs = estimate_mechanism_costs(mechanism)
+    if not sensitivities and costs.selected(requested) == "instances":
+        return lower_instances(mechanism, costs.reason(requested), explicit)
+    reason = "" if requested == "auto" else costs.reason(requested)
+    try:
+        return lower_flat(mechanism.expanded(), reason, sensitivities=sensitivities, explicit=explicit)
+    except RecursionError:
+        raise LoweringError(TOO_LONG) from None
 
 
 def lowered_form(derived: Equations | Mechanism, model: Model) -> Equations:

@@ -12,7 +12,6 @@ from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances import accelerations, body_functions, constraints, dae, outputs
-from derive.lowering.instances.classes import obstacle
 from derive.lowering.instances.context import InstanceContext
 from derive.lowering.instances.markers import Markers
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
@@ -41,17 +40,6 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kern
     FunctionKind.JACOBIAN: dae.jacobian,
 }
 """The functions of a mechanism, by their kinds."""
-
-MANY = 8
-"""Bodies from which on straight-line code takes long to compile."""
-
-
-def instances_reason(mechanism: Mechanism) -> str:
-    """The reason to lower a mechanism to loops over its instances; empty if it is lowered to straight-line code."""
-    moving = sum(instance.moves for instance in mechanism.instances)
-    if moving < MANY or obstacle(mechanism):
-        return ""
-    return f"looped over {moving} bodies, whose straight-line code would take long to compile"
 
 
 def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = False) -> Model:
