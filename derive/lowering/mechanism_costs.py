@@ -3,6 +3,7 @@
 The times are those of the accelerations, predicted from the numbers of bodies, coordinates, joints and constraints, for
 which neither lowering need be made. The constants are a fit to 61 scenes of 1 to 12 bodies, measured with gcc 12 at -O3
 -march=x86-64-v3 on an Intel Xeon processor (family 6, model 167) by bench/lowerings.py, which compares predictions
+with measurements; their errors are 13 % (rms). With n coordinates of a body, c constraints of its joints, a addends of
 its h and, if M is not diagonal, z non-zeros of M, and with e products in the elimination of the joints, in ns:
 
     straight-line code   3.3 + 0.84 n c + 0.28 a + 0.16 z n of each body, and 0.30 e

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import chain
 
 from derive.ir.expressions import Expr, ScalarRef, walk
 from derive.ir.model import ConstantArray, Kernel, Model, Variable, Zero
@@ -52,9 +53,9 @@ def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = Fal
     made = {**FUNCTIONS, FunctionKind.MARKER: markers.motion, FunctionKind.LOAD: markers.load}
     functions = functions_of(named, explicit=explicit)
     kernels = tuple(made[function.kind](context, function) for function in functions)
+    setup, constants = _setup(context, kernels)
     for of in (*context.classes, *context.marker_classes.values()):
         of.add_numbers()
-    setup, constants = _setup(context, kernels)
     scene, conditions = mechanism.scene, context.conditions
     return Model(
         name=scene.name,
@@ -124,7 +125,7 @@ def _setup(context: InstanceContext, kernels: tuple[Kernel, ...]) -> tuple[Kerne
 
 
 def _of_all(context: InstanceContext) -> Constants:
-    """The constants and checks of setup, without those of numbers that differ from instance to instance."""
+    """The constants and checks of setup; of numbers that differ, the checks for each instance. Raises LoweringError."""
     differing = set().union(*(of.differing for of in context.codes))
     result = Constants(context.constants.coefficients - differing)
     for expr, name in context.constants.hoisted.items():
@@ -132,7 +133,11 @@ def _of_all(context: InstanceContext) -> Constants:
             differing.add(name)
         else:
             result.hoisted[expr] = name
-    result.requirements += [r for r in context.constants.requirements if not _names(r.expr) & differing]
+    for requirement in context.constants.requirements:
+        every = (code.of_members(requirement) for code in context.codes) if _names(requirement.expr) & differing else ()
+        for of in chain((requirement,), *every):
+            if not _names(of.expr) & differing:
+                result.require(of.kind, of.expr, of.code, of.text)
     return result
 
 
