@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import accumulate
@@ -207,7 +207,7 @@ def kernel(
         **(inputs or {}),
     }
     outputs = tuple(results[name].output(name, doc) for name, doc in function.outputs.items())
-    made = [Section(name, equation, text, tuple(body)) for name, equation, text, body in sections]
+    made = [Section(name, equation, text, tuple(_without_empty(body))) for name, equation, text, body in sections]
     used = {name for section in made for statement in section.body for name in reads(statement)}
     names = used & {str(symbol) for symbol in context.known.symbols}
     moving = names & {str(symbol) for symbol in context.known.moving}
@@ -220,6 +220,11 @@ def kernel(
         outputs,
         tuple(section for section in (known, *made) if section.body),
     )
+
+
+def _without_empty(statements: Iterable[Statement]) -> Iterator[Statement]:
+    """The statements without loops that have nothing to do, such as those of forces that act on no coordinate."""
+    return (s for s in statements if not isinstance(s, ForEach) or s.body)
 
 
 def scatter(of: LoopCode, what: str, array: str, positions: list[list[int]], operator: Operator | None) -> LoopTarget:
