@@ -18,9 +18,9 @@ from derive.ir.model import Model
 from derive.lowering import cost_model
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.lower import lower as lower_flat
-from derive.lowering.instances.classes import obstacle
-from derive.lowering.instances.lower import instances_reason, lower_instances
+from derive.lowering.instances.lower import lower_instances
 from derive.lowering.loops.body_functions import lower_loops
+from derive.lowering.mechanism_costs import estimate_mechanism_costs
 from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
 from derive.mechanics.bodies.modal_body import ModalBody
@@ -80,12 +80,6 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
     return parameters_of(body, symbolic_tables(spec), spec.gravity)
 
 
-def _too_long(derived: Equations | Mechanism) -> str:
-    """The message where straight-line code is too long, with the reason why there are no loops over bodies."""
-    reason = obstacle(derived) if isinstance(derived, Mechanism) else ""
-    return f"straight-line code is too long{f', and there are no loops over bodies, since {reason}' if reason else ''}"
-
-
 @paused()
 def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit: bool = False) -> Model:
     """The kernels of a model: straight-line code, or loops over the modes of a spatial body if these are faster.
@@ -99,14 +93,9 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
     if not isinstance(derived, (Equations, Mechanism)):
         raise TypeError(f"the equations that derive.derive(spec) returns are needed, not {type(derived).__name__}")
     if isinstance(derived, Mechanism):
-        reason = instances_reason(derived)
-        if reason:
-            return lower_instances(derived, reason, explicit, sensitivities)
+        return _lower_mechanism(derived, sensitivities, explicit)
     if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
-        try:
-            return lower_flat(derived.expanded(), sensitivities=sensitivities, explicit=explicit)
-        except RecursionError:
-            raise LoweringError(_too_long(derived)) from None
+        return lower_flat(derived.expanded(), sensitivities=sensitivities, explicit=explicit)
     estimate = cost_model.estimate_costs(derived.body)
     try:
         flat = estimate.selected(derived.lowering) == "flat"
@@ -118,6 +107,24 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
             (Problem("body.lowering", f'{reason}; loops have no derivatives by parameters: lowering = "flat"'),)
         )
     return lower_flat(derived.expanded(), reason, sensitivities=sensitivities) if flat else lower_loops(derived, reason)
+
+
+def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) -> Model:
+    requested = mechanism.scene.lowering
+    costs = estimate_mechanism_costs(mechanism)
+    if costs.selected(requested) == "instances":
+        return lower_instances(mechanism, costs.reason(requested), explicit, sensitivities)
+    reason = "" if requested == "auto" else costs.reason(requested)
+    try:
+        return lower_flat(mechanism.expanded(), reason, sensitivities=sensitivities, explicit=explicit)
+    except RecursionError:
+        raise LoweringError(_too_long(costs.obstacle)) from None
+
+
+def _too_long(obstacle: str) -> str:
+    """The message where straight-line code is too long, with the reason why there are no loops over bodies."""
+    why = f"there are no loops over bodies, since {obstacle}" if obstacle else 'write lowering = "instances"'
+    return f"straight-line code is too long; {why}"
 
 
 def lowered_form(derived: Equations | Mechanism, model: Model) -> Equations:

@@ -51,6 +51,18 @@ def test_cables_of_exudyn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.long
+def test_lowerings() -> None:
+    """The values of both lowerings agree, or the script fails; the loops are chosen by prediction, not by times."""
+    rows = [line.split(" | ") for line in printed("lowerings.py", str(ROOT / "scenes/four_bar.toml"), "--chains", "6")]
+    chosen = {row[0].removeprefix("| "): row[-1].removesuffix(" |") for row in rows if len(row) > 5}
+    assert {name: chosen[name] for name in ("weld_6", "revolute_6", "four_bar")} == {
+        "weld_6": "instances",
+        "revolute_6": "instances",
+        "four_bar": "flat",
+    }
+
+
+@pytest.mark.long
 def test_python_calls() -> None:
     """All compute the same forces, or the script fails."""
     options = ["--frames", "point", "--states", "5", "--rounds", "1", "--calls", "5"]

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from derive.ir.model import Model
+from derive.lowering.mechanism_costs import estimate_mechanism_costs
+from derive.mechanics.multibody.mechanism import Mechanism
 from derive.notes.body_notes import body_notes
 from derive.notes.model_notes import limits
 from derive.pipeline import Built
@@ -17,12 +19,23 @@ def build_notes(built: Built, path: Path) -> tuple[str, ...]:
     """The notes on the model of the specification in the file `path`, with the warnings on that file."""
     spec, model = built.spec, built.model
     return (
-        *((model.choice,) if model.choice else ()),
+        *_lowering(built),
         *(body_notes(spec) if isinstance(spec, NodalBody) else ()),
         *_elimination(model),
         *limits(spec),
         *(f"warning: {text}" for text in (*((built.unstarted,) if built.unstarted else ()), *warnings(path))),
     )
+
+
+def _lowering(built: Built) -> Iterator[str]:
+    """Yield the reason for the lowering; the files of scenes in straight-line code do not contain it."""
+    model, derived = built.model, built.derived
+    if model.choice:
+        yield model.choice
+    elif isinstance(derived, Mechanism):
+        costs = estimate_mechanism_costs(derived)
+        if costs.lowering == model.lowering:
+            yield costs.reason(derived.scene.lowering)
 
 
 def _elimination(model: Model) -> Iterator[str]:

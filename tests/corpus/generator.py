@@ -27,8 +27,11 @@ from corpus.draws import Draws, rounded
 from corpus.instances import count_some, expanded
 from corpus.linkages import link
 from corpus.lone_bodies import LONE, lone_beam, spatial_body
+from corpus.many_bodies import SHARE, many_bodies
 from corpus.observations import observe
 from corpus.spelling import respell
+from derive import JOINTS
+from derive.mechanics.multibody.joints.relative_rows import Axes
 from derive.spec.tables.specification import json_schema
 
 
@@ -72,9 +75,24 @@ def corpus_scene(seed: int) -> CorpusScene:
     """The scene of a seed."""
     draws = Draws(seed)
     tables, files, linkage = _parts(draws, f"scene_{seed}")
+    many = Draws(f"many {seed}")
+    if many.chance(SHARE):
+        (tables, linkage), files = many_bodies(many, f"scene_{seed}"), {}
     count_some(tables, Draws(f"count {seed}"), 0.1)
+    _lower(tables, Draws(f"lowering {seed}"))
     respell(tables, _schema(), draws, 0.6 if linkage in LONE else 0.15)
     return CorpusScene(seed, expanded(tables), tables, files, linkage)
+
+
+def _lower(tables: Table, draws: Draws) -> None:
+    """Ask for loops over instances in a quarter of the scenes where they are possible, and for others in a few."""
+    lowering = draws.choice(["instances"] * 5 + ["auto", "flat"] + [""] * 13)
+    joints = tables.get("joints", {}).values()
+    fixed = all(
+        JOINTS[joint["kind"]].axes is Axes.INERTIAL or joint["between"][0].startswith("ground.") for joint in joints
+    )
+    if lowering and "bodies" in tables and (fixed or lowering != "instances"):
+        tables.setdefault("scene", {})["lowering"] = lowering
 
 
 @cache

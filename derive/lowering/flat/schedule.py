@@ -129,13 +129,18 @@ def _moved_to_setup(graph: Graph, item: RequiredValue, node: int) -> bool:
         return False
     number = graph.value(node)
     if number is not None and item.kind is Requirement.POSITIVE and number <= 0:
-        raise LoweringError(
-            f"{item.text}, whatever the state: shapes are too nearly dependent to compute with (make them orthogonal), "
-            "or two joints impose the same constraint (remove one of them)"
-        )
+        raise never_met(item.text)
     if graph.constants is not None:
         graph.constants.require(item.kind, graph.expr(node), item.code, item.text)
     return True
+
+
+def never_met(text: str) -> LoweringError:
+    """The error for numbers that do not meet their requirement, with the text of that."""
+    return LoweringError(
+        f"{text}, whatever the state: shapes are too nearly dependent to compute with (make them orthogonal), "
+        "or two joints impose the same constraint (remove one of them)"
+    )
 
 
 class _Writer:

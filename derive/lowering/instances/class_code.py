@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import casadi as ca
 
 from derive.ir.analysis import expressions
-from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef, walk
+from derive.ir.expressions import Element, Expr, Leaf, Number, Operation, Operator, ScalarRef, mapped, walk
 from derive.ir.indices import ElementIndex, IndexTerm
 from derive.ir.model import ConstantArray
 from derive.ir.operator_functions import ARITHMETIC, LIBRARY
-from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Store, StoreElement
+from derive.ir.statements import Entry, ForEach, InstanceItem, Let, Require, Requirement, Store, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input
-from derive.lowering.flat.schedule import Step
+from derive.lowering.flat.schedule import Step, never_met
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.class_equations import ClassEquations
 from derive.lowering.instances.classes import BodyClass, Member
@@ -61,6 +61,7 @@ class LoopCode:
             for m in of.members
             if self.differing
         ]
+        self._members = [_name(m) for m in of.members]
         self._columns: dict[str, int] = {}
 
     def place(self, what: str, firsts: Sequence[int], spacing: int = 1) -> Place:
@@ -136,8 +137,23 @@ class LoopCode:
         hoisted = {name: expr for expr, name in self.context.constants.hoisted.items()}
         columns: list[Fraction] = []
         for name in self._columns:
-            columns += [_evaluated(name, values, hoisted) for values in self._values]
+            columns += [_evaluated(ScalarRef(name), values, hoisted) for values in self._values]
         self.places.numbers(ConstantArray(self._array, tuple(columns), False))
+
+    def of_members(self, requirement: Require) -> Iterator[Require]:
+        """Yield a requirement for each instance with its numbers, besides those that these numbers alone meet.
+
+        Raises LoweringError if they do not meet it.
+        """
+        hoisted = {name: expr for expr, name in self.context.constants.hoisted.items()}
+        for name, values in zip(self._members, self._values, strict=False):
+            numbers = {symbol: values[symbol] for symbol in self.differing}
+            expr = _with_numbers(requirement.expr, numbers, hoisted)
+            text = f"{name}: {requirement.text}"
+            if any(isinstance(part, ScalarRef) for part in walk(expr)):
+                yield replace(requirement, expr=expr, text=text)
+            elif not _meets(requirement.kind, expr):
+                raise never_met(text)
 
 
 class ClassCode(LoopCode):
@@ -153,6 +169,11 @@ class ClassCode(LoopCode):
 
 def _entries(place: Place) -> tuple[Entry, ...]:
     return () if place.entry is None else (place.entry,)
+
+
+def _name(member: Member | GroupElement) -> str:
+    bodies = (member,) if isinstance(member, Member) else member.bodies
+    return ", ".join(body.instance.name for body in bodies)
 
 
 def _values(member: Member | GroupElement) -> list[Fraction]:
@@ -173,8 +194,8 @@ def _parts(count: int) -> tuple[slice, slice]:
     return slice(count), slice(count, None)
 
 
-def _evaluated(name: str, values: Mapping[str, Fraction], hoisted: Mapping[str, Expr]) -> Fraction:
-    """A constant of one instance, exactly where its expression is rational."""
+def _evaluated(expression: Expr, values: Mapping[str, Fraction], hoisted: Mapping[str, Expr]) -> Fraction:
+    """An expression of the constants of one instance, exactly where its expression is rational."""
 
     def of(expr: Expr) -> Fraction:
         match expr:
@@ -187,7 +208,30 @@ def _evaluated(name: str, values: Mapping[str, Fraction], hoisted: Mapping[str, 
                 return Fraction(call(*map(of, expr.args)))
         raise AssertionError("constants have no arrays")
 
-    return of(ScalarRef(name))
+    return of(expression)
+
+
+def _with_numbers(expression: Expr, numbers: Mapping[str, Fraction], hoisted: Mapping[str, Expr]) -> Expr:
+    """An expression of constants with numbers for some of them, also in the expressions that constants stand for."""
+
+    def leaf(part: Leaf) -> Expr:
+        if not isinstance(part, ScalarRef):
+            return part
+        if part.name in numbers:
+            return Number(numbers[part.name])
+        inner = mapped(hoisted[part.name], leaf) if part.name in hoisted else part
+        return part if inner == hoisted.get(part.name) else inner
+
+    return mapped(expression, leaf)
+
+
+def _meets(kind: Requirement, expression: Expr) -> bool:
+    """Whether an expression of numbers meets a requirement."""
+    try:
+        value = _evaluated(expression, {}, {})
+    except ArithmeticError:
+        return False
+    return kind is not Requirement.POSITIVE or value > 0
 
 
 def kept_values(

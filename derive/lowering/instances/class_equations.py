@@ -169,7 +169,8 @@ def given_symbols(equations: Equations, known: KnownMotion) -> tuple[sp.Symbol, 
     """The symbols of what is known in some equations, in the order of their definitions."""
     parts = [d.expr for d in equations.definitions]
     parts += [*(term.expr for term in equations.terms), *(out.expr for out in equations.outputs)]
-    parts += [equations.strain_energy]
+    parts += [equations.kinetic_energy, equations.strain_energy, equations.weight_energy or sp.S.Zero]
+    parts += [*equations.linear_momentum, *equations.angular_momentum]
     parts += [e for pose_of in equations.poses for e in (*pose_of.position, pose_of.rotation_angle)]
     for c in equations.constraints:
         parts += [c.position, c.rate, c.bias, *(factor for _, factor in c.jacobian)]

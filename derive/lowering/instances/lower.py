@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import chain
 
 from derive.ir.expressions import Expr, ScalarRef, walk
 from derive.ir.model import ConstantArray, Kernel, Model, Variable, Zero
@@ -12,7 +13,6 @@ from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances import accelerations, body_functions, constraints, dae, outputs, prescribed_sides
-from derive.lowering.instances.classes import obstacle
 from derive.lowering.instances.context import InstanceContext
 from derive.lowering.instances.markers import Markers
 from derive.lowering.instances.sensitivities import parameter_jacobian
@@ -45,17 +45,6 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kern
 }
 """The functions of a mechanism, by their kinds."""
 
-MANY = 8
-"""Bodies from which on straight-line code takes long to compile."""
-
-
-def instances_reason(mechanism: Mechanism) -> str:
-    """The reason to lower a mechanism to loops over its instances; empty if it is lowered to straight-line code."""
-    moving = sum(instance.moves for instance in mechanism.instances)
-    if moving < MANY or obstacle(mechanism):
-        return ""
-    return f"looped over {moving} bodies, whose straight-line code would take long to compile"
-
 
 def lower_instances(
     mechanism: Mechanism, choice: str = "", explicit: bool = False, sensitivities: bool = False
@@ -69,9 +58,9 @@ def lower_instances(
     made = {**FUNCTIONS, FunctionKind.MARKER: markers.motion, FunctionKind.LOAD: markers.load}
     functions = functions_of(named, sensitivities, explicit)
     kernels = tuple(made[function.kind](context, function) for function in functions)
+    setup, constants = _setup(context, kernels)
     for of in (*context.classes, *context.marker_classes.values()):
         of.add_numbers()
-    setup, constants = _setup(context, kernels)
     scene, conditions = mechanism.scene, context.conditions
     return Model(
         name=scene.name,
@@ -141,7 +130,7 @@ def _setup(context: InstanceContext, kernels: tuple[Kernel, ...]) -> tuple[Kerne
 
 
 def _of_all(context: InstanceContext) -> Constants:
-    """The constants and checks of setup, without those of numbers that differ from instance to instance."""
+    """The constants and checks of setup; of numbers that differ, the checks for each instance. Raises LoweringError."""
     differing = set().union(*(of.differing for of in context.codes))
     result = Constants(context.constants.coefficients - differing)
     for expr, name in context.constants.hoisted.items():
@@ -149,7 +138,11 @@ def _of_all(context: InstanceContext) -> Constants:
             differing.add(name)
         else:
             result.hoisted[expr] = name
-    result.requirements += [r for r in context.constants.requirements if not _names(r.expr) & differing]
+    for requirement in context.constants.requirements:
+        every = (code.of_members(requirement) for code in context.codes) if _names(requirement.expr) & differing else ()
+        for of in chain((requirement,), *every):
+            if not _names(of.expr) & differing:
+                result.require(of.kind, of.expr, of.code, of.text)
     return result
 
 

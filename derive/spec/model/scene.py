@@ -46,6 +46,7 @@ class SceneInput:
 
 
 SceneStart = Literal["equilibrium"]
+SceneLowering = Literal["auto", "flat", "instances"]
 EQUILIBRIUM: SceneStart = "equilibrium"
 """The value of `start` for which the initial state of a scene is its static equilibrium."""
 
@@ -279,6 +280,16 @@ class Scene:
         tuple[SceneInput, ...], key(SceneInput, "Run-time inputs by name.", example="[inputs.motor]")
     ] = ()
     outputs: Annotated[tuple[SceneOutput, ...], key(SceneOutput, "Outputs by name.", example="[outputs.tip]")] = ()
+    lowering: Annotated[
+        SceneLowering,
+        key(
+            KeyType.CHOICE,
+            "Code of bodies and joints: flat (unrolled), instances (loops over all of a kind), or auto (the faster, as "
+            "predicted).",
+            default="auto",
+            choice_of="the lowering of a scene",
+        ),
+    ] = "auto"
 
 
 Specification = PlanarBeam | NodalBody | SymbolicBody | Scene

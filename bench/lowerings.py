@@ -1,0 +1,198 @@
+"""Which lowering of a mechanism evaluates its accelerations faster: as measured, and as the cost model predicts.
+
+python bench/lowerings.py [FILE ...] [--chains 2 3 4 6 8 10 12] [--corpus 33 166 ...] [--graphs 0 5 ...] [--flags FLAGS]
+
+Straight-line code and loops over instances of the same scene run alternately in one process, and their values agree to
+1e-9 of the largest acceleration before they are timed; the least CPU time counts. The chains are welded and pinned
+beams with two shapes; without files those of `scenes` and `examples` are measured. --corpus, --graphs: seeds of random
+scenes of the tests. Prints a table of Markdown.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from interleaved import TimedCall, interleaved
+from limited import limited
+from machine import OWN_OPTION, described
+from numpy.typing import NDArray
+
+import derive
+from derive.backends.c.source import CBackend
+from derive.errors import TisserandError
+from derive.ir.model import Model
+from derive.lowering.flat.lower import lower as lower_flat
+from derive.lowering.instances.lower import lower_instances
+from derive.lowering.mechanism_costs import MechanismCosts, estimate_mechanism_costs
+from derive.mechanics.multibody.mechanism import Mechanism
+from derive.roles import Role
+from derive.runtime.compiler import WITHOUT_BATCHES, compiler
+
+ROOT = Path(__file__).parents[1]
+FLAGS = ("-O3 -march=x86-64-v3", "-O2")
+CHAINS = (2, 3, 4, 6, 8, 10, 12)
+STATES = 16
+TOLERANCE = 1e-9
+"""The largest relative difference of values, which the condition numbers of random scenes magnify."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The predicted times of both lowerings of a scene, and the measured ones (ns) by the flags of the compiler."""
+
+    scene: str
+    bodies: int
+    costs: MechanismCosts
+    flat: tuple[float, ...]
+    instances: tuple[float, ...]
+
+    @property
+    def row(self) -> str:
+        """The row of the table."""
+        costs, (flat, looped) = self.costs, (self.flat[0], self.instances[0])
+        ratios = [f"{b / a:.2f}" for a, b in zip(self.flat, self.instances, strict=True)]
+        predicted = f"{costs.flat:.0f} | {costs.instances:.0f} | {costs.instances / costs.flat:.2f}"
+        cells = [self.scene, str(self.bodies), f"{flat:.0f}", f"{looped:.0f}", *ratios, predicted, costs.lowering]
+        return f"| {' | '.join(cells)} |"
+
+
+def comparison(scene: derive.Scene, flags: Sequence[str], repeats: int) -> Comparison:
+    """The times of a scene. Raises ArithmeticError if the values of both lowerings differ."""
+    mechanism = derive.derive(scene)
+    assert isinstance(mechanism, Mechanism)
+    costs = estimate_mechanism_costs(mechanism)
+    if costs.obstacle:
+        raise ArithmeticError(costs.obstacle)
+    models = {
+        "flat": lower_flat(mechanism.expanded(), explicit=True),
+        "instances": lower_instances(mechanism, explicit=True),
+    }
+    bodies = sum(instance.moves for instance in mechanism.instances)
+    times = zip(*(_times(models, options, repeats) for options in flags), strict=True)
+    return Comparison(scene.name, bodies, costs, *map(tuple, times))
+
+
+def _times(models: dict[str, Model], flags: str, repeats: int) -> list[float]:
+    """The least times (ns) of an evaluation in both lowerings, with some flags."""
+    flat = models["flat"]
+    nv = len(flat.velocities)
+    given = {"t": "0.01", "q": f"q + s * {nv}", "v": f"v + s * {nv}", "u": "u"}
+    used = [argument.name for argument in flat.kernel("accel").arguments]
+    types = ", ".join("double" if name == "t" else "const double *" for name in used)
+    calls, declared, once = [], [], []
+    with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as directory:
+        folder = Path(directory)
+        objects = [_compiled(model, form, flags, folder) for form, model in models.items()]
+        for form in models:
+            name = f"{flat.name}_{form}"
+            arguments = ", ".join({**given, "k": f"k_{form}"}[argument] for argument in used)
+            calls.append(TimedCall(form, f"if ({name}_accel({arguments}, out)) exit(7);", nv))
+            declared.append(f"int {name}_setup(const double *, double *); int {name}_accel({types}, double *);")
+            once.append(f"if ({name}_setup(p, k_{form})) return 5;")
+        q, v = _states(flat)
+        times, (a, b) = interleaved(
+            calls,
+            declare="\n".join(declared),
+            once=" ".join(once),
+            arrays={"q": q, "v": v, "p": np.array([*flat.defaults, 0.0]), "u": np.zeros(len(flat.inputs) + 1)},
+            scratch={f"k_{form}": 1 + sum(c.size for c in model.constants) for form, model in models.items()},
+            objects=objects,
+            folder=folder,
+            states=STATES,
+            repeats=repeats,
+            statistic=np.min,
+        )
+    error = np.max(np.abs(a - b) / np.abs(a).max(axis=1, keepdims=True))
+    if not error < TOLERANCE:
+        raise ArithmeticError(f"accelerations differ by {error:.1e}")
+    return times
+
+
+def _compiled(model: Model, form: str, flags: str, folder: Path) -> Path:
+    """The object of the functions `setup` and `accel` of a model; the others are empty."""
+    name = f"{model.name}_{form}"
+    kernels = (k if k.name in ("setup", "accel") else replace(k, sections=(), constants=()) for k in model.kernels)
+    derive.write(CBackend().files(replace(model, name=name, kernels=tuple(kernels)), "a benchmark"), folder)
+    source = folder / name / f"{name}.c"
+    target = source.with_suffix(".o")
+    limited([*compiler(), *shlex.split(flags), OWN_OPTION, "-w", WITHOUT_BATCHES, "-c", source, "-o", target])
+    return target
+
+
+def _states(model: Model) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Random q and v (STATES, nv) with small amplitudes of the deformation."""
+    rng = np.random.default_rng(1)
+    scale = [0.01 if c.role is Role.AMPLITUDE else 1.0 for c in model.coordinates]
+    shape = STATES, len(scale)
+    return rng.uniform(-1, 1, shape) * scale, rng.uniform(-0.1, 0.1, shape)
+
+
+def chain(count: int, kind: str) -> derive.Scene:
+    """A chain of equal beams that hangs from the ground, welded or pinned to each other."""
+    beam = {"ansatz": ["1", "xi", "xi^2", "xi^3"], "bending_stiffness": "1/5", "markers": {"left": -1, "right": 1}}
+    pairs = {f"joint_{k}": [f"link_{k}.right", f"link_{k + 1}.left"] for k in range(count - 1)}
+    return derive.scene(
+        f"{kind}_{count}",
+        ground={"origin": [0, 0]},
+        gravity=[0, -9.81],
+        bodies={f"link_{k}": {**beam, "mass": "1/20", "length": "1/10"} for k in range(count)},
+        joints={
+            "pin": {"kind": "revolute", "between": ["ground.origin", "link_0.left"]},
+            **{name: {"kind": kind, "between": between} for name, between in pairs.items()},
+        },
+    )
+
+
+def scenes(options: argparse.Namespace) -> Iterator[derive.Scene]:
+    """The scenes that are measured."""
+    for kind in ("weld", "revolute"):
+        yield from (chain(count, kind) for count in options.chains)
+    for path in options.files or sorted([*ROOT.glob("scenes/*.toml"), *ROOT.glob("examples/*.toml")]):
+        spec = derive.read(path)
+        if isinstance(spec, derive.Scene) and len(spec.bodies) < 50:
+            yield spec
+    sys.path[1:1] = [str(ROOT / "tests"), str(ROOT / "tests" / "kernel")]
+    if options.graphs:
+        from random_graphs import graph
+
+        yield from (graph(seed, most=12).scene for seed in options.graphs)
+    if options.corpus:
+        from corpus.generator import corpus_scene
+
+        with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
+            for seed in options.corpus:
+                spec = derive.read(corpus_scene(seed).write(Path(folder)))
+                assert isinstance(spec, derive.Scene)
+                yield spec
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", type=Path, nargs="*")
+    parser.add_argument("--chains", type=int, nargs="*", default=CHAINS)
+    parser.add_argument("--corpus", type=int, nargs="*", default=())
+    parser.add_argument("--graphs", type=int, nargs="*", default=())
+    parser.add_argument("--flags", nargs="+", default=FLAGS)
+    parser.add_argument("--repeats", type=int, default=41)
+    options = parser.parse_args(argv)
+    print("\n".join([*described("sympy"), *(f"flags     {flags}" for flags in options.flags), ""]))
+    ratios = " | ".join(f"ratio, {flags.split()[0]}" for flags in options.flags)
+    print(f"| scene | bodies | unrolled | looped | {ratios} | predicted | looped | ratio | chosen |")
+    print(f"| --- | {'---: | ' * (6 + len(options.flags))}--- |")
+    for scene in scenes(options):
+        try:
+            print(comparison(scene, options.flags, options.repeats).row, flush=True)
+        except (TisserandError, ArithmeticError, RuntimeError, subprocess.CalledProcessError) as error:
+            print(f"{scene.name}: {str(error).splitlines()[-1]}", file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    main()

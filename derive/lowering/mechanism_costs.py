@@ -1,0 +1,139 @@
+"""Cost model of mechanisms: predicts whether straight-line code or loops over instances are faster.
+
+The times are those of the accelerations, predicted from the numbers of bodies, coordinates, joints and constraints, for
+which neither lowering need be made. The constants are a fit to 61 scenes of 1 to 12 bodies, measured with gcc 12 at -O3
+-march=x86-64-v3 on an Intel Xeon processor (family 6, model 167) by bench/lowerings.py, which compares predictions
+with measurements; their errors are 13 % (rms). With n coordinates of a body, c constraints of its joints, a addends of
+its h and, if M is not diagonal, z non-zeros of M, and with e products in the elimination of the joints, in ns:
+
+    straight-line code   3.3 + 0.84 n c + 0.28 a + 0.16 z n of each body, and 0.30 e
+    loops                3.4 + 0.61 n c + 0.28 a + 0.17 z n of each body, 1.9 for each joint, and 0.28 e; from four
+                         bodies of a class on these take 0.45 of it, since they are in the lanes of vectors, and two or
+                         three take 1.1 of it; along an open path, which is eliminated from both ends, 0.07 e
+
+The blocks of joints in loops have one size, that of the joint with the most constraints. The compiler takes about
+0.02 T + 2.2e-8 T^3 seconds for the functions of straight-line code whose accelerations take T ns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive.errors import Problem, SpecError
+from derive.ir.indices import LANES
+from derive.lowering.instances.block_system import Blocks, blocks
+from derive.lowering.instances.classes import BodyClass, body_classes, obstacle
+from derive.mechanics.multibody.mechanism import Mechanism
+
+SHORT, LONG = 5.0, 30.0
+"""The predicted times (s) of the compiler up to which straight-line code is short, and from which on it is too long."""
+MARGIN, MARGIN_OF_SHORT = 0.9, 0.75
+"""The ratios of the predicted times below which loops are chosen, for longer and for short straight-line code."""
+
+
+@dataclass(frozen=True)
+class MechanismCosts:
+    """The predicted times of both lowerings of a mechanism.
+
+    flat, instances: of an evaluation of the accelerations (ns); compiler: of the compiler for straight-line code (s);
+    obstacle: the reason why the mechanism cannot be lowered to loops over its instances, empty if it can be.
+    """
+
+    flat: float
+    instances: float
+    compiler: float
+    obstacle: str
+
+    @property
+    def lowering(self) -> str:
+        """The lowering that is chosen if the specification leaves it open."""
+        looped = self._is_faster_looped or self.compiler > LONG
+        return "instances" if looped and not self.obstacle else "flat"
+
+    @property
+    def _margin(self) -> float:
+        return MARGIN if self.compiler > SHORT else MARGIN_OF_SHORT
+
+    @property
+    def _is_faster_looped(self) -> bool:
+        return self.instances < self._margin * self.flat
+
+    def selected(self, requested: str) -> str:
+        """The lowering to use; `requested` is "auto", "flat" or "instances". Raises SpecError if it is impossible."""
+        if requested == "instances" and self.obstacle:
+            text = f'loops over instances are impossible, {self.obstacle}; use lowering = "flat" or "auto"'
+            raise SpecError((Problem("scene.lowering", text),))
+        return self.lowering if requested == "auto" else requested
+
+    def reason(self, requested: str) -> str:
+        """The selected lowering, the reason for it, and the predicted times as a line of text."""
+        looped = self.selected(requested) == "instances"
+        if requested != "auto":
+            why = "as the specification asks"
+        elif looped and not self._is_faster_looped:
+            why = f"since straight-line code would take the compiler some {self.compiler:.0f} s"
+        elif looped or self.instances > self.flat:
+            why = "the faster form"
+        else:
+            why = self.obstacle or f"since loops do not take less than {self._margin:.0%} of its time"
+        form = "looped over instances" if looped else "unrolled"
+        times = f"{self.flat:.0f} ns unrolled, {self.instances:.0f} ns looped over instances"
+        return f"{form}, {why}; predicted evaluation time of the accelerations: {times}"
+
+
+def estimate_mechanism_costs(mechanism: Mechanism) -> MechanismCosts:
+    """The predicted costs of both lowerings of a mechanism."""
+    rows = [joint.multipliers for joint in mechanism.joints]
+    classes = body_classes(mechanism)
+    flat, looped = 0.0, 0.0
+    for of in classes:
+        count = len(of.members)
+        for_flat, for_loop = _body_times(mechanism, of, rows)
+        flat += count * for_flat
+        looped += _passes(count) * for_loop
+    if rows:
+        handles = [[(h.joint, h.is_first) for h in member.handles] for of in classes for member in of.members]
+        system = blocks(rows, handles)
+        path = system.is_path and not system.closes_loops
+        flat += 0.30 * _products(system, system.rows)
+        looped += 1.9 * len(rows) + (0.07 if path else 0.28) * _products(system, [system.size] * len(rows))
+    return MechanismCosts(flat, looped, 0.02 * flat + 2.2e-8 * flat**3, obstacle(mechanism))
+
+
+def _body_times(mechanism: Mechanism, of: BodyClass, rows: Sequence[int]) -> tuple[float, float]:
+    """The times of a body of a class in straight-line code and in loops."""
+    instance = of.first.instance
+    equations = mechanism.kinds[instance.kind].equations.expanded()
+    coordinates = len(instance.coordinates.rows)
+    constraints = sum(rows[h.joint] for h in of.first.handles)
+    addends = _addends((*equations.force, *(d.expr for d in equations.definitions)))
+    entries = sum(entry != 0 for entry in equations.mass)
+    dense = coordinates * entries if constraints and entries > coordinates else 0
+    products = coordinates * constraints
+    return (
+        3.3 + 0.84 * products + 0.28 * addends + 0.16 * dense,
+        3.4 + 0.61 * products + 0.28 * addends + 0.17 * dense,
+    )
+
+
+def _addends(expressions: Iterable[sp.Expr]) -> int:
+    return sum(len(sp.Add.make_args(expr)) for expr in expressions)
+
+
+def _passes(count: int) -> float:
+    """The time of a loop over so many bodies of a class, in times of a single one."""
+    if count < LANES:
+        return count if count == 1 else 1.1 * count
+    return 0.45 * LANES * -(-count // LANES)
+
+
+def _products(system: Blocks, rows: Sequence[int]) -> float:
+    """The products of the elimination of joints with so many rows."""
+    size = [0] * len(rows)
+    for joint, place in enumerate(system.position):
+        size[place] = rows[joint]
+    later = (len(others) for others in system.neighbours)
+    return sum(r**3 * (1 / 3 + k + k * (k + 1) / 2) for r, k in zip(size, later, strict=True))
