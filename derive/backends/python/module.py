@@ -136,7 +136,9 @@ def python_function(
 
 def _is_listed(kernel: Kernel) -> bool:
     """Whether the elements of outputs are written to lists: by loops over instances and beside them, or not at all."""
-    return not kernel.statements or any(isinstance(s, ForEach | StoreElement) for s in kernel.statements)
+    if not kernel.statements:
+        return any(o.count is not None for o in kernel.outputs)
+    return any(isinstance(s, ForEach | StoreElement) for s in kernel.statements)
 
 
 def _single_state(arguments: tuple[Argument, ...]) -> list[str]:
