@@ -22,13 +22,14 @@ class Local:
     """Declare a local array with room for `count` elements, padded to a multiple of four.
 
     totals: the names of the sums whose lanes it holds, one sum after the other. cleared: whether its elements begin as
-    zeros.
+    zeros. aligned: whether vectors are stored in it that may begin anywhere.
     """
 
     array: str
     count: int
     totals: tuple[str, ...] = ()
     cleared: bool = False
+    aligned: bool = False
 
     @property
     def size(self) -> int:

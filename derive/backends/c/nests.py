@@ -7,16 +7,16 @@ mix, so that the bits are the same in every way.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import groupby
+from itertools import count, groupby
 from typing import assert_never
 
 from derive.backends.expression_text import C, Named, element, index_text, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.backends.wrapping import WIDTH, BreakableText, join, statement
 from derive.ir.expressions import Element, Ends, Expr, Operation, Operator, ScalarRef, walk
-from derive.ir.indices import LANE, ElementIndex, IndexTerm
+from derive.ir.indices import LANE, LANES, ElementIndex, IndexTerm
 from derive.ir.library_calls import STATE
 from derive.ir.loop_nests import (
     Accumulator,
@@ -31,8 +31,9 @@ from derive.ir.loop_nests import (
     Node,
     PartOf,
     Sines,
+    every,
 )
-from derive.ir.statements import Let, Require, Requirement
+from derive.ir.statements import Let, Require, Requirement, ReturnCode
 
 Lines = list[SourceLine]
 
@@ -47,13 +48,15 @@ class CNests:
 
     outputs: the arrays that the function writes; arrays: all arrays that are its parameters, in which a batch has rows
     of all its states; helpers: the first part of the names of the functions that it calls; has_codes: whether the
-    states of a batch have codes, which the first loop over states with requirements gives them otherwise.
+    states of a batch have codes, which the first loop over states with requirements gives them otherwise; starts: the
+    elements from which on vectors are stored in local arrays, see `vector_starts`.
     """
 
     outputs: Collection[str] = ()
     arrays: Collection[str] = ()
     helpers: str = ""
     has_codes: bool = False
+    starts: Mapping[str, int] = field(default_factory=dict)
     _known: set[str] = field(default_factory=set)
     """The arrays that are declared."""
     _lanes: set[str] = field(default_factory=set)
@@ -64,6 +67,10 @@ class CNests:
     """The names that differ from lane to lane, in a loop over lanes."""
     _lane: str = LANE
     """The variable of that loop, which is that of the ends in a loop over the ends of a path."""
+    _checks: dict[ReturnCode, str] | None = None
+    """The names of what a loop with lanes inside finds out about its requirements, by their codes."""
+    _names: Iterator[int] = field(default_factory=lambda: count(1))
+    """The numbers of these names."""
 
     def lines(self, nodes: Iterable[Node]) -> Lines:
         """The lines of plain statements, as they are written in a function."""
@@ -185,7 +192,16 @@ class CNests:
         new = [node for node in nodes if not self.arrays and node.array not in self._known]
         self._known |= {node.array for node in new}
         self._lanes |= {node.array for node in new if node.totals}
-        return plain(*declarations(f"{n.array}[{n.size}]{' = {0.0}' if n.cleared else ''}" for n in new))
+        aligned = [node.array for node in new if node.array in self.starts and not node.cleared]
+        lines = declarations(
+            f"{n.array}[{n.size}]{' = {0.0}' if n.cleared else ''}" for n in new if n.array not in aligned
+        )
+        lines += [
+            f"    TISSERAND_ALIGNED({n.array}, {n.size + LANES}, {-self.starts[n.array] % LANES});"
+            for n in new
+            if n.array in aligned
+        ]
+        return plain(*lines)
 
     def _accumulator(self, node: Accumulator) -> Lines:
         assert self._vectors is not None
@@ -234,7 +250,9 @@ class CNests:
         holds = join("!(", value, " > 0.0)") if node.kind is Requirement.POSITIVE else join("!isfinite(", value, ")")
         if self._vectors is not None and self._differs(node.expr):
             assert node.kind is Requirement.POSITIVE
-            holds = join(f"!{self._macro('POSITIVE')}(", value, ")")
+            if self._checks is not None and self._lane == LANE:
+                return statement("    ", f"TISSERAND_CHECK({self._checks[node.code]}, ", value, f"); /* {node.text} */")
+            holds = join("!TISSERAND_POSITIVE_ENDS(", value, ")")
         return statement("    ", "if (", holds, f") return {int(node.code)}; /* {node.text} */")
 
     def _states(self, node: For) -> Lines:
@@ -265,7 +283,21 @@ class CNests:
 
     # ---- loops ----
 
+    def _checked_once(self, node: For) -> Lines:
+        """A loop with lanes inside whose requirements are tested behind it, since a branch in each block takes time."""
+        lanes = (item for item in every([node]) if isinstance(item, For) and item.kind is LoopKind.LANES)
+        codes = dict.fromkeys(item.code for loop in lanes for item in loop.body if isinstance(item, Require))
+        self._checks = {code: f"holds_{next(self._names)}" for code in codes}
+        lines = plain(*(f"    tisserand_holds {name} = TISSERAND_HOLDS;" for name in self._checks.values()))
+        lines += self._loop(node)
+        for code, name in self._checks.items():
+            lines += plain(f"    if (!TISSERAND_EVERY({name})) return {int(code)}; /* {code.meaning} */")
+        self._checks = None
+        return lines
+
     def _loop(self, node: For) -> Lines:
+        if self._checks is None:
+            return self._checked_once(node)
         match node.kind:
             case LoopKind.ENDS:
                 body = self._in_lanes(node)
@@ -288,6 +320,23 @@ class CNests:
         lines = self.lines(node.body)
         self._vectors, self._lane = None, LANE
         return lines
+
+
+def vector_starts(nodes: Iterable[Node]) -> dict[str, int]:
+    """The elements from which on vectors are stored in local arrays that may be aligned.
+
+    A vector that is aligned does not cross the lines that caches exchange; storing to two of them takes twice the time.
+    """
+    nodes = tuple(every(nodes))
+    may = {node.array for node in nodes if isinstance(node, Local) and node.aligned}
+    starts: dict[str, int] = {}
+    for loop in nodes:
+        for node in loop.body if isinstance(loop, For) and loop.kind is LoopKind.LANES else ():
+            if isinstance(node, Assign) and isinstance(node.target, Element) and node.target.array in may:
+                assert node.target.index
+                if node.target.index.stride(LANE) == 1:
+                    starts.setdefault(node.target.array, node.target.index.offset)
+    return starts
 
 
 def declarations(arrays: Iterable[str]) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, groupby
 
@@ -10,7 +10,7 @@ from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers, stack
 from derive.backends.c.composed_names import ComposedNames, composed_names
-from derive.backends.c.nests import CNests
+from derive.backends.c.nests import CNests, vector_starts
 from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
 from derive.backends.c.packed import entries, packed_functions
 from derive.backends.c.signatures import parameters, signature
@@ -30,7 +30,8 @@ from derive.backends.wrapping import comment, prefixed
 from derive.ir.analysis import expressions, names_read
 from derive.ir.expressions import Operation, Operator, walk
 from derive.ir.lanes import section_in_lanes
-from derive.ir.model import ConstantArray, Kernel, Model, Section, Variable
+from derive.ir.loop_nests import Node
+from derive.ir.model import ConstantArray, Kernel, Model, Variable
 from derive.ir.statements import Statement
 from derive.rendering import render
 from derive.roles import Role
@@ -171,20 +172,25 @@ def _function(model: Model, kernel: Kernel) -> list[SourceLine]:
     """
     named = _arguments(kernel)
     lines = plain(*_signature_of(model, kernel), "{", *named)
-    nests, loads = CNests({o.name for o in kernel.outputs}), _element_loads(kernel)
-    for k, section in enumerate(kernel.sections):
+    sections = [list(section_in_lanes(section.body)) for section in kernel.sections]
+    starts = vector_starts(node for section in sections for _, nodes in section for node in nodes)
+    nests, loads = CNests({o.name for o in kernel.outputs}, starts=starts), _element_loads(kernel)
+    for k, (section, body) in enumerate(zip(kernel.sections, sections, strict=True)):
         lines += plain(*([""] if k or named else []), *comment([section_text(section)], "    "))
-        lines += _section(section, k, nests, loads)
+        lines += _section(body, k, nests, loads)
     return [*lines, *plain("    return 0;", "}")]
 
 
-def _section(section: Section, number: int, nests: CNests, loads: dict[str, str]) -> list[SourceLine]:
+def _section(
+    body: Iterable[tuple[int, tuple[Node, ...]]], number: int, nests: CNests, loads: dict[str, str]
+) -> list[SourceLine]:
     """The lines of a section; matrices that are stored block by block are within the products before them.
 
-    loads: the lines that load elements; those that the section needs are taken out.
+    body: its plain statements with the numbers of its statements. loads: the lines that load elements; those that the
+    section needs are taken out.
     """
     lines: list[SourceLine] = []
-    for n, nodes in section_in_lanes(section.body):
+    for n, nodes in body:
         lines += plain(*(loads.pop(name) for name in dict.fromkeys(names_read(nodes)) if name in loads))
         printed = nests.lines(nodes)
         lines += [line.of(number, n if line.statement is None else line.statement) for line in printed]

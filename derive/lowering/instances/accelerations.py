@@ -15,7 +15,17 @@ from derive.ir.model import Argument, Kernel
 from derive.ir.statements import Entry, ForEach, Statement, StoreElement, Work
 from derive.lowering.flat.context import array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
-from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks, declared, packed
+from derive.lowering.instances.block_system import (
+    COUPLING,
+    DIAGONAL,
+    FORCE,
+    KNOWN,
+    RIGHT,
+    Blocks,
+    declared,
+    packed,
+    spaced,
+)
 from derive.lowering.instances.class_code import INSTANCE, ClassCode, LoopTarget, kept_values
 from derive.lowering.instances.context import (
     InstanceContext,
@@ -67,8 +77,8 @@ def _system(
     if context.blocks and of.rows:
         more, targets = _block_items(context, of, system)
         items += more
-    work = Work(f"kept_{of.name}", len(kept) * of.count) if kept else None
-    place = of.place("kept", range(of.count), of.count)
+    work = Work(f"kept_{of.name}", len(kept) * spaced(of.count)) if kept else None
+    place = of.place("kept", range(of.count), spaced(of.count))
     if work:
         items += stores("kept", values)
         targets["kept"] = of.target(work.array, place)
@@ -121,7 +131,9 @@ def _block_items(
 
 def _joint_place(system: Blocks, of: ClassCode, handle: int) -> Place:
     """The place of the joint at a handle of each body, in arrays of one component after the other."""
-    return of.place(f"joint_{handle}", [system.position[m.handles[handle].joint] for m in of.of.members], system.joints)
+    return of.place(
+        f"joint_{handle}", [system.position[m.handles[handle].joint] for m in of.of.members], system.spacing
+    )
 
 
 def _coupling(
@@ -134,7 +146,7 @@ def _coupling(
     at = [(system.position[m.handles[a].joint], system.position[m.handles[b].joint]) for m in of.of.members]
     turned = [x > y for x, y in at]
     name = f"coupling_{a}_{b}"
-    place = of.place(name, [system.block(min(x, y), max(x, y)) for x, y in at], system.couplings)
+    place = of.place(name, [system.block(min(x, y), max(x, y)) for x, y in at], system.coupling_spacing)
     values = [local_of.compliance(i, j) for i in first for j in second]
     cells = [(i, j) for i in range(len(first)) for j in range(len(second))]
     operator = Operator.ADD if system.adds else None
@@ -143,7 +155,7 @@ def _coupling(
         target = LoopTarget(COUPLING, _chosen(place, index), operator, _entry(place))
     else:
         row, column = f"{name}_row_{of.name}", f"{name}_column_{of.name}"
-        spacing = system.couplings
+        spacing = system.coupling_spacing
         rows = of.places.integers(f"{row}s", [spacing * (1 if t else size) for t in turned])
         columns = of.places.integers(f"{column}s", [spacing * (size if t else 1) for t in turned])
         here = ElementIndex(0, (IndexTerm(1, INSTANCE),))
@@ -221,7 +233,7 @@ def _by_joint(context: InstanceContext, system: Blocks) -> Iterator[tuple[int, i
         joints = [j for j, own in enumerate(system.rows) if own == rows]
         firsts = context.places.place(f"multiplier_{rows}", INSTANCE, [context.first_rows[j] for j in joints])
         of = [system.position[j] for j in joints]
-        yield rows, len(joints), firsts, context.places.place(f"reaction_{rows}", INSTANCE, of, system.joints)
+        yield rows, len(joints), firsts, context.places.place(f"reaction_{rows}", INSTANCE, of, system.spacing)
 
 
 def _reactions(context: InstanceContext, system: Blocks) -> Iterator[Statement]:
@@ -241,7 +253,7 @@ def _known_bias(context: InstanceContext) -> list[Statement]:
         for k, c in enumerate(of):
             value = known_value("bias", c, -1)
             if value is not None:
-                index = system.position[joint] + k * system.joints
+                index = system.position[joint] + k * system.spacing
                 result.append(StoreElement(Element(KNOWN, constant(index)), value))
     return result
 

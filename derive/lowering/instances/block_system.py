@@ -14,7 +14,7 @@ from fractions import Fraction
 from itertools import combinations
 
 from derive.ir.expressions import Element, Number
-from derive.ir.indices import constant
+from derive.ir.indices import LANES, constant, padded
 from derive.ir.patterns import pattern
 from derive.ir.statements import InstanceStatement, StoreElement, Work
 from derive.lowering.elimination_orders import elimination_order
@@ -61,6 +61,16 @@ class Blocks:
     def couplings(self) -> int:
         """The number of blocks beside the diagonal."""
         return len(self.writers)
+
+    @property
+    def spacing(self) -> int:
+        """The distance of the components of a block, in arrays with those of each joint."""
+        return spaced(self.joints)
+
+    @property
+    def coupling_spacing(self) -> int:
+        """The distance of the components of a block beside the diagonal."""
+        return spaced(self.couplings)
 
     @property
     def adds(self) -> bool:
@@ -144,6 +154,14 @@ def _order(adjacent: list[set[int]]) -> tuple[int, ...]:
     return elimination_order(pattern(count, count, entries, symmetric=True))
 
 
+def spaced(count: int) -> int:
+    """The distance of the components of `count` blocks: vectors of all of them may begin at multiples of four.
+
+    Rows of a multiple of 32 numbers would displace each other from the cache.
+    """
+    return padded(count) if padded(count) % 32 else padded(count) + LANES
+
+
 def packed(size: int, i: int, j: int) -> int:
     """The index of entry (i, j) of a symmetric block, rows i <= j."""
     i, j = min(i, j), max(i, j)
@@ -164,28 +182,27 @@ def declared(of: Blocks, has_known: bool) -> tuple[InstanceStatement, ...]:
         own = [rows[place] if place in of.sides[side] else 0 for place in range(n)]
         cells = [(i, j) for i in range(size) for j in range(i, size)]
         left = {
-            packed(size, i, j) * n + p: side == 0 and i == j and i >= rows[p]
+            packed(size, i, j) * of.spacing + p: side == 0 and i == j and i >= rows[p]
             for i, j in cells
             for p in range(n)
             if j >= own[p]
         }
-        result += _filled(DIAGONAL[side], of.packed * n, left)
-        result += _filled(
-            RIGHT[side], size * n, {i * n + p: False for i in range(size) for p in range(n) if i >= own[p]}
-        )
+        result += _filled(DIAGONAL[side], of.packed * of.spacing, left)
+        left = {i * of.spacing + p: False for i in range(size) for p in range(n) if i >= own[p]}
+        result += _filled(RIGHT[side], size * of.spacing, left)
     if of.couplings:
         ends = [(place, other) for place, others in enumerate(of.neighbours) for other, _ in others]
         left = {
-            (size * i + j) * of.couplings + b: False
+            (size * i + j) * of.coupling_spacing + b: False
             for b, (place, other) in enumerate(ends)
             for i in range(size)
             for j in range(size)
             if not of.writers[b] or of.adds or i >= rows[place] or j >= rows[other]
         }
-        result += _filled(COUPLING, of.couplings * size**2, left)
+        result += _filled(COUPLING, of.coupling_spacing * size**2, left)
     if has_known:
-        result.append(Work(KNOWN, n * size, cleared=True))
-    return (*result, Work(FORCE, n * size))
+        result.append(Work(KNOWN, size * of.spacing, cleared=True))
+    return (*result, Work(FORCE, size * of.spacing))
 
 
 def _filled(array: str, count: int, left: dict[int, bool]) -> list[InstanceStatement]:

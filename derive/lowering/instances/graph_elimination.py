@@ -25,10 +25,10 @@ def in_graph(of: Blocks, places: Places, has_known: bool) -> tuple[InstanceState
     What elimination subtracts from a neighbour goes to the array of its first body. The solution begins as what is left
     of the right-hand side.
     """
-    size, square, n, blocks = of.size, of.size**2, of.joints, of.couplings
+    size, square, spacing, blocks = of.size, of.size**2, of.spacing, of.coupling_spacing
     others = [other for neighbours in of.neighbours for other, _ in neighbours]
     starts = list(accumulate(map(len, of.neighbours), initial=0))
-    every_pair = [list(_pairs(of, place)) for place in range(n)]
+    every_pair = [list(_pairs(of, place)) for place in range(of.joints)]
     pairs = list(chain(*every_pair))
     first_pairs = list(accumulate(map(len, every_pair), initial=0))
     first_neighbours = places.integers("first_neighbours", starts)
@@ -38,12 +38,12 @@ def in_graph(of: Blocks, places: Places, has_known: bool) -> tuple[InstanceState
     ]
     every = _index("first_neighbour"), _index("last_neighbour")
     head = BlockBody(size)
-    block = plus(*(head.symmetric(f"{name}_", _at(name, n, JOINT)) for name in DIAGONAL))
-    scales = head.vector("scale", _at(SCALE, n, JOINT))
+    block = plus(*(head.symmetric(f"{name}_", _at(name, spacing, JOINT)) for name in DIAGONAL))
+    scales = head.vector("scale", _at(SCALE, spacing, JOINT))
     names = [*RIGHT, *([KNOWN] if has_known else [])]
-    right = plus(*(head.vector(f"{name}_", _at(name, n, JOINT)) for name in names))
+    right = plus(*(head.vector(f"{name}_", _at(name, spacing, JOINT)) for name in names))
     inverse = head.inverse(block, [value for (value,) in scales], of.closes_loops)
-    head.store_rows(_at(FORCE, n, JOINT), inverse.solve(right))
+    head.store_rows(_at(FORCE, spacing, JOINT), inverse.solve(right))
     forward: list[InstanceItem] = []
     backward: list[InstanceItem] = []
     works = [Work(FACTOR, blocks * square), Work(INVERSE, of.packed)] if others else []
@@ -53,14 +53,16 @@ def in_graph(of: Blocks, places: Places, has_known: bool) -> tuple[InstanceState
         inner = BlockBody(size)
         s = inner.matrix("s", _at(COUPLING, blocks, NEIGHBOUR))
         y = type(inverse).of_block(inner.symmetric("a", _fixed(INVERSE))).solve(s)
-        w = inner.vector("w", _at(FORCE, n, JOINT))
+        w = inner.vector("w", _at(FORCE, spacing, JOINT))
         inner.store_rows(_at(FACTOR, blocks, NEIGHBOUR), y)
-        inner.store_symmetric(_at(DIAGONAL[0], n, "other"), product(transposed(s), y), Operator.SUB)
-        inner.store_rows(_at(RIGHT[0], n, "other"), product(transposed(s), w), Operator.SUB)
+        inner.store_symmetric(_at(DIAGONAL[0], spacing, "other"), product(transposed(s), y), Operator.SUB)
+        inner.store_rows(_at(RIGHT[0], spacing, "other"), product(transposed(s), w), Operator.SUB)
         forward += [*bounds, ForEach(NEIGHBOUR, *every, (other, *inner.statements()))]
         back = BlockBody(size)
-        known = product(back.matrix("y", _at(FACTOR, blocks, NEIGHBOUR)), back.vector("f", _at(FORCE, n, "other")))
-        back.store_rows(_at(FORCE, n, JOINT), known, Operator.SUB)
+        known = product(
+            back.matrix("y", _at(FACTOR, blocks, NEIGHBOUR)), back.vector("f", _at(FORCE, spacing, "other"))
+        )
+        back.store_rows(_at(FORCE, spacing, JOINT), known, Operator.SUB)
         backward += [*bounds, ForEach(NEIGHBOUR, *every, (other, *back.statements()))]
     if pairs:
         update = BlockBody(size)
@@ -78,8 +80,8 @@ def in_graph(of: Blocks, places: Places, has_known: bool) -> tuple[InstanceState
             Entry("last_pair", starts_of_pairs, _index(JOINT).plus(1)),
             ForEach(PAIR, _index("first_pair"), _index("last_pair"), (*entries, *update.statements())),
         ]
-    whole = constant(0), constant(n)
-    works.append(Work(SCALE, n * size))
+    whole = constant(0), constant(of.joints)
+    works.append(Work(SCALE, size * spacing))
     result: list[InstanceStatement] = [*works, ForEach(JOINT, *whole, _scales(of))]
     result.append(ForEach(JOINT, *whole, (*head.statements(), *forward)))
     if backward:
@@ -89,9 +91,9 @@ def in_graph(of: Blocks, places: Places, has_known: bool) -> tuple[InstanceState
 
 def _scales(of: Blocks) -> tuple[InstanceItem, ...]:
     """The diagonal of a block before the elimination of other joints."""
-    body, n = BlockBody(of.size), of.joints
-    assembled = plus(*(body.symmetric(f"{name}_", _at(name, n, JOINT)) for name in DIAGONAL))
-    body.store_rows(_at(SCALE, n, JOINT), [[value] for value in diagonal(assembled)])
+    body, spacing = BlockBody(of.size), of.spacing
+    assembled = plus(*(body.symmetric(f"{name}_", _at(name, spacing, JOINT)) for name in DIAGONAL))
+    body.store_rows(_at(SCALE, spacing, JOINT), [[value] for value in diagonal(assembled)])
     return body.statements()
 
 

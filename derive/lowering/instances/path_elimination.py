@@ -28,8 +28,8 @@ from derive.lowering.instances.block_body import (
 )
 from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks
 
-FACTOR, UPDATE, RIGHT_UPDATE, LAST = "factor", "update", "right_update", "last_reaction"
-"""The local arrays of what back substitution needs, of what the joint before subtracts, and of its reactions."""
+FACTOR, UPDATE, RIGHT_UPDATE, SCALE, LAST = "factor", "update", "right_update", "update_scale", "last_reaction"
+"""The local arrays of what back substitution needs, of what the joint before subtracts, its scale, and reactions."""
 STEP, END = "step", "end"
 """The variables of the loops over the joints, counted from an end of the path, and over the two ends."""
 
@@ -52,7 +52,9 @@ class _Path:
 
     def statements(self) -> tuple[InstanceStatement, ...]:
         """All loops."""
-        works = [Work(UPDATE, 2 * self.of.packed, cleared=True), Work(RIGHT_UPDATE, 2 * self.size, cleared=True)]
+        carried = {UPDATE: self.of.packed, RIGHT_UPDATE: self.size}
+        carried |= {SCALE: 1} if self.has_factor else {}
+        works = [Work(name, 2 * count, cleared=True) for name, count in carried.items()]
         works += [Work(LAST, 2 * self.size)]
         works += [Work(FACTOR, 2 * (self.pairs + self.left) * self.kept)] if self.middle else []
         both, single = _BothEnds(self), _FirstEnd(self)
@@ -69,43 +71,55 @@ class _Path:
         """The block and the right-hand side of a joint, to which both bodies contribute."""
 
         def of(array: str) -> Callable[[int], Target]:
-            return lambda component: at(array, component, self.of.joints)
+            return lambda component: at(array, component, self.of.spacing)
 
         diagonals = [body.symmetric(f"{name}_", of(name)) for name in DIAGONAL]
         names = [*RIGHT, *([KNOWN] if self.has_known else [])]
         rights = [body.vector(f"{name}_", of(name)) for name in names]
         return plus(*diagonals), plus(*rights)
 
+    def carried(self, body: BlockBody, name: str, at: Callable[[str, int], Target]) -> tuple[Block, Block]:
+        """What the elimination of the joint before subtracts from a block and from its right-hand side.
+
+        The inverse of the determinant is a factor here and not before, where everything would wait for the division.
+        """
+        update = body.symmetric(f"u{name}", lambda c: at(UPDATE, c))
+        right = body.vector(f"v{name}", lambda c: at(RIGHT_UPDATE, c))
+        if not self.has_factor:
+            return update, right
+        scale = body.element(f"scale{name}", at(SCALE, 0))
+        return scaled(scale, update), scaled(scale, right)
+
     def forward(self, ends: _Ends) -> tuple[InstanceItem, ...]:
         """The elimination of a joint: what the next one needs, and what back substitution needs."""
         body = BlockBody(self.size)
         whole, r = self.pivot(body, ends.own)
-        d = minus(whole, body.symmetric("u", lambda c: ends.carried(UPDATE, c)))
-        r = minus(r, body.vector("v", lambda c: ends.carried(RIGHT_UPDATE, c)))
+        update, right_update = self.carried(body, "", ends.carried)
+        d, r = minus(whole, update), minus(r, right_update)
         inverse = body.inverse(d, diagonal(whole), self.of.closes_loops)
         s = body.matrix("s", ends.coupling)
         if isinstance(inverse, Adjugate):  # the division takes long: its result is a factor of sums
-            y, w, factor = inverse.part(s), inverse.part(r), inverse.inverse
-            body.store(ends.factor(self.kept - 1), factor)
+            y, w = inverse.part(s), inverse.part(r)
+            body.store(ends.factor(self.kept - 1), inverse.inverse)
+            body.store(ends.carried(SCALE, 0), inverse.inverse)
         else:
-            y, w, factor = inverse.solve(s), inverse.solve(r), ca.SX(1)
+            y, w = inverse.solve(s), inverse.solve(r)
         body.store_rows(ends.factor, y)
         body.store_rows(lambda c: ends.factor(self.size**2 + c), w)
-        body.store_symmetric(lambda c: ends.carried(UPDATE, c), scaled(factor, product(transposed(s), y)))
-        body.store_rows(lambda c: ends.carried(RIGHT_UPDATE, c), scaled(factor, product(transposed(s), w)))
+        body.store_symmetric(lambda c: ends.carried(UPDATE, c), product(transposed(s), y))
+        body.store_rows(lambda c: ends.carried(RIGHT_UPDATE, c), product(transposed(s), w))
         return body.statements()
 
     def meet(self) -> tuple[InstanceItem, ...]:
         """The reactions of the joint in the middle."""
         body = BlockBody(self.size)
-        n = self.of.joints
-        whole, r = self.pivot(body, lambda array, c, n: Element(array, constant(c * n + self.middle)))
+        whole, r = self.pivot(body, lambda array, c, spacing: Element(array, constant(c * spacing + self.middle)))
         d = whole
         for end in (0, 1) if self.pairs else (0,) if self.middle else ():
-            d = minus(d, body.symmetric(f"u_{end}_", _at_end(UPDATE, end)))
-            r = minus(r, body.vector(f"v_{end}_", _at_end(RIGHT_UPDATE, end)))
+            update, right_update = self.carried(body, f"_{end}_", _at_end(end))
+            d, r = minus(d, update), minus(r, right_update)
         for c, (value,) in enumerate(body.inverse(d, diagonal(whole), self.of.closes_loops).solve(r)):
-            body.store(Element(FORCE, constant(c * n + self.middle)), value)
+            body.store(Element(FORCE, constant(c * self.of.spacing + self.middle)), value)
             if self.middle:
                 body.store(Element(LAST, constant(2 * c)), value)
                 body.store(Element(LAST, constant(2 * c + 1)), value)
@@ -120,13 +134,13 @@ class _Path:
         factor = body.element("inverse", ends.factor(self.kept - 1)) if self.has_factor else ca.SX(1)
         for c, (value,) in enumerate(scaled(factor, minus(w, product(y, known)))):
             body.store(ends.carried(LAST, c), value)
-            body.store(ends.own(FORCE, c, self.of.joints), value)
+            body.store(ends.own(FORCE, c, self.of.spacing), value)
         return body.statements()
 
 
-def _at_end(array: str, end: int) -> Callable[[int], Element]:
+def _at_end(end: int) -> Callable[[str, int], Element]:
     """The places of what is carried along from an end, outside of the loop over the ends."""
-    return lambda component: Element(array, constant(2 * component + end))
+    return lambda array, component: Element(array, constant(2 * component + end))
 
 
 def _once(body: tuple[InstanceItem, ...]) -> ForEach:
@@ -168,13 +182,13 @@ class _BothEnds(_Ends):
 
     def own(self, array: str, component: int, spacing: int) -> Target:
         first = component * spacing
-        return Ends(array, variable(STEP, 1, first), variable(STEP, -1, first + spacing - 1), END)
+        return Ends(array, variable(STEP, 1, first), variable(STEP, -1, first + self.of.of.joints - 1), END)
 
     def coupling(self, component: int) -> Target:
         i, j = divmod(component, self.size)
-        n = self.of.of.couplings
-        turned = self.size * j + i
-        return Ends(COUPLING, variable(STEP, 1, component * n), variable(STEP, -1, turned * n + n - 1), END)
+        spacing, turned = self.of.of.coupling_spacing, self.size * j + i
+        last = turned * spacing + self.of.of.couplings - 1
+        return Ends(COUPLING, variable(STEP, 1, component * spacing), variable(STEP, -1, last), END)
 
     def carried(self, array: str, component: int) -> Target:
         return Element(array, variable(END, 1, 2 * component))
@@ -195,7 +209,7 @@ class _FirstEnd(_Ends):
         return Element(array, constant(component * spacing + self.of.pairs))
 
     def coupling(self, component: int) -> Target:
-        return Element(COUPLING, constant(component * self.of.of.couplings + self.of.pairs))
+        return Element(COUPLING, constant(component * self.of.of.coupling_spacing + self.of.pairs))
 
     def carried(self, array: str, component: int) -> Target:
         return Element(array, constant(2 * component))
