@@ -13,7 +13,7 @@ from itertools import count, groupby
 from derive.ir.analysis import names_read
 from derive.ir.expansion import ZERO, expand_in_tiles
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped
-from derive.ir.indices import constant, variable
+from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.library_calls import STATE, Line, has_calls, over_states, straight_lines
 from derive.ir.loop_nests import (
     START,
@@ -69,7 +69,7 @@ def batch(kernel: Kernel) -> Batch:
     """A kernel for many states."""
     nodes = [node for argument, view in state_views(kernel) for node in _gathered(argument, view)]
     nodes += [node for statement in kernel.statements for node in expand_in_tiles(statement)]
-    nodes = _in_loops(_initialised(_one_by_one(nodes)), frozenset(state_elements(kernel)))
+    nodes = _in_loops(_initialised(_in_records(_one_by_one(nodes))), frozenset(state_elements(kernel)))
     scalars = _scalars(nodes) - state_elements(kernel).keys()
     shared = {a.name for a in kernel.arguments if a.name in SHARED}
     shared |= {view.name for a in kernel.arguments if a.name in SHARED for view in a.arrays}
@@ -100,6 +100,30 @@ def _at_end(loop: For, end: int) -> For:
 
     body = tuple(rewritten(node, leaf) for node in loop.body)
     return replace(loop, start=constant(end), stop=constant(end + 1), body=body)
+
+
+def _in_records(nodes: Iterable[Node]) -> Iterator[Node]:
+    """Plain statements in which the components of an instance follow each other, where they were `spacing` apart.
+
+    Blocks of states are as long as the lines of a cache, so that neighbouring instances share none, and what an instance
+    reads and writes is then in few pages.
+    """
+    nodes = tuple(nodes)
+    sizes = {n.array: (n.spacing, n.size // n.spacing) for n in every(nodes) if isinstance(n, Local) and n.spacing}
+
+    def leaf(item: Leaf) -> Expr:
+        if not isinstance(item, Element) or item.array not in sizes:
+            return item
+        assert item.index
+        spacing, components = sizes[item.array]
+        component, place = divmod(item.index.offset, spacing)
+        terms = (
+            replace(t, stride=t.stride * components if t.stride % spacing else t.stride // spacing)
+            for t in item.index.terms
+        )
+        return replace(item, index=ElementIndex(component + place * components, tuple(terms)))
+
+    return (rewritten(node, leaf) for node in nodes)
 
 
 def _gathered(argument: str, view: View) -> tuple[Node, ...]:

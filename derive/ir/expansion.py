@@ -94,7 +94,7 @@ def expand(statement: Statement) -> tuple[Node, ...]:
         case RequireFinite(argument, count, code, text):
             return (ordered_loop("i", count, [Require(Requirement.FINITE, Element(argument, ROW), code, text)]),)
         case Work():
-            return (Local(statement.array, statement.count, cleared=statement.cleared, aligned=True),)
+            return (Local(statement.array, statement.count, cleared=statement.cleared, spacing=statement.spacing),)
         case Entry() | StoreElement() | ForEach():
             return (_instance_item(statement),)
         case Cholesky():

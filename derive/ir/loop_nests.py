@@ -22,14 +22,15 @@ class Local:
     """Declare a local array with room for `count` elements, padded to a multiple of four.
 
     totals: the names of the sums whose lanes it holds, one sum after the other. cleared: whether its elements begin as
-    zeros. aligned: whether vectors are stored in it that may begin anywhere.
+    zeros. spacing: the distance of the components of an instance, if the array holds one component of all instances after
+    the other.
     """
 
     array: str
     count: int
     totals: tuple[str, ...] = ()
     cleared: bool = False
-    aligned: bool = False
+    spacing: int = 0
 
     @property
     def size(self) -> int:

@@ -301,11 +301,15 @@ Loop = Map | Accumulate | MatVec | MatrixStore | Pack | Clear | RequireFinite | 
 
 @dataclass(frozen=True)
 class Work:
-    """Declare a local array of `count` elements; `cleared`: they begin as zeros."""
+    """Declare a local array of `count` elements; `cleared`: they begin as zeros.
+
+    spacing: the distance of the components of an instance, in an array of one component of all instances after the other.
+    """
 
     array: str
     count: int
     cleared: bool = False
+    spacing: int = 0
 
 
 @dataclass(frozen=True)

@@ -159,7 +159,7 @@ def test_plain_statements_of_each() -> None:
         Entry("at", "own", variable("i")),
         stored(Element("w", constant(2)), TWO),
     )
-    assert expand(work) == (Local("w", 4, cleared=True, aligned=True),)
+    assert expand(work) == (Local("w", 4, cleared=True),)
     assert expand(entry) == (Integer("at", "own", variable("i")),)
     assert expand(store) == (Assign(Element("w", constant(2)), TWO, None),)
     assert [type(item) for item in inside(GATHERED)] == [Entry, Entry, ForEach, Entry, StoreElement]

@@ -328,7 +328,7 @@ def vector_starts(nodes: Iterable[Node]) -> dict[str, int]:
     A vector that is aligned does not cross the lines that caches exchange; storing to two of them takes twice the time.
     """
     nodes = tuple(every(nodes))
-    may = {node.array for node in nodes if isinstance(node, Local) and node.aligned}
+    may = {node.array for node in nodes if isinstance(node, Local) and node.spacing}
     starts: dict[str, int] = {}
     for loop in nodes:
         for node in loop.body if isinstance(loop, For) and loop.kind is LoopKind.LANES else ():

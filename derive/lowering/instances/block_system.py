@@ -187,9 +187,9 @@ def declared(of: Blocks, has_known: bool) -> tuple[InstanceStatement, ...]:
             for p in range(n)
             if j >= own[p]
         }
-        result += _filled(DIAGONAL[side], of.packed * of.spacing, left)
+        result += _filled(DIAGONAL[side], of.packed, of.spacing, left)
         left = {i * of.spacing + p: False for i in range(size) for p in range(n) if i >= own[p]}
-        result += _filled(RIGHT[side], size * of.spacing, left)
+        result += _filled(RIGHT[side], size, of.spacing, left)
     if of.couplings:
         ends = [(place, other) for place, others in enumerate(of.neighbours) for other, _ in others]
         left = {
@@ -199,13 +199,13 @@ def declared(of: Blocks, has_known: bool) -> tuple[InstanceStatement, ...]:
             for j in range(size)
             if not of.writers[b] or of.adds or i >= rows[place] or j >= rows[other]
         }
-        result += _filled(COUPLING, of.coupling_spacing * size**2, left)
+        result += _filled(COUPLING, size**2, of.coupling_spacing, left)
     if has_known:
-        result.append(Work(KNOWN, size * of.spacing, cleared=True))
-    return (*result, Work(FORCE, size * of.spacing))
+        result.append(Work(KNOWN, size * of.spacing, True, of.spacing))
+    return (*result, Work(FORCE, size * of.spacing, spacing=of.spacing))
 
 
-def _filled(array: str, count: int, left: dict[int, bool]) -> list[InstanceStatement]:
+def _filled(array: str, components: int, spacing: int, left: dict[int, bool]) -> list[InstanceStatement]:
     """An array with the elements that no body writes: zeros, and ones where the value is true."""
     cleared = len(left) > FEW
     stores = [
@@ -213,4 +213,4 @@ def _filled(array: str, count: int, left: dict[int, bool]) -> list[InstanceState
         for index, one in sorted(left.items())
         if one or not cleared
     ]
-    return [Work(array, count, cleared), *stores]
+    return [Work(array, components * spacing, cleared, spacing), *stores]

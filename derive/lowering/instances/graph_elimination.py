@@ -46,7 +46,7 @@ def in_graph(of: Blocks, places: Places, has_known: bool) -> tuple[InstanceState
     head.store_rows(_at(FORCE, spacing, JOINT), inverse.solve(right))
     forward: list[InstanceItem] = []
     backward: list[InstanceItem] = []
-    works = [Work(FACTOR, blocks * square), Work(INVERSE, of.packed)] if others else []
+    works = [Work(FACTOR, blocks * square, spacing=blocks), Work(INVERSE, of.packed)] if others else []
     if others:
         other = Entry("other", places.integers("neighbours", others), _index(NEIGHBOUR))
         head.store_symmetric(_fixed(INVERSE), inverse.block)
@@ -81,7 +81,7 @@ def in_graph(of: Blocks, places: Places, has_known: bool) -> tuple[InstanceState
             ForEach(PAIR, _index("first_pair"), _index("last_pair"), (*entries, *update.statements())),
         ]
     whole = constant(0), constant(of.joints)
-    works.append(Work(SCALE, size * spacing))
+    works.append(Work(SCALE, size * spacing, spacing=spacing))
     result: list[InstanceStatement] = [*works, ForEach(JOINT, *whole, _scales(of))]
     result.append(ForEach(JOINT, *whole, (*head.statements(), *forward)))
     if backward:
