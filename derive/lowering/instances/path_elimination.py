@@ -28,8 +28,8 @@ from derive.lowering.instances.block_body import (
 )
 from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks
 
-FACTOR, UPDATE, RIGHT_UPDATE, SCALE, LAST = "factor", "update", "right_update", "update_scale", "last_reaction"
-"""The local arrays of what back substitution needs, of what the joint before subtracts, its scale, and reactions."""
+UPDATE, RIGHT_UPDATE, SCALE, LAST = "update", "right_update", "update_scale", "last_reaction"
+"""The local arrays of what the joint before subtracts, of its scale, and of its reactions."""
 STEP, END = "step", "end"
 """The variables of the loops over the joints, counted from an end of the path, and over the two ends."""
 
@@ -56,7 +56,6 @@ class _Path:
         carried |= {SCALE: 1} if self.has_factor else {}
         works = [Work(name, 2 * count, cleared=True) for name, count in carried.items()]
         works += [Work(LAST, 2 * self.size)]
-        works += [Work(FACTOR, 2 * (self.pairs + self.left) * self.kept)] if self.middle else []
         both, single = _BothEnds(self), _FirstEnd(self)
         return (
             *works,
@@ -166,8 +165,13 @@ class _Ends:
         raise NotImplementedError
 
     def factor(self, component: int) -> Target:
-        """The element of what back substitution needs."""
-        raise NotImplementedError
+        """The element of what back substitution needs, which takes the place of what elimination has read."""
+        square = self.size**2
+        if component < square:
+            return self.coupling(component)
+        if component < square + self.size:
+            return self.own(RIGHT[0], component - square, self.of.of.spacing)
+        return self.own(DIAGONAL[0], 0, self.of.of.spacing)
 
 
 class _BothEnds(_Ends):
@@ -193,10 +197,6 @@ class _BothEnds(_Ends):
     def carried(self, array: str, component: int) -> Target:
         return Element(array, variable(END, 1, 2 * component))
 
-    def factor(self, component: int) -> Target:
-        terms = IndexTerm(2 * self.of.kept, STEP), IndexTerm(1, END)
-        return Element(FACTOR, ElementIndex(2 * component, terms))
-
 
 class _FirstEnd(_Ends):
     """The one joint that is left on the side of the first end."""
@@ -213,6 +213,3 @@ class _FirstEnd(_Ends):
 
     def carried(self, array: str, component: int) -> Target:
         return Element(array, constant(2 * component))
-
-    def factor(self, component: int) -> Target:
-        return Element(FACTOR, constant(2 * (self.of.pairs * self.of.kept + component)))
