@@ -105,8 +105,8 @@ def _at_end(loop: For, end: int) -> For:
 def _in_records(nodes: Iterable[Node]) -> Iterator[Node]:
     """Plain statements in which the components of an instance follow each other, where they were `spacing` apart.
 
-    Blocks of states are as long as the lines of a cache, so that neighbouring instances share none, and what an instance
-    reads and writes is then in few pages.
+    The states of a block are as long as the lines of a cache, so that neighbouring instances share none; and what an
+    instance reads and writes is then in few pages.
     """
     nodes = tuple(nodes)
     sizes = {n.array: (n.spacing, n.size // n.spacing) for n in every(nodes) if isinstance(n, Local) and n.spacing}

@@ -22,8 +22,8 @@ class Local:
     """Declare a local array with room for `count` elements, padded to a multiple of four.
 
     totals: the names of the sums whose lanes it holds, one sum after the other. cleared: whether its elements begin as
-    zeros. spacing: the distance of the components of an instance, if the array holds one component of all instances after
-    the other.
+    zeros. spacing: the distance of the components of an instance, if the array holds one component of all instances
+    after the other.
     """
 
     array: str

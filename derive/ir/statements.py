@@ -303,7 +303,8 @@ Loop = Map | Accumulate | MatVec | MatrixStore | Pack | Clear | RequireFinite | 
 class Work:
     """Declare a local array of `count` elements; `cleared`: they begin as zeros.
 
-    spacing: the distance of the components of an instance, in an array of one component of all instances after the other.
+    spacing: the distance of the components of an instance, if the array holds one component of all instances after the
+    other.
     """
 
     array: str

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import casadi as ca
 
 from derive.ir.expressions import Element, Ends
-from derive.ir.indices import ElementIndex, IndexTerm, constant, variable
+from derive.ir.indices import constant, variable
 from derive.ir.statements import ForEach, InstanceItem, InstanceStatement, Work
 from derive.lowering.instances.block_body import (
     Adjugate,
