@@ -11,11 +11,11 @@ from __future__ import annotations
 import json
 import sys
 import time
-import tomllib
 from itertools import pairwise
 from pathlib import Path
 
 import casadi as ca
+from chain_scene import chain
 
 import derive
 from derive.backends.c.source import CBackend
@@ -26,22 +26,6 @@ from derive.lowering.flat.lower import lower
 from derive.lowering.instances.lower import lower_instances
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.mechanism import Mechanism
-from derive.spec.checks.validation import validate
-
-EXAMPLE = Path(__file__).parents[1] / "examples" / "chain_100.toml"
-
-
-def chain(count: int, name: str) -> derive.Scene:
-    """The scene of `EXAMPLE` with another number of beams and another name."""
-    data = tomllib.loads(EXAMPLE.read_text())
-    data["name"] = name
-    data["bodies"]["link"]["count"] = count
-    data["joints"]["weld"]["count"] = count - 1
-    if count == 1:
-        del data["joints"]["weld"]
-    scene = validate(data)
-    assert isinstance(scene, derive.Scene)
-    return scene
 
 
 def casadi_accelerations(equations: Equations) -> ca.Function:

@@ -13,33 +13,10 @@ import math
 import resource
 import time
 
+from chain_scene import chain
+
 import derive
 from derive.simulation.prepared_run import PreparedRun
-from derive.spec.model.scene import Scene
-from derive.spec.toml.read import parse
-
-LINK = """
-[bodies.link_{i}]
-ansatz = ["1", "xi", "xi^2", "xi^3"]
-frame = "mean"
-mass = 0.05
-length = 0.1
-bending_stiffness = 0.2
-markers = {{ left = -1, right = 1 }}
-start = {{ position = [{x:.3f}, 0] }}
-"""
-
-
-def chain(count: int, kind: str, duration: float) -> Scene:
-    """A straight chain of beams that falls from a horizontal position, hinged at one end."""
-    text = 'name = "chain"\n[scene]\ngravity = [0, -9.81]\n[ground.markers]\nhook = [0, 0]\n'
-    text += "".join(LINK.format(i=i, x=0.05 + 0.1 * i) for i in range(count))
-    text += '[joints.hinge]\nkind = "revolute"\nbetween = ["ground.hook", "link_0.left"]\n'
-    for i in range(count - 1):
-        text += f'[joints.joint_{i}]\nkind = "{kind}"\nbetween = ["link_{i}.right", "link_{i + 1}.left"]\n'
-    scene = parse(text + f"[simulation]\nduration = {duration}\noutput = {duration / 4}\n")
-    assert isinstance(scene, Scene)
-    return scene
 
 
 def main() -> None:
@@ -52,7 +29,7 @@ def main() -> None:
     print("beams  lowering   prepare, s  run, s  steps  evaluations  us per step  MB  exponent")
     before: tuple[int, float] | None = None
     for count in options.sizes:
-        scene = chain(count, options.kind, options.duration)
+        scene = chain(count, kind=options.kind, duration=options.duration, output=options.duration / 4)
         began = time.perf_counter()
         run = PreparedRun(scene, complete=False)
         prepared = time.perf_counter()

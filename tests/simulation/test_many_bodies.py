@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import derive
+from bench import chain_scene
 from derive.backends.model_files import emit
 from derive.ir.model import Model
 from derive.lowering.flat.lower import lower as lower_flat
@@ -27,30 +28,11 @@ from derive.simulation.observables.default_plots import SELECTED, default_plots,
 from derive.simulation.validity import monitoring_outputs
 from derive.simulation.validity.monitoring_outputs import monitoring_note, with_monitors
 from derive.spec.model.scene import Scene
-from derive.spec.toml.read import parse
-
-LINK = """
-[bodies.link_{i}]
-ansatz = ["1", "xi", "xi^2", "xi^3"]
-frame = "mean"
-mass = 0.05
-length = 0.1
-bending_stiffness = 0.2
-markers = {{ left = -1, right = 1 }}
-start = {{ position = [{x:.3f}, 0] }}
-"""
 
 
 def chain(count: int, kind: str = "revolute") -> Scene:
     """A straight chain of beams that a hinge holds at one end, and that falls; its joints are of this kind."""
-    text = 'name = "chain"\n[scene]\ngravity = [0, -9.81]\n[ground.markers]\nhook = [0, 0]\n'
-    text += "".join(LINK.format(i=i, x=0.05 + 0.1 * i) for i in range(count))
-    text += '[joints.joint]\nkind = "revolute"\nbetween = ["ground.hook", "link_0.left"]\n'
-    for i in range(count - 1):
-        text += f'[joints.joint_{i}]\nkind = "{kind}"\nbetween = ["link_{i}.right", "link_{i + 1}.left"]\n'
-    scene = parse(text + "[simulation]\nduration = 0.1\noutput = 0.01\n")
-    assert isinstance(scene, Scene)
-    return scene
+    return chain_scene.chain(count, kind=kind, duration=0.1)
 
 
 def mechanism(scene: Scene) -> Mechanism:
@@ -88,6 +70,18 @@ def test_a_chain_of_twenty_beams_keeps_its_energy_and_its_joints() -> None:
     assert energies[-1, 0] > 1e-2, "kinetic energy in J"
     np.testing.assert_allclose(energies.sum(axis=1), energies[0].sum(), atol=1e-8 * energies[-1, 0])
     assert run.solution.drift.max() < 1e-10
+
+
+def test_a_free_chain_conserves_momentum_and_energy() -> None:
+    scene = chain_scene.chain(10, duration=0.01, free=True)
+    run = derive.simulate(scene, integrator="rk4", step=1e-5)
+    native, k = run.motion.native, run.motion.k
+    states = list(zip(run.q, run.v, strict=True))
+    momenta = np.array([native.momentum(q, v, k) for q, v in states])
+    energies = np.array([native.energy(q, v, k).sum() for q, v in states])
+    assert np.abs(momenta[0]).min() > 1e-3
+    np.testing.assert_allclose(momenta, momenta[[0] * len(momenta)], rtol=1e-12)
+    np.testing.assert_allclose(energies, energies[0], rtol=1e-8)
 
 
 def test_more_beams_than_can_be_monitored_are_not_and_a_note_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
