@@ -161,6 +161,11 @@ class Kernel:
         return sum(operations(s, integers, first) for s in self.statements)
 
     @property
+    def repeats(self) -> bool:
+        """Whether it has loops over instances."""
+        return any(isinstance(statement, ForEach) for statement in self.statements)
+
+    @property
     def checked(self) -> bool:
         """Whether a requirement may end the kernel, besides those that only setup has."""
         items = (item for s in self.statements for item in (s, *(inside(s) if isinstance(s, ForEach) else ())))

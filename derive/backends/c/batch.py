@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from derive.backends.c.batch_block import StateBlock
-from derive.backends.c.nests import declarations
+from derive.backends.c.loop_text import declarations
 from derive.backends.c.signatures import names, parameters, signature
 from derive.ir.batches import state_arguments
 from derive.ir.indices import LANES

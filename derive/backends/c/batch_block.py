@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from derive.backends.c.nests import CNests, declarations
+from derive.backends.c.loop_text import declarations
+from derive.backends.c.nests import CNests
 from derive.ir.batches import SHARED, batch, state_arguments, state_elements, state_views
 from derive.ir.loop_nests import BlockProduct, For, LoopKind, every
 from derive.ir.model import Kernel
-from derive.ir.statements import ForEach
 
 Lines = list[str]
 
@@ -18,7 +18,7 @@ class StateBlock:
         self.kernel, self.model, self.width = kernel, model, width
         self.batch = batch(kernel)
         self.checked = kernel.checked
-        self.repeats = any(isinstance(s, ForEach) for s in kernel.statements)
+        self.repeats = kernel.repeats
         self.multiplies = any(isinstance(node, BlockProduct) for node in every(self.batch.nodes))
 
     @property
@@ -35,7 +35,8 @@ class StateBlock:
         """The statements of the function."""
         outputs = {o.name for o in self.kernel.outputs}
         arrays = outputs | {a.name for a in state_arguments(self.kernel)}
-        nests = CNests(outputs, arrays, f"{self.model}_block{self.width}", has_codes=self.repeats)
+        counter = "ptrdiff_t" if self.repeats else "int"
+        nests = CNests(outputs, arrays, f"{self.model}_block{self.width}", has_codes=self.repeats, counter=counter)
         return [line.text for line in nests.lines(self.batch.nodes)]
 
     def declarations(self) -> Lines:

@@ -12,12 +12,12 @@ from dataclasses import dataclass, field, replace
 from itertools import count, groupby
 from typing import assert_never
 
+from derive.backends.c.loop_text import Lines, address_text, declarations, indented, loop_head, row_distance
 from derive.backends.expression_text import C, Named, element, index_text, text
-from derive.backends.source_map import SourceLine, defining, plain, storing
-from derive.backends.wrapping import WIDTH, BreakableText, join, statement
+from derive.backends.source_map import defining, plain, storing
+from derive.backends.wrapping import BreakableText, join, statement
 from derive.ir.expressions import Element, Ends, Expr, Operation, Operator, ScalarRef, walk
 from derive.ir.indices import LANE, LANES, ElementIndex, IndexTerm
-from derive.ir.library_calls import STATE
 from derive.ir.loop_nests import (
     Accumulator,
     Alias,
@@ -35,10 +35,6 @@ from derive.ir.loop_nests import (
 )
 from derive.ir.statements import Let, Require, Requirement, ReturnCode
 
-Lines = list[SourceLine]
-
-SHORT = 16
-"""Iterations that gcc unrolls completely before it makes vectors."""
 OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "="}
 
 
@@ -49,7 +45,8 @@ class CNests:
     outputs: the arrays that the function writes; arrays: all arrays that are its parameters, in which a batch has rows
     of all its states; helpers: the first part of the names of the functions that it calls; has_codes: whether the
     states of a batch have codes, which the first loop over states with requirements gives them otherwise; starts: the
-    elements from which on vectors are stored in local arrays, see `vector_starts`.
+    elements from which on vectors are stored in local arrays, see `vector_starts`; counter: the type of integers and of
+    the variables of loops in order. Where these place elements, ptrdiff_t spares an extension of each index.
     """
 
     outputs: Collection[str] = ()
@@ -57,6 +54,7 @@ class CNests:
     helpers: str = ""
     has_codes: bool = False
     starts: Mapping[str, int] = field(default_factory=dict)
+    counter: str = "int"
     _known: set[str] = field(default_factory=set)
     """The arrays that are declared."""
     _lanes: set[str] = field(default_factory=set)
@@ -95,22 +93,22 @@ class CNests:
                 return self._declared([node])
             case Alias():
                 kind = "double" if node.array in self.outputs else "const double"
-                return plain(f"    {kind} *{node.name} = {_address(node.array, node.index)};")
+                return plain(f"    {kind} *{node.name} = {address_text(node.array, node.index)};")
             case Integer():
-                return plain(f"    const int {node.name} = {node.array}[{index_text(node.index)}];")
+                return plain(f"    const {self.counter} {node.name} = {node.array}[{index_text(node.index)}];")
             case Accumulator():
                 return self._accumulator(node)
             case For():
                 return self._loop(node)
             case If():
-                then, otherwise = (_indented(self.lines(body)) for body in (node.then, node.otherwise))
+                then, otherwise = (indented(self.lines(body)) for body in (node.then, node.otherwise))
                 head = f"    if ({node.variable} < {node.bound}) {{"
                 return [*plain(head), *then, *plain("    } else {"), *otherwise, *plain("    }")]
             case PartOf():
                 return [replace(line, statement=node.statement) for line in self.lines(node.body)]
             case BlockProduct():
-                matrix = f"{_address(node.matrix, node.first)}, {node.stride}, {node.sign}.0"
-                vector, target = (_address(e.array, e.index) for e in (node.vector, node.target))
+                matrix = f"{address_text(node.matrix, node.first)}, {node.stride}, {node.sign}.0"
+                vector, target = (address_text(e.array, e.index) for e in (node.vector, node.target))
                 return plain(f"    {self.helpers}_rows(count, {matrix}, {vector}, {target});")
             case Sines():
                 angle = self._row(node.angle)
@@ -122,7 +120,7 @@ class CNests:
         """The values of all states of a batch, from the first one on."""
         if element.array not in self.arrays:
             return element.array
-        rows = _rows(element.index)
+        rows = row_distance(element.index)
         return f"{element.array} + {rows}" if rows else element.array
 
     # ---- expressions ----
@@ -139,7 +137,7 @@ class CNests:
         if leaf.state:
             return BreakableText((self._of_state(leaf),))
         if self._vectors is not None and leaf.index and leaf.index.stride(self._lane):
-            address, stride = _address(leaf.array, leaf.index), leaf.index.stride(self._lane)
+            address, stride = address_text(leaf.array, leaf.index), leaf.index.stride(self._lane)
             return BreakableText(
                 (f"{self._macro('GATHER')}({address}, {stride})",)
                 if stride != 1
@@ -163,7 +161,7 @@ class CNests:
 
     def _of_state(self, leaf: Element) -> str:
         if leaf.array in self.arrays:
-            rows = _rows(leaf.index)
+            rows = row_distance(leaf.index)
             return f"{leaf.array}[{rows} + {leaf.state}]" if rows else f"{leaf.array}[{leaf.state}]"
         index = f"[{index_text(leaf.index)}]" if leaf.index else ""
         return f"{leaf.array}{index}[{leaf.state}]"
@@ -222,7 +220,7 @@ class CNests:
             return self._stored(
                 node, statement("    ", f"{self._leaf(target)} {OPERATORS[node.operator]} ", value, ";")
             )
-        address, stride = _address(target.array, target.index), target.index.stride(self._lane)
+        address, stride = address_text(target.array, target.index), target.index.stride(self._lane)
         if not self._differs(node.expr):
             index = index_text(ElementIndex(target.index.offset, (*target.index.terms, IndexTerm(stride, "m"))))
             code = statement(
@@ -310,77 +308,13 @@ class CNests:
             case LoopKind.ORDERED | LoopKind.INDEPENDENT:
                 if node.count == 0:
                     return []
-                body, head = self.lines(node.body), _head(node, short=self._vectors is None)
+                body, head = self.lines(node.body), loop_head(node, self.counter, short=self._vectors is None)
             case _:
                 assert_never(node.kind)
-        return [*plain(f"    {head}"), *_indented(body), *plain("    }")]
+        return [*plain(f"    {head}"), *indented(body), *plain("    }")]
 
     def _in_lanes(self, node: For) -> Lines:
         self._vectors, self._lane = set(), node.variable
         lines = self.lines(node.body)
         self._vectors, self._lane = None, LANE
         return lines
-
-
-def vector_starts(nodes: Iterable[Node]) -> dict[str, int]:
-    """The elements from which on vectors are stored in local arrays that may be aligned.
-
-    A vector that is aligned does not cross the lines that caches exchange; storing to two of them takes twice the time.
-    """
-    nodes = tuple(every(nodes))
-    may = {node.array for node in nodes if isinstance(node, Local) and node.spacing}
-    starts: dict[str, int] = {}
-    for loop in nodes:
-        for node in loop.body if isinstance(loop, For) and loop.kind is LoopKind.LANES else ():
-            if isinstance(node, Assign) and isinstance(node.target, Element) and node.target.array in may:
-                assert node.target.index
-                if node.target.index.stride(LANE) == 1:
-                    starts.setdefault(node.target.array, node.target.index.offset)
-    return starts
-
-
-def declarations(arrays: Iterable[str]) -> list[str]:
-    """Declarations of arrays, on as few lines as possible."""
-    lines: list[str] = []
-    for name in arrays:
-        if lines and len(lines[-1]) + len(name) + 3 <= WIDTH:
-            lines[-1] = f"{lines[-1][:-1]}, {name};"
-        else:
-            lines.append(f"    double {name};")
-    return lines
-
-
-def _head(node: For, short: bool) -> str:
-    """The head of a loop; see the macros for the pragma before a short loop."""
-    i, start, stop = node.variable, index_text(node.start, False), index_text(node.stop, False)
-    if node.step < 0:
-        return f"for (int {i} = {start}; {i} >= {index_text(node.stop.plus(1), False)}; {i}--) {{"
-    step = f"{i}++" if node.step == 1 else f"{i} += {_step(node)}"
-    vectors = any(isinstance(item, For) and item.variable in (LANE, STATE) for item in node.body)
-    pragma = short and not vectors and node.step == 1 and 1 < (node.count or 0) <= SHORT
-    return f"{'TISSERAND_SHORT ' if pragma else ''}for (int {i} = {start}; {i} < {stop}; {step}) {{"
-
-
-def _step(node: For) -> str:
-    """The distance of blocks: the last one ends at the end of the loop, if blocks may overlap."""
-    left = (node.stop.offset - node.start.offset) % node.step
-    if not node.overlaps or not left:
-        return str(node.step)
-    return f"{node.variable} == {node.stop.offset - left - node.step} ? {left} : {node.step}"
-
-
-def _address(array: str, index: ElementIndex | None) -> str:
-    return f"{array} + {index_text(index)}" if index and (index.offset or index.terms) else array
-
-
-def _rows(index: ElementIndex | None) -> str:
-    """The distance of a row of states from the first one, as the first part of an index; "" if there is none."""
-    assert index is not None
-    if not index.terms and index.offset < 2:
-        return ("", "all")[index.offset]
-    count = index_text(index)
-    return f"({count}) * all" if len(index.terms) + bool(index.offset) > 1 else f"{count} * all"
-
-
-def _indented(lines: Iterable[SourceLine]) -> Lines:
-    return [line.indented() for line in lines]

@@ -10,7 +10,8 @@ from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers, stack
 from derive.backends.c.composed_names import ComposedNames, composed_names
-from derive.backends.c.nests import CNests, vector_starts
+from derive.backends.c.loop_text import vector_starts
+from derive.backends.c.nests import CNests
 from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
 from derive.backends.c.packed import entries, packed_functions
 from derive.backends.c.signatures import parameters, signature
@@ -174,7 +175,9 @@ def _function(model: Model, kernel: Kernel) -> list[SourceLine]:
     lines = plain(*_signature_of(model, kernel), "{", *named)
     sections = [list(section_in_lanes(section.body)) for section in kernel.sections]
     starts = vector_starts(node for section in sections for _, nodes in section for node in nodes)
-    nests, loads = CNests({o.name for o in kernel.outputs}, starts=starts), _element_loads(kernel)
+    counter = "ptrdiff_t" if kernel.repeats else "int"
+    nests = CNests({o.name for o in kernel.outputs}, starts=starts, counter=counter)
+    loads = _element_loads(kernel)
     for k, (section, body) in enumerate(zip(kernel.sections, sections, strict=True)):
         lines += plain(*([""] if k or named else []), *comment([section_text(section)], "    "))
         lines += _section(body, k, nests, loads)

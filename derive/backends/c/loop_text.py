@@ -1,0 +1,84 @@
+"""Parts of loops as C: heads, declarations of arrays, addresses, and where vectors begin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from derive.backends.expression_text import index_text
+from derive.backends.source_map import SourceLine
+from derive.backends.wrapping import WIDTH
+from derive.ir.expressions import Element
+from derive.ir.indices import LANE, ElementIndex
+from derive.ir.library_calls import STATE
+from derive.ir.loop_nests import Assign, For, Local, LoopKind, Node, every
+
+Lines = list[SourceLine]
+
+SHORT = 16
+"""Iterations that gcc unrolls completely before it makes vectors."""
+
+
+def vector_starts(nodes: Iterable[Node]) -> dict[str, int]:
+    """The elements from which on vectors are stored in local arrays that may be aligned.
+
+    A vector that is aligned does not cross the lines that caches exchange; storing to two of them takes twice the time.
+    """
+    nodes = tuple(every(nodes))
+    may = {node.array for node in nodes if isinstance(node, Local) and node.spacing}
+    starts: dict[str, int] = {}
+    for loop in nodes:
+        for node in loop.body if isinstance(loop, For) and loop.kind is LoopKind.LANES else ():
+            if isinstance(node, Assign) and isinstance(node.target, Element) and node.target.array in may:
+                assert node.target.index
+                if node.target.index.stride(LANE) == 1:
+                    starts.setdefault(node.target.array, node.target.index.offset)
+    return starts
+
+
+def declarations(arrays: Iterable[str]) -> list[str]:
+    """Declarations of arrays, on as few lines as possible."""
+    lines: list[str] = []
+    for name in arrays:
+        if lines and len(lines[-1]) + len(name) + 3 <= WIDTH:
+            lines[-1] = f"{lines[-1][:-1]}, {name};"
+        else:
+            lines.append(f"    double {name};")
+    return lines
+
+
+def loop_head(node: For, counter: str, short: bool) -> str:
+    """The head of a loop; see the macros for the pragma before a short loop."""
+    i, start, stop = node.variable, index_text(node.start, False), index_text(node.stop, False)
+    if node.step < 0:
+        return f"for ({counter} {i} = {start}; {i} >= {index_text(node.stop.plus(1), False)}; {i}--) {{"
+    step = f"{i}++" if node.step == 1 else f"{i} += {_step(node)}"
+    vectors = any(isinstance(item, For) and item.variable in (LANE, STATE) for item in node.body)
+    pragma = short and not vectors and node.step == 1 and 1 < (node.count or 0) <= SHORT
+    return f"{'TISSERAND_SHORT ' if pragma else ''}for ({counter} {i} = {start}; {i} < {stop}; {step}) {{"
+
+
+def _step(node: For) -> str:
+    """The distance of blocks: the last one ends at the end of the loop, if blocks may overlap."""
+    left = (node.stop.offset - node.start.offset) % node.step
+    if not node.overlaps or not left:
+        return str(node.step)
+    return f"{node.variable} == {node.stop.offset - left - node.step} ? {left} : {node.step}"
+
+
+def address_text(array: str, index: ElementIndex | None) -> str:
+    """The address of an element."""
+    return f"{array} + {index_text(index)}" if index and (index.offset or index.terms) else array
+
+
+def row_distance(index: ElementIndex | None) -> str:
+    """The distance of a row of states from the first one, as the first part of an index; "" if there is none."""
+    assert index is not None
+    if not index.terms and index.offset < 2:
+        return ("", "all")[index.offset]
+    count = index_text(index)
+    return f"({count}) * all" if len(index.terms) + bool(index.offset) > 1 else f"{count} * all"
+
+
+def indented(lines: Iterable[SourceLine]) -> Lines:
+    """Lines in the body of a loop."""
+    return [line.indented() for line in lines]
