@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -13,13 +14,17 @@ import numpy as np
 import pytest
 
 import derive
+from derive.backends.c.loop_text import vector_starts
+from derive.backends.c.nests import CNests
+from derive.ir.batches import batch
+from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import constant, variable
 from derive.ir.interpreter import interpret, interpret_batch
-from derive.ir.lanes import section_in_lanes
-from derive.ir.loop_nests import For, LoopKind, Node, every
+from derive.ir.lanes import in_lanes, section_in_lanes
+from derive.ir.loop_nests import Assign, For, LoopKind, Node, every
 from derive.ir.model import Argument, ConstantArray, Kernel, Model, Output, Section, View
-from derive.ir.statements import Entry, ForEach, Let, Require, Requirement, ReturnCode, StoreElement
+from derive.ir.statements import Entry, ForEach, Let, Require, Requirement, ReturnCode, StoreElement, Work
 from derive.lowering.flat.lower import lower
 from derive.lowering.instances.lower import lower_instances
 from derive.mechanics.multibody.mechanism import Mechanism
@@ -174,3 +179,38 @@ def test_loops_that_read_what_they_write_stay_in_order() -> None:
     changes = StoreElement(Element("y", variable("n", 2)), Element("y", variable("n", 2)))
     nodes = nodes_in_lanes(own_kernel(6, *placed_items(), changes))
     assert all(node.kind is LoopKind.ORDERED for node in every(nodes) if isinstance(node, For))
+
+
+def test_requirements_of_all_lanes_are_tested_behind_the_loop() -> None:
+    lines = [line.text.strip() for line in CNests({"y"}).lines(nodes_in_lanes(own_kernel(6, *placed_items())))]
+    assert sum(line.startswith("TISSERAND_CHECK(holds_1, ") for line in lines) == 1
+    assert lines[-1] == "if (!TISSERAND_EVERY(holds_1)) return 1; /* a pivot vanished */"
+    assert "tisserand_holds holds_1 = TISSERAND_HOLDS;" in lines
+
+
+def test_where_vectors_are_stored_arrays_are_aligned() -> None:
+    """A vector that begins at element 2 needs two more before it; elements at a distance of two are no vectors."""
+    works = Work("even", 12, spacing=12), Work("odd", 24, spacing=12)
+    loop = ForEach(
+        "n",
+        constant(0),
+        constant(8),
+        (
+            StoreElement(Element("even", variable("n", 1, 2)), Element("x", variable("n"))),
+            StoreElement(Element("odd", variable("n", 2, 1)), Element("x", variable("n"))),
+        ),
+        independent=True,
+    )
+    nodes = [node for statement in (*works, loop) for node in in_lanes(expand(statement))]
+    starts = vector_starts(nodes)
+    assert starts == {"even": 2}
+    assert "    TISSERAND_ALIGNED(even, 16, 2);" in [line.text for line in CNests(starts=starts).lines(nodes)]
+
+
+def test_batches_keep_the_components_of_an_instance_together() -> None:
+    """Element p of component c lies at 4 c + p in an array with a spacing of 4, and at 3 p + c in a batch."""
+    store = StoreElement(Element("w", variable("n", -1, 4 + 3)), Number(Fraction(1)))
+    kernel = own_kernel(4, store)
+    kernel = replace(kernel, sections=(Section("", "", "", (Work("w", 12, spacing=4), *kernel.statements)),))
+    stored = [n.target for n in every(batch(kernel).nodes) if isinstance(n, Assign)]
+    assert [t.index for t in stored if isinstance(t, Element)] == [variable("n", -3, 3 * 3 + 1)]
