@@ -1,4 +1,4 @@
-"""What a free chain of beams conserves over many steps: energy, linear and angular momentum.
+"""Conserved quantities of a free chain of beams over many steps: energy, linear and angular momentum.
 
 python bench/conserved.py [--beams 100] [--steps 100000] [--step SECONDS] [--integrator rk4]
 

@@ -78,7 +78,7 @@ class _Path:
         return plus(*diagonals), plus(*rights)
 
     def carried(self, body: BlockBody, name: str, at: Callable[[str, int], Target]) -> tuple[Block, Block]:
-        """What the elimination of the joint before subtracts from a block and from its right-hand side.
+        """The parts that the elimination of the joint before subtracts from a block and from its right-hand side.
 
         The inverse of the determinant is a factor here and not before, where everything would wait for the division.
         """
