@@ -16,6 +16,7 @@ from derive.errors import Problem, SpecError
 from derive.garbage_collection import paused
 from derive.ir.model import Model
 from derive.lowering import cost_model
+from derive.lowering.flat.constraints import DependentConstraints
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.lower import lower as lower_flat
 from derive.lowering.instances.lower import instances_reason, lower_instances
@@ -32,7 +33,7 @@ from derive.mechanics.multibody import assembly
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import Gravity, Lowering, NodalBody, SymbolicBody
-from derive.spec.model.scene import Scene, Specification, check_specification
+from derive.spec.model.scene import Redundant, Scene, Specification, check_specification
 
 
 @paused()
@@ -97,13 +98,14 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
     """
     if not isinstance(derived, (Equations, Mechanism)):
         raise TypeError(f"the equations that derive.derive(spec) returns are needed, not {type(derived).__name__}")
+    redundant = derived.scene.redundant if isinstance(derived, Mechanism) else "auto"
     if isinstance(derived, Mechanism) and not sensitivities:
         reason = instances_reason(derived)
         if reason:
-            return lower_instances(derived, reason, explicit)
+            return lower_instances(derived, reason, explicit, redundant == "resolve")
     if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
         try:
-            return lower_flat(derived.expanded(), sensitivities=sensitivities, explicit=explicit)
+            return _straight_line(derived.expanded(), sensitivities, explicit, redundant)
         except RecursionError:
             raise LoweringError(TOO_LONG) from None
     estimate = cost_model.estimate_costs(derived.body)
@@ -117,6 +119,18 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
             (Problem("body.lowering", f'{reason}; loops have no derivatives by parameters: lowering = "flat"'),)
         )
     return lower_flat(derived.expanded(), reason, sensitivities=sensitivities) if flat else lower_loops(derived, reason)
+
+
+def _straight_line(equations: Equations, sensitivities: bool, explicit: bool, redundant: Redundant) -> Model:
+    """The model in straight-line code, with a proximal term if constraints are redundant whatever the numbers are."""
+    idle = any(not c.jacobian for c in equations.constraints)
+    if not equations.constraints or redundant == "error" or (redundant == "auto" and not idle):
+        try:
+            return lower_flat(equations, sensitivities=sensitivities, explicit=explicit)
+        except DependentConstraints:
+            if redundant == "error":
+                raise
+    return lower_flat(equations, sensitivities=sensitivities, explicit=explicit, proximal=True)
 
 
 def lowered_form(derived: Equations | Mechanism, model: Model) -> Equations:

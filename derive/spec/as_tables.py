@@ -38,8 +38,9 @@ def specification_tables(spec: Specification) -> Data:
 def scene_tables(scene: Scene) -> Data:
     """The tables of a scene. Raises SpecError where two elements of one kind have the same name."""
     tables: Data = {"name": scene.name, "ground": {"markers": named("ground", scene.ground)}}
-    if scene.gravity is not None or scene.start is not None:
-        tables["scene"] = without_none(gravity=as_table(scene.gravity), start=scene.start)
+    redundant = None if scene.redundant == "auto" else scene.redundant
+    if of_scene := without_none(gravity=as_table(scene.gravity), start=scene.start, redundant=redundant):
+        tables["scene"] = of_scene
     functions = (function for _, function in (*time_functions(scene), *input_functions(scene)))
     if parameters := {p.symbol: p for function in functions for p in function_parameters(function)}:
         tables["parameters"] = {

@@ -13,7 +13,7 @@ from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances import accelerations, body_functions, constraints, dae, outputs
 from derive.lowering.instances.classes import obstacle
-from derive.lowering.instances.context import InstanceContext
+from derive.lowering.instances.context import InstanceContext, idle_rows
 from derive.lowering.instances.markers import Markers
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.symbol_variables import symbol_variable
@@ -54,9 +54,10 @@ def instances_reason(mechanism: Mechanism) -> str:
     return f"looped over {moving} bodies, whose straight-line code would take long to compile"
 
 
-def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = False) -> Model:
-    """The model of a mechanism in loops over its instances."""
-    context = InstanceContext(mechanism)
+def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = False, proximal: bool = False) -> Model:
+    """The model of a mechanism in loops over its instances, see `derive.lowering.flat.lower`."""
+    context = InstanceContext(mechanism, proximal)
+    context.proximal = proximal or bool(idle_rows(context))
     _check(context)
     equations = context.classes[0].context.equations
     markers = Markers(context)
@@ -85,6 +86,7 @@ def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = Fal
         zeros=(),
         vanished=(),
         lowering="instances",
+        proximal=context.proximal,
         choice=choice,
         multipliers=tuple(Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in conditions),
         splines=tuple(replace(s, name=table_name(scene.name, s.name)) for s in equations.splines),
@@ -104,16 +106,8 @@ def lower_instances(mechanism: Mechanism, choice: str = "", explicit: bool = Fal
 
 def _check(context: InstanceContext) -> None:
     """Raise SpecError where a constraint has no coordinate that could meet it, or where two names meet."""
-    met = {
-        (m.handles[h].joint, k)
-        for of in context.classes
-        for h, rows in enumerate(of.rows)
-        for k, row in enumerate(rows)
-        if of.context.equations.constraints[row].jacobian
-        for m in of.of.members
-    }
-    every = enumerate(context.known.constraints)
-    refuse_idle(tuple(c for joint, of in every for k, c in enumerate(of) if (joint, k) not in met))
+    idle = tuple(context.known.constraints[joint][k] for joint, k in idle_rows(context))
+    refuse_idle(idle, context.mechanism.scene.redundant)
     equations = [of.context.equations for of in context.classes]
     refuse_equal_names(
         context.mechanism.rows,

@@ -24,6 +24,7 @@ from derive.simulation.linear.linearisation import Linearisation, linearise
 from derive.simulation.linear.run_time_inputs import constants, scene_with_values
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.prepared_run import PreparedRun
+from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.simulate import with_simulation
 from derive.spec.model.scene import EQUILIBRIUM, Scene, Specification
 from derive.spec.model.scene_functions import input_functions, time_functions
@@ -110,7 +111,10 @@ def modes(spec: Specification, *, at: float | None = None, progress: Progress | 
 
     Raises SpecError, CompilerError, ModelError, SimulationError.
     """
-    state = _of_scene(spec, at, progress) if isinstance(spec, Scene) else _of_body(spec, at)
+    if isinstance(spec, Scene):
+        state = with_redundant_joints(spec, lambda scene: _of_scene(scene, at, progress))
+    else:
+        state = _of_body(spec, at)
     linear = linearise(state.native, state.k, state.t, state.q, state.v)
     return Modes(spec, state.native, state.k, linear, eigenmodes(linear), state.equilibrium)
 

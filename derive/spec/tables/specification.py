@@ -46,7 +46,9 @@ GROUND_TABLE = keyed_model(
     "GroundTable", "The inertial frame, which does not move.", (replace(_OF_SCENE["ground"], name="markers"),)
 )
 SCENE_TABLE = keyed_model(
-    "SceneTable", "Gravity and initial state of a scene.", (_OF_SCENE["gravity"], _OF_SCENE["start"])
+    "SceneTable",
+    "Gravity, initial state and redundant joints of a scene.",
+    tuple(_OF_SCENE[name] for name in ("gravity", "start", "redundant")),
 )
 FUNCTION_PARAMETER = keyed_model(
     "FunctionParameterTable",
@@ -154,6 +156,7 @@ def scene(table: Any, references: Mapping[str, Rows]) -> Scene:
         ground=() if table.ground is None else table.ground.markers,
         gravity=None if table.scene is None else table.scene.gravity,
         start=None if table.scene is None else table.scene.start,
+        redundant="auto" if table.scene is None else table.scene.redundant,
         simulation=table.simulation,
         **sections,
     )
