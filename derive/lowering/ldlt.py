@@ -44,7 +44,7 @@ def factorise(
 
     pattern, values: the lower triangle. order: the elimination order, by default that of AMD. coordinates: the number
     of rows before those of multipliers; by default there are no multipliers. proximal: the part of the scale of a
-    multiplier that is added to its pivot; the scale of one without coordinates is -1 then.
+    multiplier that is added to its pivot; the scale of one without coordinates is -1.
     """
     order = elimination_order(pattern) if order is None else order
     coordinates = pattern.rows if coordinates is None else coordinates
@@ -61,7 +61,7 @@ def factorise(
             neighbours[j].add(i)
     for j in order:
         if j >= coordinates:
-            scales.append(of_coordinates[j, j] if proximal is None else of_coordinates.get((j, j), ca.SX(-1)))
+            scales.append(of_coordinates.get((j, j), ca.SX(-1)))
             own = scales[-1] if (j, j) in of_coordinates else ca.SX(0)
             own = own if proximal is None else own + proximal * scales[-1]
             work[j, j] = own + work[j, j] if (j, j) in work else own

@@ -122,7 +122,7 @@ class PreparedRun:
         k = native.setup()
         initial = self._spatial or initial_state(self.scene, native, k)
         q, v, times = initial.q, initial.v, output_times(simulation)
-        foreseen: tuple[str, ...] = (*self._notes, *self._redundant(native, k, initial))
+        foreseen: tuple[str, ...] = self._notes
         if earlier is not None:
             q, v, times = earlier.q, earlier.v, earlier.times(times)
         elif (obstacle := drive_obstacle(self.scene, native, k, q, self.size)) is not None:
@@ -130,6 +130,7 @@ class PreparedRun:
         if announce is not None:
             for text in foreseen:
                 announce(text)
+        foreseen += (*self._redundant(native, k, initial),)
 
         def row(solution: Solution) -> Row:
             values = column_values(self.scene, native, k, solution)

@@ -203,7 +203,10 @@ def by_factors(
 
     Raises LoweringError if a pivot vanishes in every state: DependentConstraints if constraints are redundant.
     """
+    idle = not context.proximal and any(not c.jacobian for c in context.equations.constraints)
     try:
+        if idle:
+            raise LoweringError("a constraint has no coordinates")
         return _with_pivots(context, function, outputs, symbols, right, inputs)
     except LoweringError:
         if redundant := _redundant(context, symbols):
@@ -223,7 +226,8 @@ def _redundant(context: Context, symbols: Symbols) -> tuple[Dependence, ...]:
     G = np.zeros((len(context.multipliers), len(context.rows)))
     for (i, j), value in zip(entries, function(values).full().ravel(), strict=True):
         G[i, j] = value
-    G /= np.linalg.norm(G, axis=1, keepdims=True)
+    norms = np.linalg.norm(G, axis=1, keepdims=True)
+    G /= np.where(norms > 0.0, norms, 1.0)
     return dependences(G, int(np.linalg.matrix_rank(G, 1e-9)), context.multipliers)
 
 

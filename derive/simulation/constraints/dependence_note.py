@@ -33,7 +33,7 @@ def dependence_note(native: NativeScene, k: Vector, t: float, q: Vector, v: Vect
     shares = singular.participation()
     reactions = enumeration([name for name, share in zip(native.multipliers, shares, strict=True) if share > 1e-5])
     if isinstance(error, RedundantConstraints):
-        implied = "; ".join(f"{d.name} is implied by {enumeration(d.on)}" for d in error.redundant)
+        implied = "; ".join(map(str, error.redundant))
         where = f"joints are redundant: {implied}. The motion is unique"
     else:
         where = f"the joints are in a singular position at t = {t:g} s. The motion goes on along its velocities"

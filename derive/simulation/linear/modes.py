@@ -15,6 +15,7 @@ from derive.runtime.loading import load, load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
+from derive.simulation.constraints.redundancy import check_constraints
 from derive.simulation.equilibrium import Equilibrium
 from derive.simulation.errors import MovingDrives, NoEquilibrium, SimulationError
 from derive.simulation.initial.initial_state import initial_state
@@ -149,7 +150,9 @@ def _of_scene(scene: Scene, at: float | None, progress: Progress | None) -> _Sta
         motion = _motion(scene_with_values(scene), at, progress)
         t, q, v = float(motion.t[-1]), motion.q[-1], motion.v[-1]
         native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))  # simulations leave out what is needed here
-        return _State(native, constants(scene, native, t), t, q, v)
+        k = constants(scene, native, t)
+        check_constraints(native, k, t, q)
+        return _State(native, k, t, q, v)
     native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))
     k = constants(scene, native, 0.0)
     if at is not None:
