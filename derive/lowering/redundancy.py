@@ -67,7 +67,8 @@ def redundancy_text(redundant: Sequence[Dependence]) -> str:
             f"{len(redundant)} of the constraints are redundant:",
             *lines,
             "Their multipliers have no unique value. Remove as many constraints (a weaker kind of joint, or none), or "
-            "let a body deform where the others hold it; a beam bends, but does not stretch.",
+            'let a body deform where the others hold it; a beam bends, but does not stretch. redundant = "resolve" in '
+            "[scene] computes the reactions of least norm.",
         ]
     )
 
