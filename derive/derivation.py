@@ -16,6 +16,7 @@ from derive.errors import Problem, SpecError
 from derive.garbage_collection import paused
 from derive.ir.model import Model
 from derive.lowering import cost_model
+from derive.lowering.flat.constraints import DependentConstraints
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.lower import lower as lower_flat
 from derive.lowering.instances.lower import lower_instances
@@ -33,7 +34,7 @@ from derive.mechanics.multibody import assembly
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import Gravity, Lowering, NodalBody, SymbolicBody
-from derive.spec.model.scene import Scene, Specification, check_specification
+from derive.spec.model.scene import Redundant, Scene, Specification, check_specification
 
 
 @paused()
@@ -95,7 +96,7 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
     if isinstance(derived, Mechanism):
         return _lower_mechanism(derived, sensitivities, explicit)
     if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
-        return lower_flat(derived.expanded(), sensitivities=sensitivities, explicit=explicit)
+        return _straight_line(derived.expanded(), "", sensitivities, explicit)
     estimate = cost_model.estimate_costs(derived.body)
     try:
         flat = estimate.selected(derived.lowering) == "flat"
@@ -110,13 +111,13 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
 
 
 def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) -> Model:
-    requested = mechanism.scene.lowering
+    requested, redundant = mechanism.scene.lowering, mechanism.scene.redundant
     costs = estimate_mechanism_costs(mechanism)
     if costs.selected(requested) == "instances":
-        return lower_instances(mechanism, costs.reason(requested), explicit, sensitivities)
+        return lower_instances(mechanism, costs.reason(requested), explicit, sensitivities, redundant == "resolve")
     reason = "" if requested == "auto" else costs.reason(requested)
     try:
-        return lower_flat(mechanism.expanded(), reason, sensitivities=sensitivities, explicit=explicit)
+        return _straight_line(mechanism.expanded(), reason, sensitivities, explicit, redundant)
     except RecursionError:
         raise LoweringError(_too_long(costs.obstacle)) from None
 
@@ -125,6 +126,20 @@ def _too_long(obstacle: str) -> str:
     """The message where straight-line code is too long, with the reason why there are no loops over bodies."""
     why = f"there are no loops over bodies, since {obstacle}" if obstacle else 'write lowering = "instances"'
     return f"straight-line code is too long; {why}"
+
+
+def _straight_line(
+    equations: Equations, choice: str, sensitivities: bool, explicit: bool, redundant: Redundant = "auto"
+) -> Model:
+    """The model in straight-line code, with a proximal term if constraints are redundant whatever the numbers are."""
+    idle = any(not c.jacobian for c in equations.constraints)
+    if not equations.constraints or redundant == "error" or (redundant == "auto" and not idle):
+        try:
+            return lower_flat(equations, choice, sensitivities=sensitivities, explicit=explicit)
+        except DependentConstraints:
+            if redundant == "error":
+                raise
+    return lower_flat(equations, choice, sensitivities=sensitivities, explicit=explicit, proximal=True)
 
 
 def lowered_form(derived: Equations | Mechanism, model: Model) -> Equations:

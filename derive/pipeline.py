@@ -115,15 +115,23 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
 
 
 def _started(scene: Scene, model: Model, needed: bool = False) -> tuple[Model, str]:
-    """The model with its initial state or, unless that is needed, without it and with the reason."""
+    """The model with its initial state or, unless that is needed, without it and with the reason.
+
+    It is another one if joints prove to be redundant in the initial state.
+    """
     from derive.simulation.initial.start_state import start_state
     from derive.simulation.linear.run_time_inputs import with_zero_inputs
+    from derive.simulation.redundant_joints import with_redundant_joints
 
-    if needed:
-        return replace(model, start=start_state(with_zero_inputs(scene), model)), ""
+    def started(described: Scene) -> Model:
+        own = model if described is scene else lower(derive(described), model.sensitivities)
+        return replace(own, start=start_state(with_zero_inputs(described) if needed else described, own))
+
     try:
-        return replace(model, start=start_state(scene, model)), ""
+        return with_redundant_joints(scene, started), ""
     except TisserandError as error:
+        if needed:
+            raise
         reason = str(error).splitlines()[0]
         return model, f"no function {model.name}_start, since there is no initial state: {reason}"
 

@@ -55,9 +55,8 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
     return tuple(dataclasses.replace(file, text=file.text.replace(MODEL_HASH, digest)) for file in files)
 
 
-UNWRITTEN = ("order", "ends", "masses", "axial", "lowering")
-"""The fields of bodies and scenes that are left out where they have their defaults, such as those of the paper's beam.
-"""
+UNWRITTEN = ("order", "ends", "masses", "axial", "lowering", "redundant")
+"""The fields that are left out where they have their defaults: those of the paper's beam, and of most scenes."""
 
 KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body", Scene: "scene"}
 

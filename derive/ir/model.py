@@ -285,6 +285,7 @@ class Model:
     A scene also has multipliers (the constraint reactions on body 2 of each joint), the names of its bodies, the
     components and constraints that are eliminated, its run-time inputs and outputs, the structure of its KKT matrix
     and, if it has been computed, its initial state. Loops over instances have `marker_classes` in place of `markers`.
+    proximal: whether the constraints may be redundant, since a proximal term gives multipliers of least norm.
     """
 
     name: str
@@ -312,6 +313,7 @@ class Model:
     start: StartState | None = None
     splines: tuple[Spline, ...] = ()
     marker_classes: tuple[MarkerClass, ...] = ()
+    proximal: bool = False
 
     @property
     def defaults(self) -> tuple[float, ...]:

@@ -12,6 +12,7 @@ from enum import Enum
 import casadi as ca
 
 from derive.ir.patterns import Pattern
+from derive.ir.patterns import pattern as pattern_of
 
 Graph = dict[int, set[int]]
 """The neighbours of each row: the columns in which it has entries besides the diagonal."""
@@ -69,6 +70,22 @@ def safe_order(pattern: Pattern, coordinates: int) -> tuple[int, ...]:
         order += ready
         waiting = [k for k in waiting if missing[k]]
     return tuple(order)
+
+
+def coordinates_first(pattern: Pattern, coordinates: int) -> tuple[int, ...]:
+    """The elimination order of a KKT matrix in which all multipliers come after all coordinates, each by AMD.
+
+    The coordinates leave -G M^-1 G^T, so that a term on its diagonal acts on all multipliers alike.
+    """
+    entries = {(i, j) for i, j in pattern.entries if i < coordinates}
+    first = elimination_order(pattern_of(coordinates, coordinates, entries, symmetric=True))
+    graph = graph_of(pattern)
+    for node in first:
+        eliminated(graph, node)
+    count = pattern.rows - coordinates
+    left = {(i - coordinates, j - coordinates) for i, others in graph.items() for j in others if i > j}
+    order = elimination_order(pattern_of(count, count, left, symmetric=True))
+    return (*first, *(coordinates + node for node in order))
 
 
 def matched_order(pattern: Pattern, coordinates: int) -> tuple[int, ...]:

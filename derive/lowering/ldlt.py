@@ -20,6 +20,7 @@ class Factorisation:
     sizes with which the pivots are compared, the diagonal entries of A or, for a multiplier, whose entry is zero, the
     contribution of its coordinates. lower: the columns of L as pairs (row, entry), with the indices of A. fill: the
     number of entries of L without an entry of A. coordinates: the number of rows of A before those of multipliers.
+    idle: the multipliers without coordinates, whose pivots are the proximal term alone.
     """
 
     order: tuple[int, ...]
@@ -29,15 +30,21 @@ class Factorisation:
     lower: dict[int, tuple[tuple[int, ca.SX], ...]]
     fill: int
     coordinates: int
+    idle: frozenset[int] = frozenset()
 
 
 def factorise(
-    pattern: Pattern, values: Entries, order: tuple[int, ...] | None = None, coordinates: int | None = None
+    pattern: Pattern,
+    values: Entries,
+    order: tuple[int, ...] | None = None,
+    coordinates: int | None = None,
+    proximal: ca.SX | None = None,
 ) -> Factorisation:
     """The factorisation of a symmetric matrix.
 
     pattern, values: the lower triangle. order: the elimination order, by default that of AMD. coordinates: the number
-    of rows before those of multipliers; by default there are no multipliers.
+    of rows before those of multipliers; by default there are no multipliers. proximal: the part of the scale of a
+    multiplier that is added to its pivot; the scale of one without coordinates is -1.
     """
     order = elimination_order(pattern) if order is None else order
     coordinates = pattern.rows if coordinates is None else coordinates
@@ -54,8 +61,10 @@ def factorise(
             neighbours[j].add(i)
     for j in order:
         if j >= coordinates:
-            scales.append(of_coordinates[j, j])
-            work[j, j] = scales[-1] + work[j, j] if (j, j) in work else scales[-1]
+            scales.append(of_coordinates.get((j, j), ca.SX(-1)))
+            own = scales[-1] if (j, j) in of_coordinates else ca.SX(0)
+            own = own if proximal is None else own + proximal * scales[-1]
+            work[j, j] = own + work[j, j] if (j, j) in work else own
         else:
             scales.append(values[j, j])
         pivots.append(work[j, j])
@@ -72,7 +81,8 @@ def factorise(
                 if i != other:
                     neighbours[other].add(i)
     fill = fill_in(pattern, order)
-    return Factorisation(order, tuple(pivots), tuple(scales), tuple(inverses), lower, fill, coordinates)
+    idle = frozenset(j for j in order if j >= coordinates and (j, j) not in of_coordinates)
+    return Factorisation(order, tuple(pivots), tuple(scales), tuple(inverses), lower, fill, coordinates, idle)
 
 
 def _ordered(i: int, j: int, position: dict[int, int]) -> tuple[int, int]:

@@ -22,6 +22,9 @@ class Dependence:
     name: str
     on: tuple[str, ...]
 
+    def __str__(self) -> str:
+        return f"{self.name} is implied by {enumeration(self.on) or 'joints that eliminate coordinates'}"
+
 
 def dependences(G: Matrix, rank: int, names: Sequence[str]) -> tuple[Dependence, ...]:
     """A minimal set of constraints that the others imply: the last ones, if the numbers allow the choice.
@@ -58,13 +61,14 @@ def _independent_rows(G: Matrix, rank: int) -> list[int]:
 
 def redundancy_text(redundant: Sequence[Dependence]) -> str:
     """The message on redundant constraints."""
-    lines = [f"  {d.name} is implied by {enumeration(d.on)}" for d in redundant]
+    lines = [f"  {d}" for d in redundant]
     return "\n".join(
         [
             f"{len(redundant)} of the constraints are redundant:",
             *lines,
             "Their multipliers have no unique value. Remove as many constraints (a weaker kind of joint, or none), or "
-            "let a body deform where the others hold it; a beam bends, but does not stretch.",
+            'let a body deform where the others hold it; a beam bends, but does not stretch. redundant = "resolve" in '
+            "[scene] computes the reactions of least norm.",
         ]
     )
 

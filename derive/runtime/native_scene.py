@@ -69,7 +69,9 @@ class NativeScene(Native):
     """
 
     def __init__(self, library: ctypes.CDLL, name: str) -> None:
+        """proximal: whether constraints may be redundant, since the multipliers are those of least norm."""
         super().__init__(library, name)
+        self.proximal = hasattr(library, f"{name}_proximal")
         self.multipliers: tuple[str, ...] = ()
         self.bodies: tuple[str, ...] = ()
         self.constraint_pattern = Pattern(0, self.nv, (0,) * (self.nv + 1), (), symmetric=False)

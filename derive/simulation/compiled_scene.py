@@ -36,12 +36,14 @@ class ConstrainedSystem(Constraints, Protocol):
     """M(q) vdot + h(t, q, v) = G^T lambda with constraints g(t, q) = 0, as `NativeScene` computes them.
 
     q is (nq,), v (nv,); qdot = rates(q, v), which is v except in space, where nq > nv. k (nk,) are the constants of
-    `setup`, lambda and g are (nlambda,), all in SI units.
+    `setup`, lambda and g are (nlambda,), all in SI units. proximal: whether constraints may be redundant; the
+    multipliers are those of least norm then.
     """
 
     name: str
     nv: int
     nlambda: int
+    proximal: bool
     coordinates: tuple[str, ...]
     multipliers: tuple[str, ...]
 
@@ -56,6 +58,9 @@ class ConstrainedSystem(Constraints, Protocol):
 
     def solve(self, t: float, q: Vector, v: Vector, k: Vector) -> tuple[Vector, Vector]:
         """The accelerations vdot (nv,) and the multipliers lambda (nlambda,). Raises ModelError."""
+
+    def constraint_bias(self, t: float, q: Vector, v: Vector, k: Vector) -> Vector:
+        """The right-hand side gamma (nlambda,) of G vdot = gamma, m/s^2 or rad/s^2."""
 
     def constraint_rates(self, t: float, q: Vector, v: Vector, k: Vector) -> Vector:
         """The time derivatives G v + dg/dt (nlambda,) of the constraints, m/s or rad/s."""

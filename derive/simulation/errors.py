@@ -148,7 +148,8 @@ class InextensibleBeam(SimulationError):
             f"at t = {t:.9g} s the joints hold beams along their axes more often than once: a beam bends, but does not "
             f"stretch, so that {enumeration(multipliers)} have no unique values. Let one end move along the axis: a "
             "translational joint acts as a roller, with a rigid body that a revolute joint connects to the end of the "
-            "beam."
+            'beam; or write frame = "chord" for a rod of one beam that is held at its ends, whose distance its '
+            "deflection does not change in this frame."
         )
 
 

@@ -10,6 +10,7 @@ from derive.errors import Problem, SpecError, quoted
 from derive.generated_models import generated, generated_explicit
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
+from derive.simulation.constraints.dependence_note import dependence_note
 from derive.simulation.drive_jumps import check_drives
 from derive.simulation.drive_obstacle import drive_obstacle
 from derive.simulation.earlier_run import EarlierRun
@@ -23,6 +24,7 @@ from derive.simulation.integration.solution import Progress, Solution
 from derive.simulation.observables.default_plots import default_plots, plots_note
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
+from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.simulated_scene import surroundings
 from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import RunSettings, Trajectory, column_units, column_values
@@ -71,13 +73,8 @@ class PreparedRun:
         self.spec = self.body or self.scene
         self.size = body_size(self.body) if self.body else scene_size(self.scene)
         check_drives(self.scene)
-        self._compile = INTEGRATORS[integrator]
-        if self.body or complete or integrator not in EXPLICIT:
-            self.complete_model, self.files = generated(self.body or with_monitors(self.scene))
-        else:
-            self.complete_model, self.files = generated_explicit(with_monitors(self.scene))
-        own = len(self.complete_model.outputs) - len(monitoring_outputs(self.scene))
-        self.model = replace(self.complete_model, outputs=self.complete_model.outputs[:own])
+        self._compile, self._complete = INTEGRATORS[integrator], bool(self.body) or complete
+        self._generate(self.scene)
         columns = column_units(self.scene, self.model)
         self.units = dict(columns)
         problems = [*_repeated(name for name, _ in columns), *plots_of_nothing(spec.plots, tuple(self.units))]
@@ -88,6 +85,15 @@ class PreparedRun:
         self._notes = (*monitoring_note(self.scene), *plots_note(self.scene, self.model))
         self.plots = (*spec.plots, *default_plots(self.scene, self.model))
 
+    def _generate(self, scene: Scene) -> None:
+        """Generate the model, of `scene` in place of the scene that is simulated."""
+        if self._complete or self.settings.integrator not in EXPLICIT:
+            self.complete_model, self.files = generated(self.body or with_monitors(scene))
+        else:
+            self.complete_model, self.files = generated_explicit(with_monitors(scene))
+        own = len(self.complete_model.outputs) - len(monitoring_outputs(scene))
+        self.model = replace(self.complete_model, outputs=self.complete_model.outputs[:own])
+
     def trajectory(
         self,
         earlier: EarlierRun | None = None,
@@ -97,7 +103,20 @@ class PreparedRun:
         """The motion; arguments as for `simulate`. Raises CompilerError, ModelError, SimulationError.
 
         announce: called before the integration with each note on the expected motion; the result has these notes too.
+        Where constraints depend on each other, at the start or later, the run is repeated with multipliers of least
+        norm, unless the scene says what to do about redundant joints.
         """
+
+        def run(scene: Scene) -> Trajectory:
+            if scene is not self.scene:
+                self._generate(scene)
+            return self._trajectory(earlier, progress, announce)
+
+        return with_redundant_joints(self.scene, run)
+
+    def _trajectory(
+        self, earlier: EarlierRun | None, progress: Progress | None, announce: Callable[[str], None] | None
+    ) -> Trajectory:
         simulation = self.settings.simulation
         native, integrator = self._compiled(self.files)
         k = native.setup()
@@ -111,6 +130,7 @@ class PreparedRun:
         if announce is not None:
             for text in foreseen:
                 announce(text)
+        foreseen += (*self._redundant(native, k, initial),)
 
         def row(solution: Solution) -> Row:
             values = column_values(self.scene, native, k, solution)
@@ -131,6 +151,19 @@ class PreparedRun:
             solution = earlier.continued(self.model, solution)
         solution = replace(solution, notes=(*foreseen, *solution.notes))
         return self._result(native, k, initial, solution)
+
+    def _redundant(self, native: NativeScene, k: Vector, initial: InitialState) -> Iterator[str]:
+        """The note on constraints that depend on each other. Raises SimulationError if the integrator needs others."""
+        note = dependence_note(native, k, initial.t, initial.q, initial.v, self.model.outputs)
+        if note and self.settings.integrator not in EXPLICIT:
+            raise SimulationError(
+                f"{note}\n{self.settings.integrator} solves for reactions, which have to be unique; choose one of "
+                f"{names_text(sorted(EXPLICIT))}"
+            )
+        if note:
+            yield note
+        elif self.model.proximal and self.scene.redundant == "auto":
+            yield "the motion passes singular positions; the reactions of least norm are computed there"
 
     def _compiled(self, files: Sequence[File]) -> tuple[NativeScene, Integrator]:
         """The compiled model, in which inputs follow functions in Python, and the integrator."""

@@ -38,8 +38,9 @@ def specification_tables(spec: Specification) -> Data:
 def scene_tables(scene: Scene) -> Data:
     """The tables of a scene. Raises SpecError where two elements of one kind have the same name."""
     tables: Data = {"name": scene.name, "ground": {"markers": named("ground", scene.ground)}}
-    lowering = None if scene.lowering == "auto" else scene.lowering
-    if of_scene := without_none(gravity=as_table(scene.gravity), start=scene.start, lowering=lowering):
+    keys = {key: getattr(scene, key) for key in ("lowering", "redundant")}
+    chosen = {key: value for key, value in keys.items() if value != "auto"}
+    if of_scene := without_none(gravity=as_table(scene.gravity), start=scene.start, **chosen):
         tables["scene"] = of_scene
     functions = (function for _, function in (*time_functions(scene), *input_functions(scene)))
     if parameters := {p.symbol: p for function in functions for p in function_parameters(function)}:

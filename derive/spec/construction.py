@@ -155,6 +155,7 @@ def scene(
     gravity: Sequence[Constant] | None = None,
     start: str | None = None,
     lowering: str | None = None,
+    redundant: str | None = None,
     bodies: Named[SceneBody] = (),
     joints: Named[Joint] = (),
     drives: Named[Drive] = (),
@@ -173,14 +174,16 @@ def scene(
     name: the name of the model; or, alone, the tables of a whole TOML file as one mapping. ground: the markers of the
     inertial frame. bodies and the others: mappings from names to the tables of a TOML file or to typed values such as
     RigidBody and Joint, or sequences of typed values. gravity: two components, m/s^2. start: "equilibrium", or None for
-    the initial values of bodies and joints. lowering: "flat", "instances" or, by default, "auto". parameters, tables:
-    what functions of time call by name. Files are relative to the working directory.
+    the initial values of bodies and joints. lowering: "flat", "instances" or, by default, "auto". redundant: "auto",
+    "resolve" or "error", see the key. parameters, tables: what functions of time call by name. Files are relative to
+    the working directory.
     """
     sections = locals()
     if isinstance(name, Mapping):
         data = {key: named(key, table) if key in NAMED else table for key, table in name.items()}
     else:
-        markers, of_scene = named("ground", ground), without_none(gravity=gravity, start=start, lowering=lowering)
+        markers = named("ground", ground)
+        of_scene = without_none(gravity=gravity, start=start, lowering=lowering, redundant=redundant)
         data = {
             "name": name,
             **({"ground": {"markers": markers}} if markers else {}),

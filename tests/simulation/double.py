@@ -78,7 +78,7 @@ class Double:
         self.conditions, self.gravity = conditions, gravity
         self.diagonal = np.array([m for b in bodies for m in (b.mass, b.mass, b.inertia)])
         self.nq = self.nv = len(self.diagonal)
-        self.nk = 0
+        self.nk, self.proximal = 0, False
         self.roles = (Role.TRANSLATION, Role.TRANSLATION, Role.ROTATION) * len(self.bodies)
         self.coordinates = tuple(f"{b}_{c}" for b in self.bodies for c in ("c1", "c2", "phi"))
         self.rates = tuple(f"{c}_dot" for c in self.coordinates)

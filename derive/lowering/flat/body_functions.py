@@ -54,6 +54,8 @@ def pivot_checks(symbols: Symbols, factors: Factorisation, names: tuple[str, ...
     margin = symbols.number(VANISHING)
     result = []
     for pivot, scale, j in zip(factors.pivots, factors.scales, factors.order, strict=True):
+        if j in factors.idle:
+            continue
         above = pivot if pivot is scale else pivot - margin * scale
         text = f"the pivot of {names[j]} vanished"
         result.append(

@@ -14,7 +14,7 @@ from derive.ir.expressions import Number
 from derive.ir.model import Kernel, Kkt
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
-from derive.lowering.elimination_orders import fill_in
+from derive.lowering.elimination_orders import coordinates_first, fill_in
 from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
@@ -22,6 +22,7 @@ from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.schedule import NamedValue, RequiredValue, Step
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
+from derive.lowering.proximal import PROXIMAL, REFINEMENTS
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint
@@ -143,8 +144,14 @@ def kkt_pattern(context: Context) -> Pattern:
 def kkt(context: Context) -> Kkt:
     """The structure of the KKT matrix: its pattern, elimination order and fill-in."""
     shape = kkt_pattern(context)
-    order = context.elimination.order(shape, len(context.rows))
+    order = kkt_order(context, shape)
     return Kkt(shape, order, fill_in(shape, order))
+
+
+def kkt_order(context: Context, shape: Pattern) -> tuple[int, ...]:
+    """The elimination order of the KKT matrix with the pattern `shape`."""
+    n = len(context.rows)
+    return coordinates_first(shape, n) if context.proximal else context.elimination.order(shape, n)
 
 
 def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
@@ -153,7 +160,18 @@ def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
     entries = {(i, j): symbols(context.equations.mass[i, j]) for i, j in context.mass_pattern().entries}
     entries |= {(n + i, j): -value for (i, j), value in jacobian_entries(context, symbols).items()}
     shape = kkt_pattern(context)
-    return factorise(shape, entries, context.elimination.order(shape, n), n)
+    proximal = symbols.number(PROXIMAL) if context.proximal else None
+    return factorise(shape, entries, kkt_order(context, shape), n, proximal)
+
+
+def _solution(context: Context, symbols: Symbols, factors: Factorisation, right: list[ca.SX]) -> list[ca.SX]:
+    """The solution of the system with the KKT matrix; with a proximal term, after its refinement."""
+    solution = solve(factors, right)
+    scales = zip(factors.order, factors.scales, strict=True)
+    weights = {j: symbols.number(PROXIMAL) * scale for j, scale in scales if j >= factors.coordinates}
+    for _ in range(REFINEMENTS if context.proximal else 0):
+        solution = solve(factors, [r + weights[j] * solution[j] if j in weights else r for j, r in enumerate(right)])
+    return solution
 
 
 def acceleration_residual(constraint: Constraint, context: Context, symbols: Symbols) -> ca.SX:
@@ -185,7 +203,10 @@ def by_factors(
 
     Raises LoweringError if a pivot vanishes in every state: DependentConstraints if constraints are redundant.
     """
+    idle = not context.proximal and any(not c.jacobian for c in context.equations.constraints)
     try:
+        if idle:
+            raise LoweringError("a constraint has no coordinates")
         return _with_pivots(context, function, outputs, symbols, right, inputs)
     except LoweringError:
         if redundant := _redundant(context, symbols):
@@ -205,7 +226,8 @@ def _redundant(context: Context, symbols: Symbols) -> tuple[Dependence, ...]:
     G = np.zeros((len(context.multipliers), len(context.rows)))
     for (i, j), value in zip(entries, function(values).full().ravel(), strict=True):
         G[i, j] = value
-    G /= np.linalg.norm(G, axis=1, keepdims=True)
+    norms = np.linalg.norm(G, axis=1, keepdims=True)
+    G /= np.where(norms > 0.0, norms, 1.0)
     return dependences(G, int(np.linalg.matrix_rank(G, 1e-9)), context.multipliers)
 
 
@@ -220,7 +242,7 @@ def _with_pivots(
     """The kernel that solves the system. Raises LoweringError."""
     factors = kkt_factors(context, symbols)
     names = (*context.rows, *context.multipliers)
-    solution = solve(factors, right)
+    solution = _solution(context, symbols, factors, right)
     pivots = zip(factors.pivots, factors.order, strict=True)
     named = tuple(NamedValue(f"pivot_{names[j]}", pivot) for pivot, j in pivots)
     checks = pivot_checks(symbols, factors, names)
@@ -231,11 +253,12 @@ def _with_pivots(
     total = sum(solution[1:start], start=solution[0])
     finite = RequiredValue(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "a result is not finite")
     order = ", ".join(names[j] for j in factors.order)
+    term = f"; pivots of multipliers with a proximal term, refined {REFINEMENTS} times" if context.proximal else ""
     return context.kernel(
         function,
         outputs,
         symbols,
-        Step("pivots", Source.FACTORISATION, f"eliminate {order}; fill-in {factors.fill}", (*named, *checks)),
+        Step("pivots", Source.FACTORISATION, f"eliminate {order}; fill-in {factors.fill}{term}", (*named, *checks)),
         Step(
             "solution",
             Source.FACTORISATION,

@@ -53,8 +53,11 @@ def scalar_input(symbol: sp.Symbol, doc: str) -> Input:
 class Context:
     """The data that all kernels of a model share during its lowering to straight-line code."""
 
-    def __init__(self, equations: Equations, elimination: EliminationRule = EliminationRule.SAFE) -> None:
-        self.equations, self.elimination = equations, elimination
+    def __init__(
+        self, equations: Equations, elimination: EliminationRule = EliminationRule.SAFE, proximal: bool = False
+    ) -> None:
+        """proximal: whether redundant constraints have multipliers of least norm, see `derive.lowering.proximal`."""
+        self.equations, self.elimination, self.proximal = equations, elimination, proximal
         self.coefficients = tuple(c for c in equations.coefficients if not c.zero)
         symbolic = (str(c.symbol) for c in self.coefficients if not c.value.is_Rational)
         self.constants = Constants(frozenset(symbolic))

@@ -58,14 +58,16 @@ def lower(
     elimination: EliminationRule = EliminationRule.SAFE,
     sensitivities: bool = False,
     explicit: bool = False,
+    proximal: bool = False,
 ) -> Model:
     """The model, with all of its kernels, from its expanded equations.
 
     choice: the reason why the model has straight-line code; elimination: the order of the KKT matrix;
-    sensitivities: with the derivatives with respect to the parameters; explicit: without the functions of `IMPLICIT`.
+    sensitivities: with the derivatives with respect to the parameters; explicit: without the functions of `IMPLICIT`;
+    proximal: with multipliers of least norm where constraints are redundant.
     Raises LoweringError if a kernel cannot be evaluated.
     """
-    context = Context(with_derivatives(equations) if sensitivities else equations, elimination)
+    context = Context(with_derivatives(equations) if sensitivities else equations, elimination, proximal)
     scene = bool(equations.poses)
     implementations = {**OF_BODIES, **OF_MECHANISMS} if scene else OF_BODIES
     every = functions_of(equations, sensitivities, explicit)
@@ -92,6 +94,7 @@ def lower(
         bodies=tuple(pose.name for pose in equations.poses),
         inputs=tuple(Variable(given.name, given.doc, given.unit) for given in equations.inputs),
         outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in equations.outputs),
+        proximal=proximal,
         kkt=constraints.kkt(context) if scene else None,
         eliminated=tuple(Zero(out.what, out.reason) for out in equations.eliminated),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),

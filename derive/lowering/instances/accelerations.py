@@ -34,6 +34,7 @@ from derive.lowering.instances.context import (
     applied_forces,
     applied_sums,
     given_inputs,
+    idle_rows,
     kernel,
     known_value,
     state,
@@ -41,7 +42,8 @@ from derive.lowering.instances.context import (
 from derive.lowering.instances.graph_elimination import in_graph
 from derive.lowering.instances.local_system import LocalSystem, Right, local_system
 from derive.lowering.instances.path_elimination import along_path
-from derive.lowering.instances.places import Place, Places
+from derive.lowering.instances.places import Place
+from derive.lowering.instances.proximal_elimination import with_proximal_term
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.symbols import local
 from derive.roles import Source
@@ -211,7 +213,7 @@ def solved(
                 "joints",
                 Source.FACTORISATION,
                 "elimination of the joints, and back substitution",
-                _eliminated(context.blocks, context.places, bool(given)),
+                _eliminated(context, context.blocks, bool(given)),
             )
         )
     steps.append(
@@ -222,9 +224,12 @@ def solved(
     return kernel(context, function, results, *steps, inputs=inputs)
 
 
-def _eliminated(of: Blocks, places: Places, has_known: bool) -> tuple[Statement, ...]:
+def _eliminated(context: InstanceContext, of: Blocks, has_known: bool) -> tuple[Statement, ...]:
     """The elimination of all joints and the back substitution, from the arrays of the system to the reactions."""
-    return along_path(of, has_known) if of.is_path else in_graph(of, places, has_known)
+    if context.proximal:
+        idle = [of.position[joint] + k * of.spacing for joint, k in idle_rows(context)]
+        return with_proximal_term(of, context.places, has_known, idle)
+    return along_path(of, has_known) if of.is_path else in_graph(of, context.places, has_known)
 
 
 def by_joint(context: InstanceContext, system: Blocks) -> Iterator[tuple[int, int, Place, Place]]:

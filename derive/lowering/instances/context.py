@@ -44,8 +44,9 @@ ZERO = Number(Fraction(0))
 class InstanceContext:
     """The data of all functions: the classes of bodies, the joints, the names of all elements, and constant arrays."""
 
-    def __init__(self, mechanism: Mechanism, sensitivities: bool = False) -> None:
-        self.mechanism = mechanism
+    def __init__(self, mechanism: Mechanism, sensitivities: bool = False, proximal: bool = False) -> None:
+        """proximal: whether redundant constraints have multipliers of least norm, see `derive.lowering.proximal`."""
+        self.mechanism, self.proximal = mechanism, proximal
         self.places, self.constants = Places(), Constants(frozenset())
         self.known = KnownMotion(mechanism)
         self.constants.coefficients |= self.known.context.constants.coefficients
@@ -116,6 +117,20 @@ class InstanceContext:
             of.place(f"row_{h}", [self.first_rows[m.handles[h].joint] for m in of.of.members])
             for h in range(len(of.rows))
         ]
+
+
+def idle_rows(context: InstanceContext) -> list[tuple[int, int]]:
+    """The constraints that no coordinate takes part in, as pairs of a joint and its row."""
+    met = {
+        (m.handles[h].joint, k)
+        for of in context.classes
+        for h, rows in enumerate(of.rows)
+        for k, row in enumerate(rows)
+        if of.context.equations.constraints[row].jacobian
+        for m in of.of.members
+    }
+    every = ((joint, k) for joint, of in enumerate(context.known.constraints) for k in range(len(of)))
+    return [row for row in every if row not in met]
 
 
 def merged(of: ClassCode, array: str, rows: Iterable[Place], operator: Operator | None) -> LoopTarget:

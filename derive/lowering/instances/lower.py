@@ -13,7 +13,7 @@ from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances import accelerations, body_functions, constraints, dae, outputs, prescribed_sides
-from derive.lowering.instances.context import InstanceContext
+from derive.lowering.instances.context import InstanceContext, idle_rows
 from derive.lowering.instances.markers import Markers
 from derive.lowering.instances.sensitivities import parameter_jacobian
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
@@ -47,10 +47,15 @@ FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kern
 
 
 def lower_instances(
-    mechanism: Mechanism, choice: str = "", explicit: bool = False, sensitivities: bool = False
+    mechanism: Mechanism,
+    choice: str = "",
+    explicit: bool = False,
+    sensitivities: bool = False,
+    proximal: bool = False,
 ) -> Model:
-    """The model of a mechanism in loops over its instances."""
-    context = InstanceContext(mechanism, sensitivities)
+    """The model of a mechanism in loops over its instances, see `derive.lowering.flat.lower`."""
+    context = InstanceContext(mechanism, sensitivities, proximal)
+    context.proximal = proximal or bool(idle_rows(context))
     _check(context)
     equations = context.classes[0].context.equations
     markers = Markers(context)
@@ -79,6 +84,7 @@ def lower_instances(
         zeros=(),
         vanished=(),
         lowering="instances",
+        proximal=context.proximal,
         choice=choice,
         multipliers=tuple(Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in conditions),
         splines=tuple(replace(s, name=table_name(scene.name, s.name)) for s in equations.splines),
@@ -98,16 +104,8 @@ def lower_instances(
 
 def _check(context: InstanceContext) -> None:
     """Raise SpecError where a constraint has no coordinate that could meet it, or where two names meet."""
-    met = {
-        (m.handles[h].joint, k)
-        for of in context.classes
-        for h, rows in enumerate(of.rows)
-        for k, row in enumerate(rows)
-        if of.context.equations.constraints[row].jacobian
-        for m in of.of.members
-    }
-    every = enumerate(context.known.constraints)
-    refuse_idle(tuple(c for joint, of in every for k, c in enumerate(of) if (joint, k) not in met))
+    idle = tuple(context.known.constraints[joint][k] for joint, k in idle_rows(context))
+    refuse_idle(idle, context.mechanism.scene.redundant)
     equations = [of.context.equations for of in context.classes]
     refuse_equal_names(
         context.mechanism.rows,

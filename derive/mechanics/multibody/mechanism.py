@@ -41,7 +41,7 @@ from derive.mechanics.terms import (
     Term,
 )
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.scene import Scene
+from derive.spec.model.scene import Redundant, Scene
 from derive.spec.model.scene_functions import splines, time_functions
 from derive.spec.model.time_function import TimeFunction
 
@@ -128,7 +128,7 @@ def _expanded(mechanism: Mechanism) -> Equations:
         for j in mechanism.joints
     ]
     conditions = tuple(c for _, of_joint in joints for c in of_joint)
-    refuse_idle(conditions)
+    refuse_idle(conditions, mechanism.scene.redundant)
     forces = [f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows) for f in mechanism.forces]
     in_order = [instances[name].definitions for name in mechanism.order]
     dampings = [damping_force(damping, instances) for damping in mechanism.dampings]
@@ -173,15 +173,16 @@ def damping_force(damping: ComponentDamping, instances: Instances) -> Generalise
     return GeneralisedForce(terms, dissipation=-power)
 
 
-def refuse_idle(conditions: tuple[Constraint, ...]) -> None:
-    """Raise SpecError for the constraints that no coordinate takes part in."""
+def refuse_idle(conditions: tuple[Constraint, ...], redundant: Redundant) -> None:
+    """Raise SpecError for the constraints that no coordinate takes part in; redundant ones may be accepted."""
     prescribed = (
         "no coordinate can meet it, since the motion of both bodies is prescribed; leave out a drive or a joint"
     )
-    redundant = "this constraint is redundant: other joints and drives meet it in every state; leave out one of them"
-    idle = [c for c in conditions if not c.jacobian]
+    implied = "this constraint is redundant: other joints and drives meet it in every state; leave out one of them"
+    accepted = redundant != "error"
+    idle = [c for c in conditions if not c.jacobian and not (accepted and c.position == 0)]
     if idle:
-        texts = ((c, redundant if c.position == 0 else prescribed) for c in idle)
+        texts = ((c, implied if c.position == 0 else prescribed) for c in idle)
         raise SpecError(tuple(Problem(f"joints.{c.of}", f"{c.doc}: {text}") for c, text in texts))
 
 

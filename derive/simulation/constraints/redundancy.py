@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.linalg import null_space
+from scipy.linalg import null_space, solve_triangular
 
 from derive.lowering.redundancy import dependences
 from derive.roles import Role
@@ -13,32 +13,74 @@ from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, coordinates_with, mass_matrix
 from derive.simulation.constraints.certificates import DEFINITE, independent, moves_mass
 from derive.simulation.constraints.neighbouring_states import neighbouring_states
-from derive.simulation.constraints.scaling import SINGULAR, Spectrum, spectrum
+from derive.simulation.constraints.scaling import SINGULAR, Spectrum, mass_factor, spectrum
 from derive.simulation.errors import InextensibleBeam, MasslessMotion, RedundantConstraints, SingularConfiguration
+
+DependenceError = RedundantConstraints | SingularConfiguration | InextensibleBeam
+"""The errors for constraints that depend on each other."""
+CONTRADICTION = 1e-6
+"""Accelerations miss constraints that contradict each other by more than this part of the terms of a constraint."""
 
 
 def check_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()) -> None:
     """Raise an error if multipliers or accelerations of the consistent configuration q (nq,) at t (s) are not unique.
 
-    drives: names of multipliers that are released to reach neighbouring states. Constraints that depend on each other
-    in q and in all neighbouring states are redundant (RedundantConstraints); those that do so in q alone make it a
-    dead centre (SingularConfiguration), unless those of rigid bodies in place of beams do so in all states
-    (InextensibleBeam). A mechanism that cannot move at all has redundant constraints. MasslessMotion: the constraints
-    allow a motion that moves no mass.
+    The multipliers need not be unique where the system is `proximal`; but a beam that is held along its axis twice
+    would be kept straight, since deflections change its length to second order. The errors are those of `dependence`,
+    for the same drives, and MasslessMotion: the constraints allow a motion that moves no mass.
     """
     if independent(native, k, t, q):
         return  # it takes for granted that all motions have mass
-    singular = spectrum(native, k, t, q)
-    if singular.rank < native.nlambda:
-        around = [spectrum(native, k, time, state) for time, state in neighbouring_states(native, k, t, q, drives)]
-        best = max(around, key=lambda s: (s.rank, s.smallest), default=singular)
-        if best.rank < native.nlambda:
-            raise RedundantConstraints(dependences(best.scaled, best.rank, native.multipliers))
-        multipliers = involved(singular, native.multipliers)
-        if _held_along_beams(native, k, t, q, drives):
-            raise InextensibleBeam(t, multipliers)
-        raise SingularConfiguration(t, singular.smallest, multipliers)
+    error = dependence(native, k, t, q, drives)
+    if error is not None and (not native.proximal or isinstance(error, InextensibleBeam)):
+        raise error
     _check_mass(native, k, t, q)
+
+
+def check_accelerations(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector) -> None:
+    """Raise the error of `dependence` if the motion is not determined in the state q (nq,), v (nv,) at t (s).
+
+    Constraints may contradict each other, or a mechanism may be at rest in a singular position, from which it can go on
+    in several ways. A system that is not `proximal` has been refused by `check_constraints`.
+    """
+    if not native.proximal or independent(native, k, t, q):
+        return
+    error, G = dependence(native, k, t, q), constraint_matrix(native, t, q, k)
+    if error is None:
+        return
+    vdot = native.accel(t, q, v, k)
+    gamma, R = native.constraint_bias(t, q, v, k), mass_factor(mass_matrix(native, q, k))
+    free = solve_triangular(R, solve_triangular(R, native.force(t, q, v, k), trans="T"))
+    size = np.abs(G) @ (np.abs(vdot) + np.abs(free)) + np.abs(gamma)
+    if np.any(np.abs(G @ vdot - gamma) > CONTRADICTION * (size + 1e-6 * np.max(size))):
+        raise error
+    if isinstance(error, SingularConfiguration):
+        rows = [name in error.multipliers for name in native.multipliers]
+        if not np.any(np.abs(G[rows]) @ np.abs(v)):
+            raise error
+
+
+def dependence(
+    native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()
+) -> DependenceError | None:
+    """The error for constraints that depend on each other in the consistent configuration q (nq,) at t (s), if any.
+
+    drives: names of multipliers that are released to reach neighbouring states. Constraints that depend on each other
+    in q and in all neighbouring states are redundant (RedundantConstraints); those that do so in q alone make it a
+    dead centre (SingularConfiguration), unless those of rigid bodies in place of beams do so in all states
+    (InextensibleBeam). A mechanism that cannot move at all has redundant constraints.
+    """
+    singular = spectrum(native, k, t, q)
+    if singular.rank == native.nlambda:
+        return None
+    around = [spectrum(native, k, time, state) for time, state in neighbouring_states(native, k, t, q, drives)]
+    best = max(around, key=lambda s: (s.rank, s.smallest), default=singular)
+    if best.rank < native.nlambda:
+        return RedundantConstraints(dependences(best.scaled, best.rank, native.multipliers))
+    multipliers = involved(singular, native.multipliers)
+    if _held_along_beams(native, k, t, q, drives):
+        return InextensibleBeam(t, multipliers)
+    return SingularConfiguration(t, singular.smallest, multipliers)
 
 
 def _held_along_beams(native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str]) -> bool:

@@ -78,11 +78,15 @@ def orientations(native: Constraints, q: Vector) -> tuple[Vector, ...]:
 
 @dataclass(frozen=True)
 class Spectrum:
-    """The scaled G (nlambda, nv) and its singular values, one for each constraint, with the left vectors as columns."""
+    """The scaled G (nlambda, nv) and its singular values, one for each constraint, with the left vectors as columns.
+
+    norms (nlambda,): the typical lengths by which its rows are divided.
+    """
 
     scaled: Matrix
     values: Vector
     left: Matrix
+    norms: Vector
 
     @property
     def rank(self) -> int:
@@ -108,9 +112,10 @@ def spectrum(native: ConstrainedSystem, k: Vector, t: float, q: Vector, free: Ma
     free = np.ones(native.nq, dtype=bool) if free is None else free
     R = mass_factor(mass_matrix(native, q, k)[np.ix_(free, free)])
     G = in_mass_metric(constraint_matrix(native, t, q, k)[:, free], R)
-    scaled = G / typical_row_norms(native, k, t, q, R, free)[:, None]
+    norms = typical_row_norms(native, k, t, q, R, free)
+    scaled = G / norms[:, None]
     count, columns = scaled.shape
     if count == 0:
-        return Spectrum(scaled, np.zeros(0), np.zeros((0, 0)))
+        return Spectrum(scaled, np.zeros(0), np.zeros((0, 0)), norms)
     left, values, _ = np.linalg.svd(scaled, full_matrices=True)
-    return Spectrum(scaled, np.concatenate([values, np.zeros(count - min(count, columns))]), left)
+    return Spectrum(scaled, np.concatenate([values, np.zeros(count - min(count, columns))]), left, norms)

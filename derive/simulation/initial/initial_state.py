@@ -10,7 +10,7 @@ import numpy as np
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
-from derive.simulation.constraints.redundancy import check_constraints
+from derive.simulation.constraints.redundancy import check_accelerations, check_constraints
 from derive.simulation.drive_jumps import check_start
 from derive.simulation.equilibrium import Equilibrium, equilibrium
 from derive.simulation.errors import ExcessiveDeformation, MovingDrives
@@ -111,6 +111,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
 
     result = velocities(assembler, q, rates, momentum, conflict)
     check_constraints(native, constants, 0.0, q)
+    check_accelerations(native, constants, 0.0, q, result.v)
     values = _values(assembler, q, result.v, every, (*assembly.misfits, *result.misfits))
     errors, changed = (assembly.error, result.error), (assembly.deformed, result.deforming)
     return InitialState(0.0, q, result.v, *errors, *changed, values, balance, deflection_remainders(scene))

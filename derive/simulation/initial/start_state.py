@@ -34,6 +34,8 @@ MET = 1e-30
 """Constraints (m, rad) and their rates (m/s, rad/s) below this are met."""
 STIFFNESS = 1e-15
 """The change of a number that is exact, relative to that of others, where constraints leave a choice."""
+DEPENDENT = mpmath.mpf("1e-25")
+"""The relative addition to a diagonal that makes a matrix of constraints that depend on each other regular."""
 UNSEEN = 1e-16
 """Changes (SI units) of exact numbers below this are ignored."""
 ITERATIONS = 8
@@ -53,7 +55,8 @@ def start_state(spec: Scene | NodalBody, model: Model) -> StartState:
         state = spatial_state(model, spec.start)
         return StartState(tuple(state.q.tolist()), tuple(state.v.tolist()))
     if spec.inputs:
-        spec = replace(with_functions(spec, {}), outputs=())
+        redundant = "resolve" if model.proximal else spec.redundant
+        spec = replace(with_functions(spec, {}), outputs=(), redundant=redundant)
         model = lower(derive(spec))
     state = initial_state(spec, InterpretedScene(model))
     with mpmath.workdps(WORKING_DIGITS):
@@ -80,12 +83,14 @@ def _projected(model: Model, q_start: list[_Rounded], v_start: list[_Rounded]) -
     """The state q, v at t = 0 with g = 0 and gdot = 0; exact numbers are kept if the others can give way."""
     q, v = [x.value for x in q_start], [x.value for x in v_start]
     (k,) = _evaluated(model, "setup", [mpmath.mpf(x) for x in model.defaults])
-    zero = mpmath.mpf(0)
+    zero, before = mpmath.mpf(0), mpmath.inf
     for _ in range(ITERATIONS):
         (g,) = _evaluated(model, "constraints", zero, q, k)
         (rates,) = _evaluated(model, "constraint_rates", zero, q, v, k)
-        if all(abs(x) < MET for x in (*g, *rates)):
+        violation = max((abs(x) for x in (*g, *rates)), default=zero)
+        if violation < MET or (model.proximal and before / 2 < violation < UNSEEN):  # numbers that are rounded
             return _unchanged(q, q_start), _unchanged(v, v_start)
+        before = violation
         for residual, values, start in ((g, q, q_start), (rates, v, v_start)):
             change = _change(model, q, k, residual, start)
             values[:] = [x + dx for x, dx in zip(values, change, strict=True)]
@@ -101,8 +106,12 @@ def _change(model: Model, q: list[Any], k: list[Any], residual: list[Any], start
     for (i, j), value in zip(model.pattern("constraint_jacobian", "G").entries, values, strict=True):
         G[i, j] = value
     weighted = mpmath.diag([STIFFNESS if x.exact else 1 for x in start]) * G.T
+    matrix = G * weighted
+    if model.proximal:
+        for i in range(len(residual)):
+            matrix[i, i] += DEPENDENT * (matrix[i, i] or 1)
     try:
-        return list(weighted * mpmath.lu_solve(G * weighted, -mpmath.matrix(residual)))
+        return list(weighted * mpmath.lu_solve(matrix, -mpmath.matrix(residual)))
     except ZeroDivisionError as error:
         raise NoStartState(f"{model.name}: the constraints do not determine the initial state") from error
 

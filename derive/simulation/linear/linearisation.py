@@ -23,7 +23,7 @@ from scipy.linalg import lu_factor, lu_solve, qr
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.constraints.scaling import mass_factor
+from derive.simulation.constraints.scaling import SINGULAR, mass_factor, spectrum
 from derive.simulation.linear.ports import inputs_of, outputs_of
 from derive.simulation.linear.steady_motion import rotating_axes
 
@@ -93,19 +93,26 @@ def linearise(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, sp
 
     k: the constants (nk,) of `native.setup`, with the inputs at t. spin (rad/s): the speed of a scene that rotates
     steadily; positions of origins are then those in axes that rotate with it, where the coefficients are constant.
-    Raises ModelError where accelerations and multipliers of the state are not unique.
+    Changes of reactions that are not unique are those of least norm.
+    Raises ModelError where accelerations and multipliers of the state are not unique, unless the model is `proximal`.
     """
     vdot, lam = native.solve(t, q, v, k)
     d = _of_scene(native, k, t, q, v, vdot, lam) if native.dae else _of_body(native, k, t, q, v, vdot)
     if spin:
         d = _in_rotating_axes(d, spin * rotating_axes(native))
+    u, y = inputs_of(native, k, t, q, v, vdot, lam), outputs_of(native, k, t, q, v, vdot, lam)
+    spread = np.eye(native.nlambda)
+    if native.nlambda and native.proximal:
+        spread, kept = _independent_constraints(native, k, t, q, d)
+        d = replace(d, G=d.G[kept], rates=d.rates[kept], a_q=d.a_q[kept], a_v=d.a_v[kept])
+        u = replace(u, constraints=u.constraints[kept], rates=u.rates[kept], accelerations=u.accelerations[kept])
     translations = np.array([role is Role.TRANSLATION for role in velocity_roles(native)], dtype=bool)
     dependent, free = independent_coordinates(d.M, d.G, translations)
-    S = np.zeros((native.nv, native.nlambda))
+    S = np.zeros((native.nv, len(d.G)))
     if dependent.size:
         S[dependent] = np.linalg.inv(d.G[:, dependent])
     T = np.eye(native.nv)[:, free] - S @ d.G[:, free]
-    n, u, y = len(free), inputs_of(native, k, t, q, v, vdot, lam), outputs_of(native, k, t, q, v, vdot, lam)
+    n = len(free)
     none = np.zeros((native.nv, n))
     zeta = _Linear(np.hstack([T, none]), -S @ u.constraints)
     dv = _Linear(np.hstack([-S @ d.rates @ T, T]), -S @ (d.rates @ zeta.u + u.rates))
@@ -114,7 +121,7 @@ def linearise(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, sp
     mass = lu_factor(T.T @ d.M @ T)
     wdot = _Linear(*(-lu_solve(mass, T.T @ (f - d.M @ S @ b)) for f, b in zip(force, bias, strict=True)))
     dvdot = _Linear(*(T @ a - S @ b for a, b in zip(wdot, bias, strict=True)))
-    dlam = _Linear(*(S.T @ (d.M @ a + f) for a, f in zip(dvdot, force, strict=True)))
+    dlam = _Linear(*(spread @ S.T @ (d.M @ a + f) for a, f in zip(dvdot, force, strict=True)))
     kinematic = np.hstack([(d.W @ T)[free], np.eye(n)])  # zdot = w + W z, where W = 0 except for bodies in space
     C, D = (
         y.by_zeta @ a + y.by_v @ b + y.by_vdot @ c + y.by_lam @ e
@@ -136,6 +143,21 @@ def linearise(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, sp
         D=D + y.by_u,
         displacements=d.Z @ T,
     )
+
+
+def _independent_constraints(
+    native: NativeScene, k: Vector, t: float, q: Vector, d: _Derivatives
+) -> tuple[Matrix, NDArray[np.intp]]:
+    """The indices (r,) of constraints that imply the others, and the factors (nlambda, r) of their multipliers in all.
+
+    The multipliers of all constraints are those of least norm with the same forces.
+    """
+    of = spectrum(native, k, t, q)
+    kept = np.sort(qr(of.scaled.T, mode="r", pivoting=True)[1][: of.rank])
+    weights = np.sqrt(np.einsum("ij,ji->i", d.G, np.linalg.solve(d.M, d.G.T)))
+    weights[weights == 0.0] = 1.0  # of constraints without coordinates
+    scaled = d.G / weights[:, None]
+    return np.linalg.pinv(scaled.T, rcond=SINGULAR) @ d.G[kept].T / weights[:, None], kept
 
 
 def independent_coordinates(

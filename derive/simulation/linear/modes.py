@@ -15,6 +15,7 @@ from derive.runtime.loading import load, load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
+from derive.simulation.constraints.redundancy import check_constraints
 from derive.simulation.equilibrium import Equilibrium
 from derive.simulation.errors import MovingDrives, NoEquilibrium, SimulationError
 from derive.simulation.initial.initial_state import initial_state
@@ -24,6 +25,7 @@ from derive.simulation.linear.linearisation import Linearisation, linearise
 from derive.simulation.linear.run_time_inputs import constants, scene_with_values
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.prepared_run import PreparedRun
+from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.simulate import with_simulation
 from derive.spec.model.scene import EQUILIBRIUM, Scene, Specification
 from derive.spec.model.scene_functions import input_functions, time_functions
@@ -110,7 +112,10 @@ def modes(spec: Specification, *, at: float | None = None, progress: Progress | 
 
     Raises SpecError, CompilerError, ModelError, SimulationError.
     """
-    state = _of_scene(spec, at, progress) if isinstance(spec, Scene) else _of_body(spec, at)
+    if isinstance(spec, Scene):
+        state = with_redundant_joints(spec, lambda scene: _of_scene(scene, at, progress))
+    else:
+        state = _of_body(spec, at)
     linear = linearise(state.native, state.k, state.t, state.q, state.v)
     return Modes(spec, state.native, state.k, linear, eigenmodes(linear), state.equilibrium)
 
@@ -145,7 +150,9 @@ def _of_scene(scene: Scene, at: float | None, progress: Progress | None) -> _Sta
         motion = _motion(scene_with_values(scene), at, progress)
         t, q, v = float(motion.t[-1]), motion.q[-1], motion.v[-1]
         native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))  # simulations leave out what is needed here
-        return _State(native, constants(scene, native, t), t, q, v)
+        k = constants(scene, native, t)
+        check_constraints(native, k, t, q)
+        return _State(native, k, t, q, v)
     native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))
     k = constants(scene, native, 0.0)
     if at is not None:

@@ -50,6 +50,9 @@ SceneLowering = Literal["auto", "flat", "instances"]
 EQUILIBRIUM: SceneStart = "equilibrium"
 """The value of `start` for which the initial state of a scene is its static equilibrium."""
 
+Redundant = Literal["auto", "resolve", "error"]
+"""The treatment of redundant joints."""
+
 
 @dataclass(frozen=True)
 class JointInitialValues:
@@ -276,6 +279,16 @@ class Scene:
             choice_of="the start of a scene",
         ),
     ] = None
+    redundant: Annotated[
+        Redundant,
+        key(
+            KeyType.CHOICE,
+            "The treatment of redundant joints, whose motion is determined and whose reactions are not. auto: those of "
+            "least norm are computed where joints are redundant; resolve: always, which takes longer, also through "
+            "singular positions; error: redundant joints are refused.",
+            choice_of="redundant joints",
+        ),
+    ] = "auto"
     inputs: Annotated[
         tuple[SceneInput, ...], key(SceneInput, "Run-time inputs by name.", example="[inputs.motor]")
     ] = ()

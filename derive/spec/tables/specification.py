@@ -47,8 +47,8 @@ GROUND_TABLE = keyed_model(
 )
 SCENE_TABLE = keyed_model(
     "SceneTable",
-    "Gravity, initial state and lowering of a scene.",
-    tuple(_OF_SCENE[name] for name in ("gravity", "start", "lowering")),
+    "Gravity, initial state, lowering and redundant joints of a scene.",
+    tuple(_OF_SCENE[name] for name in ("gravity", "start", "lowering", "redundant")),
 )
 FUNCTION_PARAMETER = keyed_model(
     "FunctionParameterTable",
@@ -157,6 +157,7 @@ def scene(table: Any, references: Mapping[str, Rows]) -> Scene:
         gravity=None if table.scene is None else table.scene.gravity,
         start=None if table.scene is None else table.scene.start,
         lowering="auto" if table.scene is None else table.scene.lowering,
+        redundant="auto" if table.scene is None else table.scene.redundant,
         simulation=table.simulation,
         **sections,
     )

@@ -28,6 +28,7 @@ from derive.simulation.integration.tolerances import absolute_tolerances, consis
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.observables.plots import plot_curves
 from derive.simulation.output_times import output_times
+from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.trajectory import RunSettings, Trajectory
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitoring_outputs import with_monitors
@@ -100,7 +101,15 @@ def compiled(
 
     Raises SpecError, SimulationError, CompilerError.
     """
-    changed = model_scene(scene, model)
+    return with_redundant_joints(
+        model_scene(scene, model), lambda changed: _compiled(changed, model, monitored, explicit, flags)
+    )
+
+
+def _compiled(
+    changed: Scene, model: LadderModel, monitored: bool, explicit: bool, flags: Sequence[str]
+) -> CompiledLadderModel:
+    """The model of a scene that has been changed to it."""
     complete = with_monitors(changed) if monitored else changed
     code, files = generated_explicit(complete) if explicit else generated(complete)
     native = load_scene(files, flags)

@@ -22,6 +22,7 @@ from derive.simulation.integration.c_methods import NEWTON
 from derive.simulation.integration.integrator import scene_of
 from derive.simulation.integration.scipy_methods import MAX_STEPS_PER_ROW, integrate
 from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance
+from derive.simulation.redundant_joints import with_redundant_joints
 from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import breaks
 from derive.study.states import State, period, start_state
@@ -182,12 +183,21 @@ class MethodScene:
 
 def method_scene(scene: Scene) -> MethodScene:
     """The scene compiled with its integrators. Raises SpecError, CompilerError, SimulationError."""
+    return with_redundant_joints(scene, _method_scene)
+
+
+def _method_scene(scene: Scene) -> MethodScene:
     _, files = generated(scene)
     rk4, missing = FixedStep(files), ""
     try:
         alpha: GeneralisedAlpha | None = GeneralisedAlpha(files)
     except LibraryMissing as error:
         alpha, missing = None, str(error).splitlines()[0]
+    if rk4.native.proximal:
+        alpha, missing = (
+            None,
+            "generalised-alpha solves for reactions, and those of redundant joints are not unique",
+        )
     native = scene_of(rk4.native, "a study of methods")
     k = native.setup()
     _, q, v = start_state(scene, native, k)

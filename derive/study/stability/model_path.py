@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from derive.errors import Problem, SpecError, TisserandError, first_line
 from derive.generated_models import generated
+from derive.ir.model import Model
 from derive.runtime.compiler import WITHOUT_BATCHES
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
@@ -15,6 +16,8 @@ from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.initial.targets import targets
 from derive.simulation.linear.linearisation import linearise
 from derive.simulation.linear.steady_motion import steady_motion
+from derive.simulation.redundant_joints import refuse_dependent, with_redundant_joints
+from derive.spec.model.scene import Scene
 from derive.study.accuracy.models import LadderModel, model_scene
 from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
 from derive.study.stability.parameter import StudiedParameter
@@ -84,13 +87,20 @@ def _growing(point: PathPoint) -> int | None:
     return None if point.eigenvalues is None else point.eigenvalues.growing
 
 
+def _with_start(scene: Scene) -> tuple[Model, NativeScene]:
+    """The model of a scene and its compiled code. Raises the errors for redundant joints."""
+    code, files = generated(scene)
+    native = load_scene(files, FLAGS)
+    refuse_dependent(scene, native)
+    return code, native
+
+
 def _compiled(
     parameter: StudiedParameter, model: LadderModel
 ) -> tuple[Callable[[float, Vector | None], PathPoint], NativeScene, str]:
     """The function that evaluates a model at a value of the parameter, its compiled code, and the parameter's unit."""
     first = model_scene(parameter.scene_at(parameter.range.low), model)
-    code, files = generated(first)
-    native = load_scene(files, FLAGS)
+    code, native = with_redundant_joints(first, _with_start)
     missing = parameter.symbol is not None and parameter.symbol not in native.parameters
     if missing and first != model_scene(parameter.scene_at(parameter.range.high), model):
         text = "this model has numbers in place of the parameter, on which its code depends"

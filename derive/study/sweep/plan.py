@@ -12,9 +12,10 @@ from derive.errors import Problem, SpecError
 from derive.generated_models import package_hash
 from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import adaptive_library
-from derive.runtime.loading import model_library
+from derive.runtime.loading import load_scene, model_library
 from derive.simulation.inputs import with_functions
 from derive.simulation.prepared_run import PreparedRun
+from derive.simulation.redundant_joints import refuse_dependent, with_redundant_joints
 from derive.simulation.simulate import with_simulation
 from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
@@ -178,12 +179,19 @@ class _Models:
                 )
             self._numbers[key] = len(self.codes)
             self._progress(f"{scene.name}: deriving and compiling model {len(self.codes) + 1}")
-            run = PreparedRun(scene, complete=False)
+            run = with_redundant_joints(scene, _prepared)
             name, library = model_library(run.files, RUN_FLAGS)
             initial = initial_parameters(run.scene, run.complete_model)
             self.runs.append(run)
             self.codes.append(ModelCode(name, library, adaptive_library(), tuple(run.units), tuple(sorted(initial))))
         return replace(scene, plots=()), self._numbers[key]
+
+
+def _prepared(scene: Scene) -> PreparedRun:
+    """The run of a scene. Raises the errors for redundant joints."""
+    run = PreparedRun(scene, complete=False)
+    refuse_dependent(run.scene, load_scene(run.files, RUN_FLAGS))
+    return run
 
 
 def _without_start(scene: Scene) -> Scene:

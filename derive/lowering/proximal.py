@@ -1,0 +1,17 @@
+"""The proximal term, with which redundant constraints have multipliers of least norm: its size and its refinement.
+
+S lambda = b with S = G M^-1 G^T has many solutions where constraints are redundant, all with the same accelerations.
+With the diagonal D of S the system (S + epsilon D) lambda' = b + epsilon D lambda is regular. Its solutions, one from
+another and the first from lambda = 0, converge to the solution with the least lambda . D lambda: a part of b in which
+S has the eigenvalue s, relative to D, is off by the factor epsilon/(s + epsilon) after each step.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+PROXIMAL = Fraction(1, 2**30)
+"""epsilon: rounding errors of b appear in reactions that are not unique divided by it, and not in accelerations. Within
+its root (rad) of a singular position the constraints that become dependent there are not kept by accelerations."""
+REFINEMENTS = 3
+"""The solutions after the first one; then the error is that of rounding for eigenvalues s above 1e-4."""

@@ -1,0 +1,52 @@
+"""Scenes whose joints prove to be redundant when their initial state is known: their model has to be another one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TypeVar
+
+from derive.errors import TisserandError
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.errors import (
+    DriftTooLarge,
+    DriveCannotBeFollowed,
+    IntegrationStopped,
+    RedundantConstraints,
+    SingularConfiguration,
+)
+from derive.simulation.initial.initial_state import initial_state
+from derive.spec.model.scene import Scene
+
+Result = TypeVar("Result")
+
+DEPENDENT = (RedundantConstraints, SingularConfiguration)
+"""The errors for constraints that depend on each other, in all states or in one."""
+
+
+def refuse_dependent(scene: Scene, native: NativeScene) -> None:
+    """Raise one of `DEPENDENT` if that is why a scene has no initial state; other faults are not looked for."""
+    try:
+        initial_state(scene, native)
+    except DEPENDENT:
+        raise
+    except TisserandError:
+        return
+
+
+def with_redundant_joints(scene: Scene, action: Callable[[Scene], Result]) -> Result:
+    """The result of an action with a scene; it is repeated for a model that resolves redundant joints if it needs that.
+
+    action: generates a model of the scene that is given to it, and raises one of `DEPENDENT` where its constraints
+    depend on each other. That is final if the scene says what to do about redundant joints, if a drive cannot be
+    followed, or if the other model does not help.
+    """
+    try:
+        return action(scene)
+    except DEPENDENT as error:
+        if scene.redundant != "auto" or isinstance(error, DriveCannotBeFollowed):
+            raise
+        try:
+            return action(replace(scene, redundant="resolve"))
+        except (*DEPENDENT, DriftTooLarge, IntegrationStopped):
+            raise error from None
