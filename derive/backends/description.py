@@ -63,7 +63,7 @@ def pattern_texts(model: Model, indent: str) -> list[PatternText]:
     def text(name: str, p: Pattern) -> PatternText:
         if p.groups:
             return PatternText(name, p, fill=_fill(p), groups=_groups(p, indent))
-        if model.lowering == "instances":
+        if model.lowering == "instances" and p.cols:  # there are none without parameters and inputs
             numbers = tuple(number for columns in repeated_columns(p) for number in columns.numbers)
             return PatternText(name, p, repeated=integer_lines(numbers, indent))
         return PatternText(name, p, integer_lines(p.colptr, indent), integer_lines(p.rowidx, indent))

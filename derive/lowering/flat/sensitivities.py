@@ -108,7 +108,7 @@ def _by_parameters(context: Context, symbols: Symbols, rows: ca.SX) -> ca.SX:
     """The derivatives of rows with respect to the parameters (rows, parameters)."""
     eq = context.equations
     known = {c.symbol for c in context.coefficients}
-    constants = [c.symbol for c in context.coefficients if not c.value.is_Rational]
+    constants = list(dict.fromkeys(c.symbol for c in context.coefficients if not c.value.is_Rational))
     by_constants = ca.jacobian(rows, ca.vertcat(*symbols.values_of(constants)))
     for lookup, value in symbols.lookups.items():  # symbols to CasADi, which does not see what is in their arguments
         for i, c in enumerate(constants):

@@ -128,7 +128,7 @@ class SceneMechanics:
     def drive_force(self, drive: Drive) -> sp.Expr:
         """The force or the torque on body 2 by which a drive prescribes the relative coordinate of its joint."""
         for constraint in self.constraints:
-            if constraint.name == drive.name:
+            if constraint.shown == drive.name:
                 return constraint.multiplier
         joint = self.eliminated_joint(drive.joint)
         second, reaction = joint.joint.second, self.reaction(drive.joint)
