@@ -38,6 +38,9 @@ DEPENDENT = mpmath.mpf("1e-25")
 """The relative addition to a diagonal that makes a matrix of constraints that depend on each other regular."""
 UNSEEN = 1e-16
 """Changes (SI units) of exact numbers below this are ignored."""
+CONTRADICTION = 1e-9
+"""The part of the largest number of a state by which redundant constraints contradict each other, since the numbers of
+the specification are rounded."""
 ITERATIONS = 8
 
 
@@ -88,7 +91,8 @@ def _projected(model: Model, q_start: list[_Rounded], v_start: list[_Rounded]) -
         (g,) = _evaluated(model, "constraints", zero, q, k)
         (rates,) = _evaluated(model, "constraint_rates", zero, q, v, k)
         violation = max((abs(x) for x in (*g, *rates)), default=zero)
-        if violation < MET or (model.proximal and before / 2 < violation < UNSEEN):  # numbers that are rounded
+        contradicted = CONTRADICTION * max(1, *map(abs, (*q, *v)))
+        if violation < MET or (model.proximal and before / 2 < violation < contradicted):
             return _unchanged(q, q_start), _unchanged(v, v_start)
         before = violation
         for residual, values, start in ((g, q, q_start), (rates, v, v_start)):
