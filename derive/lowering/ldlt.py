@@ -61,7 +61,8 @@ def factorise(
             neighbours[j].add(i)
     for j in order:
         if j >= coordinates:
-            scales.append(of_coordinates.get((j, j), ca.SX(-1)))
+            idle_scale = {} if proximal is None else {(j, j): ca.SX(-1)}
+            scales.append((idle_scale | of_coordinates)[j, j])  # without coordinates there is nothing to divide by
             own = scales[-1] if (j, j) in of_coordinates else ca.SX(0)
             own = own if proximal is None else own + proximal * scales[-1]
             work[j, j] = own + work[j, j] if (j, j) in work else own

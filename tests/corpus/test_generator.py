@@ -28,6 +28,10 @@ CORPUS = 2000
 
 NOT_USED = {
     "NodalTable.nodes as object": "MatrixMarket files: tests/spec/test_node_files.py",
+    **dict.fromkeys(
+        ("SceneTable.redundant", *(f"SceneTable.redundant = {value}" for value in ("auto", "resolve", "error"))),
+        "redundant joints are those that linkages happen to have: tests/simulation/test_redundant_motion.py",
+    ),
 }
 """The features of specifications that no scene of the corpus uses, with the reasons."""
 

@@ -272,7 +272,7 @@ SLIDE = "[joints.slide]\nkind = 'translational'\nbetween = ['rod.left', 'bar.b']
             f'16: drives.d.motion: column 1 of "a*t": the name "a" is unknown: {FUNCTION}',
         ),
         (D + "motion = true", f"16: drives.d.motion: {NUMBER}, not true"),
-        ("[scene]\nunit = 1", "15: scene.unit: unknown key; the keys here are gravity, start"),
+        ("[scene]\nunit = 1", "15: scene.unit: unknown key; the keys here are gravity, start, lowering, redundant"),
         (
             "[joints.ansatz]\nkind = 'weld'",
             '14: joints.ansatz.between: this key is missing; write between = ["ground.bearing", "crank.hub"]',
@@ -417,7 +417,7 @@ SLIDE = "[joints.slide]\nkind = 'translational'\nbetween = ['rod.left', 'bar.b']
             "[joints.t]\nkind = 'translational'\nbetween = ['bar.a', 'rod.left']\nstart = { angle = 1 }",
             "17: joints.t.start.angle: the translational joint t has no angle; write `displacement` instead",
         ),
-        ("[scene]\nwind = 1", "15: scene.wind: unknown key; the keys here are gravity, start"),
+        ("[scene]\nwind = 1", "15: scene.wind: unknown key; the keys here are gravity, start, lowering, redundant"),
         ("[joint.x]", '14: joint: unknown key; did you mean "joints"?'),
         ("[drives]\nd = 3", "15: drives.d: a table is needed here, not a number"),
         (

@@ -145,7 +145,8 @@ def force_key(force: ForceInstance) -> Hashable:
     markers = tuple((marker.body if marker.body == GROUND else "", marker.marker) for marker in force.markers)
     values = tuple((k, v.as_immutable() if isinstance(v, sp.MatrixBase) else v) for k, v in force.values.items())
     own = ((f.name, getattr(force.element, f.name)) for f in fields(force.element) if f.name not in force.values)
-    plain = tuple((name, value) for name, value in own if name != "name" and not _is_marker(value))
+    known = ("name", "values")  # those of a force of another package are in force.values
+    plain = tuple((name, value) for name, value in own if name not in known and not _is_marker(value))
     return type(force.type), markers, values, plain
 
 
