@@ -129,7 +129,8 @@ def _key(member: Member, mechanism: Mechanism) -> Hashable:
     if coordinates.reason:
         return instance.name  # what it follows is known, and is written out for this body
     sections = tuple((name, _without_values(section)) for name, section in component.sections.items())
-    at = tuple((h.is_first, h.marker, joints[h.joint].type, _plain(joints[h.joint])) for h in member.handles)
+    of = ((h, joints[h.joint]) for h in member.handles)  # a drive adds a multiplier, and codes differ by it
+    at = tuple((h.is_first, h.marker, joint.type, joint.multipliers, _plain(joint)) for h, joint in of)
     forces = tuple(map(force_key, member.forces))
     return instance.kind, component.markers, sections, at, forces, fixed_values(member.constants, mechanism)
 
