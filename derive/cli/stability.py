@@ -8,8 +8,7 @@ from pathlib import Path
 from derive.artifacts import check_folder, write
 from derive.cli.arguments.stability import NEVER
 from derive.cli.result_files import planned_files, print_result, study_files
-from derive.cli.specifications import read_changed
-from derive.simulation.simulate import with_simulation
+from derive.cli.specifications import read_changed_scene
 from derive.spec.model.scene import Scene
 from derive.study.accuracy.models import LadderRange, ladder
 from derive.study.stability.chart import stability_svg
@@ -27,9 +26,7 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
     """Run the study and write its chart, table and data."""
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
-    changed, changes = read_changed(options.spec, options.set)
-    assert isinstance(changed, Scene), "the file has a scene, which values do not change"
-    scene = with_simulation(changed)
+    scene, changes = read_changed_scene(options.spec, options.set)
     result = study(scene, options)
     show_progress()
     data = {**stability_data(result), "set": list(map(str, changes))}

@@ -33,7 +33,7 @@ def enumeration(names: Sequence[str]) -> str:
 
 
 def _run(numbered: tuple[int, InstanceName]) -> tuple[str, int]:
-    """What successive instances of a table have in common."""
+    """The key of a run of successive instances of a table; that of another name is its own."""
     place, name = numbered
     return ("", place) if name.index is None or name.ending else (name.table, name.index - place)
 
