@@ -24,7 +24,7 @@ from derive.simulation.compiled_scene import constraint_matrix, coordinates_with
 from derive.simulation.constraints.closest_state import PERTURBATIONS, closest_state, perturbed, unmet_constraints
 from derive.simulation.constraints.scaling import SINGULAR
 from derive.simulation.observables.motion import drive_unit
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import value_at
@@ -227,7 +227,7 @@ class _Walk:
         joints = [
             joint.name
             for joint in self.scene.joints
-            if any(identifier(joint.name, row.label) in unmet for row in JOINTS[joint.kind].removes)
+            if any(joined(joint.name, row.label) in unmet for row in JOINTS[joint.kind].removes)
         ]
         beams = any(isinstance(body, BeamBody) for body in self.scene.bodies)
         values = tuple((drive.name, float(value), unit) for drive, value, unit in drives)
