@@ -35,17 +35,21 @@ class NotInLoops(TisserandError):
 
 @dataclass(frozen=True)
 class GroupElement:
-    """A force, a damping or an output: its number among those, its bodies with coordinates, and the number of its
-    first component, if it is an output."""
+    """A force, a damping, a varying joint or an output: its number among those, and its bodies with coordinates.
+
+    first: the number of its first component, if it is an output; further: joints that no body with coordinates has.
+    """
 
     number: int
     bodies: tuple[Member, ...]
     first: int = 0
+    further: tuple[int, ...] = ()
 
     @property
     def joints(self) -> tuple[int, ...]:
-        """The numbers of the joints of its bodies, each once."""
-        return tuple(dict.fromkeys(handle.joint for member in self.bodies for handle in member.handles))
+        """The numbers of the joints of its bodies, each once, and of the further ones."""
+        of_bodies = (handle.joint for member in self.bodies for handle in member.handles)
+        return tuple(dict.fromkeys((*of_bodies, *self.further)))
 
     @property
     def sharing(self) -> tuple[int, ...]:
@@ -104,6 +108,12 @@ class Bodies:
         """The class of a body, or its name if its motion is known."""
         return self.number.get(body, body)
 
+    @property
+    def idle_joints(self) -> tuple[int, ...]:
+        """The numbers of the joints between markers whose motion is known."""
+        ends = ((joint.joint.first.body, joint.joint.second.body) for joint in self.mechanism.joints)
+        return tuple(k for k, bodies in enumerate(ends) if not any(body in self.members for body in bodies))
+
     def end(self, marker: MarkerRef) -> Hashable:
         """The class of a body and its marker, or a marker whose motion is known."""
         return self.key(marker.body), marker.marker
@@ -141,7 +151,7 @@ def output_groups(bodies: Bodies) -> tuple[tuple[Group, Equations], ...]:
             try:
                 made[key] = _output_equations(bodies, element)
             except NotInLoops:
-                element = GroupElement(number, tuple(bodies.members.values()), first)
+                element = GroupElement(number, tuple(bodies.members.values()), first, bodies.idle_joints)
                 made[key, number] = _output_equations(bodies, element, of_all=True)
         groups.setdefault(key if key in made else (key, number), []).append(element)
         first += len(output.type.labels)
