@@ -235,8 +235,7 @@ def _output_equations(bodies: Bodies, element: GroupElement, of_all: bool = Fals
     if not names:
         raise NotInLoops("an output that names no body depends on all")
     own = {name: bodies.equations(name) for name in names}
-    acting = ((f, {*moving_bodies(mechanism, f)}) for f in mechanism.forces)
-    forces = tuple(f for f, on in acting if of_all or not on or on & {*names})
+    forces = tuple(f for f in mechanism.forces if of_all or {*moving_bodies(mechanism, f)} & {*names})
     if any(not {*moving_bodies(mechanism, f)} <= {*names} for f in forces):
         raise NotInLoops("a force acts between the bodies of an output and others")
     points = {GROUND: mechanism.ground, **{name: b.points for name, b in {**bodies.known.bodies, **own}.items()}}
