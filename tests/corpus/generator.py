@@ -30,8 +30,6 @@ from corpus.lone_bodies import LONE, lone_beam, spatial_body
 from corpus.many_bodies import SHARE, many_bodies
 from corpus.observations import observe
 from corpus.spelling import respell
-from derive import JOINTS
-from derive.mechanics.multibody.joints.relative_rows import Axes
 from derive.spec.tables.specification import json_schema
 
 
@@ -85,13 +83,9 @@ def corpus_scene(seed: int) -> CorpusScene:
 
 
 def _lower(tables: Table, draws: Draws) -> None:
-    """Ask for loops over instances in a quarter of the scenes where they are possible, and for others in a few."""
+    """Ask for loops over instances in a quarter of the scenes, and for others in a few."""
     lowering = draws.choice(["instances"] * 5 + ["auto", "flat"] + [""] * 13)
-    joints = tables.get("joints", {}).values()
-    fixed = all(
-        JOINTS[joint["kind"]].axes is Axes.INERTIAL or joint["between"][0].startswith("ground.") for joint in joints
-    )
-    if lowering and "bodies" in tables and (fixed or lowering != "instances"):
+    if lowering and "bodies" in tables:
         tables.setdefault("scene", {})["lowering"] = lowering
 
 

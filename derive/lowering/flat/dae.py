@@ -33,8 +33,8 @@ def _stabilising(context: Context) -> tuple[sp.Symbol, ...]:
     return tuple(local(f"mu_{name}") for name in context.multipliers)
 
 
-def residual_rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
-    """The rows of F."""
+def residual_rows(context: Context, form: str, symbols: Symbols, joints_alone: bool = False) -> list[ca.SX]:
+    """The rows of F; joints_alone: without qdot - v."""
     eq = context.equations
     entries = jacobian_entries(context, symbols)
 
@@ -45,7 +45,10 @@ def residual_rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
             total[j] = total[j] + value * symbols.values[multipliers[i]]
         return total
 
-    rows = [symbols.values[state_rate(c.q)] - symbols(rate) for c, rate in zip(eq.coordinates, eq.rates, strict=True)]
+    rows = [ca.SX(0) for _ in context.rows]
+    if not joints_alone:
+        kinematics = zip(eq.coordinates, eq.rates, strict=True)
+        rows = [symbols.values[state_rate(c.q)] - symbols(rate) for c, rate in kinematics]
     if form == "ggl":  # in planar mechanisms qdot = v, so that both have the same rows
         mu = transposed(_stabilising(context))
         rows = [row + part for row, part in zip(rows, mu, strict=True)]
