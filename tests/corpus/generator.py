@@ -11,7 +11,6 @@ strong, linkages close and can move, and durations are short.
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from functools import cache
@@ -30,7 +29,8 @@ from corpus.lone_bodies import LONE, lone_beam, spatial_body
 from corpus.many_bodies import SHARE, many_bodies
 from corpus.observations import observe
 from corpus.spelling import respell
-from derive.spec.tables.specification import json_schema
+from derive.spec.tables.json_schema import schema_of
+from derive.spec.tables.specification import specification_table
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def _lower(tables: Table, draws: Draws) -> None:
 
 @cache
 def _schema() -> dict[str, Any]:
-    schema: dict[str, Any] = json.loads(json_schema())
+    schema: dict[str, Any] = schema_of(specification_table())
     return schema
 
 
