@@ -7,11 +7,13 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
+from derive.mechanics.symbols import amplitude, owned
 from derive.simulation.configurations import quaternion_of
 from derive.simulation.observables.motion import Array, SceneMotion, si_value
 from derive.simulation.observables.player_data import RESOLUTION, Plain, channel, frames, rounded, speeds
+from derive.simulation.observables.spatial_player_data import drawn_body
 from derive.spec.model.markers import GROUND
-from derive.spec.model.spatial_scene import FrameMarker, SpatialRigidBody, SpatialScene
+from derive.spec.model.spatial_scene import FlexibleBody, FrameMarker, SpatialRigidBody, SpatialScene
 
 FEW = 6
 """The largest number of markers between all of which edges are drawn; otherwise they go to the centre of mass."""
@@ -19,10 +21,13 @@ FEW = 6
 
 def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion) -> Plain:
     """The content of the page of a motion: lengths in m, times in s."""
-    drawings = {body.name: _drawing(body.markers, _centre(body)) for body in scene.bodies}
+    drawings = {
+        body.name: _flexible(body) if isinstance(body, FlexibleBody) else _drawing(body.markers, _centre(body))
+        for body in scene.bodies
+    }
     if scene.ground:
         drawings[GROUND] = _drawing(scene.ground, None)
-    width = sum(7 for _ in drawings)
+    width = sum(7 + len(drawing.phi) for drawing in drawings.values())
     chosen = frames(len(motion.t), 1 + width)
     t = motion.t[chosen]
     still = np.tile(np.concatenate([np.zeros(3), np.eye(3).ravel()]), (len(t), 1))
@@ -39,13 +44,16 @@ def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion) -> Plain
         "bodies": [
             {
                 "nodes": np.vectorize(rounded, otypes=[float])(drawings[name].x).tolist(),
-                "shapes": [],
+                "shapes": [np.vectorize(rounded, otypes=[float])(mode).tolist() for mode in drawings[name].phi],
                 "edges": drawings[name].edges,
                 "markers": drawings[name].markers,
                 "radius": rounded(0.4 * reach),
                 "position": [channel(c, step) for c in pose[:, :3].T],
                 "quaternion": [channel(e, RESOLUTION) for e in quaternions(pose[:, 3:]).T],
-                "amplitudes": [],
+                "amplitudes": [
+                    channel(a, 1e-5 * float(np.abs(a).max()))
+                    for a in _amplitudes(motion, name, len(drawings[name].phi))[chosen].T
+                ],
             }
             for name, pose in poses.items()
         ],
@@ -66,8 +74,23 @@ def quaternions(rotations: Array) -> Array:
 class _Drawing:
     """Points x (n, 3), m, in the frame of a body, with edges between them and the names of markers."""
 
-    def __init__(self, x: Array, edges: list[list[int]], markers: list[Plain]) -> None:
+    def __init__(self, x: Array, edges: list[list[int]], markers: list[Plain], phi: Array | None = None) -> None:
         self.x, self.edges, self.markers = x, edges, markers
+        self.phi = np.zeros((0, *x.shape)) if phi is None else phi
+
+
+def _flexible(body: FlexibleBody) -> _Drawing:
+    """The nodes of a finite-element body with edges between neighbours; the markers at the first of their nodes."""
+    drawn = drawn_body(body.body)
+    boxed = len(drawn.x) != len(body.body.data.positions)
+    named: list[Plain] = [] if boxed else [{"name": m.name, "node": m.nodes[0]} for m in body.markers]
+    return _Drawing(drawn.x, drawn.edges, named, drawn.phi)
+
+
+def _amplitudes(motion: SceneMotion, body: str, modes: int) -> Array:
+    """The amplitudes (n, modes) of a body."""
+    names = (owned(amplitude(i), body).name for i in range(1, modes + 1))
+    return np.asarray(motion.q[:, [motion.native.coordinates.index(name) for name in names]])
 
 
 def _drawing(markers: Sequence[FrameMarker], centre: Array | None) -> _Drawing:

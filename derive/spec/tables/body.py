@@ -66,12 +66,18 @@ SYMBOLIC = declare(SymbolicBody, "SymbolicTable", keys=(_integrals, *declared_ke
 def nodal_body(table: TomlTable, data: NodeData, **others: Any) -> NodalBody:
     """The body of the nodes whose data have been read; `others` are its name, its simulation and its plots."""
     given = {key.field: getattr(table, key.name) for key in NODAL_KEYS if key.name not in ("nodes", "units")}
-    second_order = data.has_geometric_stiffness and given["order"] != 1
-    if given["orthonormal"] is None:
-        given["orthonormal"] = given["frame"].kind == "mean" or data.modes is None
-    given["order"] = DisplacementOrder.TRUNCATED if second_order else DisplacementOrder.FIRST_ORDER
-    given["damping"] = given["damping"] or Damping()
-    return NodalBody(data=data, **given, **others)
+    return NodalBody(data=data, **nodal_keys(given, data, {}), **others)
+
+
+def nodal_keys(given: Mapping[str, Any], data: NodeData, others: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a body of nodes from the values of its keys, whose defaults depend on the data."""
+    result = {**given, **others}
+    second_order = data.has_geometric_stiffness and result["order"] != 1
+    if result["orthonormal"] is None:
+        result["orthonormal"] = result["frame"].kind == "mean" or data.modes is None
+    result["order"] = DisplacementOrder.TRUNCATED if second_order else DisplacementOrder.FIRST_ORDER
+    result["damping"] = result["damping"] or Damping()
+    return result
 
 
 def kind_of_body(value: Any) -> str:
