@@ -12,7 +12,8 @@ from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.simulation import SpatialStart
 from derive.spec.parsing import choices
 from derive.spec.parsing.values import WrongValueError
-from derive.spec.tables.declared_tables import declare
+from derive.spec.tables.beam import DAMPING
+from derive.spec.tables.declared_tables import TABLES, declare
 from derive.spec.tables.shared import TomlTable, one_of
 
 _POINT = (
@@ -52,7 +53,7 @@ _keys = {key.name: key for key in declared_keys(NodalBody)}
 _first = tuple(_keys.pop(name) for name in ("nodes", "units", "modes", "frame", "orthonormal", "order"))
 _last = tuple(_keys.pop(name) for name in ("markers", "start"))
 NODAL_KEYS = (*_first, *_keys.values(), *_last)
-NODAL = declare(NodalBody, "NodalTable", keys=NODAL_KEYS)
+NODAL = declare(NodalBody, "NodalTable", keys=NODAL_KEYS, tables={**TABLES, Damping: DAMPING})
 _integrals = key(
     KeyType.CHOICE,
     "Makes mass, shape integrals and stiffness run-time parameters.",
