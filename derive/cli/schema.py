@@ -19,9 +19,9 @@ This page is generated from the JSON schema of specifications by `tisserand sche
 
 A specification is a TOML file with a `name` and either a planar beam, `[beam]`, or a body in space, `[body]`, or a
 scene of planar bodies, `[bodies.NAME]`, with joints, drives and forces. Where a *number* is expected, an exact number
-in quotation marks, such as `"1/3"`, is accepted as well. A marker is written `"body.marker"`. Units are SI units.
-Editors complete and check these keys if the first line of the file is `#:schema schema.json`, with the path of
-`scenes/schema.json`.
+in quotation marks, such as `"1/3"`, or a formula of numbers, such as `"pi/2"` or `"sqrt(2)/4"`, is accepted as well. A
+marker is written `"body.marker"`. Units are SI units. Editors complete and check these keys if the first line of the
+file is `#:schema schema.json`, with the path of `scenes/schema.json`.
 """
 TITLES = {
     "NodalTable": "`[body]` given by nodes",

@@ -96,6 +96,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
         positions,
         lambda q: _check_deflections(scene, native, constants, q),
         lambda q, given: position_conflict(scene, assembler, guess, q, given),
+        rough=scene.start is not None,
     )
     balance = None
     if scene.start is not None:
