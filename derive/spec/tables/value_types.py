@@ -176,7 +176,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.SPEED: Speed,
     KeyType.FUNCTION: _time,
     KeyType.FUNCTION_PAIR: _pair(_time, ("0", '"-10*sin(t)"'), "components"),
-    KeyType.SHAPE: _shape,
+    KeyType.DEFLECTION: _read(Polynomial, values.deflection, _FORMULA),
     KeyType.SHAPES: Annotated[
         _several(
             _shape,
