@@ -157,14 +157,14 @@ def _coupling(
     else:
         row, column = f"{name}_row_{of.name}", f"{name}_column_{of.name}"
         spacing = system.coupling_spacing
-        rows = of.places.integers(f"{row}s", [spacing if t else size * spacing for t in turned])
-        columns = of.places.integers(f"{column}s", [size * spacing if t else spacing for t in turned])
+        rows = of.places.integers(f"{row}s", [1 if t else size for t in turned])
+        columns = of.places.integers(f"{column}s", [size if t else 1 for t in turned])
         here = ElementIndex(0, (IndexTerm(1, INSTANCE),))
         entries = (*entries_of(place), Entry(row, rows, here), Entry(column, columns, here))
 
         def at_cell(k: int) -> ElementIndex:
             i, j = cells[k]
-            terms = [IndexTerm(n, variable) for n, variable in ((i, row), (j, column)) if n]
+            terms = [IndexTerm(n * spacing, variable) for n, variable in ((i, row), (j, column)) if n]
             return ElementIndex(place.first.offset, (*place.first.terms, *terms))
 
         target = LoopTarget(COUPLING, at_cell, operator, entries)

@@ -150,8 +150,8 @@ def blocks(rows: Sequence[int], handles: Iterable[Sequence[tuple[int, bool]]]) -
 def _order(adjacent: list[set[int]]) -> tuple[int, ...]:
     """An order of little fill-in: paths from one end to the other, in the order of the joints; else minimum degree.
 
-    Of two such orders that take the same work it is the one in rounds of joints that do not wait for each other, if joints
-    have few neighbours; where they have many, the elimination of a single joint occupies a processor.
+    Of two such orders that take the same work it is the one in rounds of joints that do not wait for each other, if
+    joints have few neighbours; where they have many, the elimination of a single joint occupies a processor.
     """
     if all(others <= {joint - 1, joint + 1} for joint, others in enumerate(adjacent)):
         return tuple(range(len(adjacent)))

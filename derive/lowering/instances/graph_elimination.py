@@ -1,8 +1,8 @@
 """The elimination of joints in any graph, along constant arrays of the neighbours of each joint and of their pairs.
 
-The blocks of the joints are factorised as L D L^T, or inverted, which is D without L. Between a joint and a neighbour is
-Z = L^-1 S: the elimination subtracts Z^T D^-1 Z from the block of the neighbour. The back substitution multiplies by L^-T
-once for each joint, and not once for each neighbour.
+The blocks of the joints are factorised as L D L^T, or inverted, which is D without L. Between a joint and a neighbour
+is Z = L^-1 S: the elimination subtracts Z^T D^-1 Z from the block of the neighbour. The back substitution multiplies by
+L^-T once for each joint, and not once for each neighbour.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FORCE, KN
 from derive.lowering.instances.places import Places
 
 FACTOR, INVERSE, SCALE, LOWER = "factor", "inverse", "scale", "lower"
-"""The local arrays of D^-1 Z, of the inverse or the factors of one block, of the diagonals before, with which pivots are
-compared, and of L below its diagonal."""
+"""The local arrays of D^-1 Z, of the inverse or the factors of one block, of the diagonals before, with which pivots
+are compared, and of L below its diagonal."""
 JOINT, NEIGHBOUR, PAIR = "joint", "neighbour", "pair"
 """The variables of the loops over joints, their neighbours and pairs of these."""
 
