@@ -107,8 +107,10 @@ class _Block:
         One array for all rows: processors then need a single address for them.
         """
         targets = [node.target for node in self.lines if isinstance(node, Assign)]
-        places = {COPIES: dict.fromkeys(self._parts(self.lines)), RESULTS: dict.fromkeys(targets)}
-        return {name: [e for e in of if isinstance(e, Element) and self._is_placed(e)] for name, of in places.items()}
+        return {COPIES: self._among(self._parts(self.lines)), RESULTS: self._among(targets)}
+
+    def _among(self, parts: Iterable[object]) -> list[Element]:
+        return [part for part in dict.fromkeys(parts) if isinstance(part, Element) and self._is_placed(part)]
 
     def _is_placed(self, element: Element) -> bool:
         return element.index is not None and element.index.has(*self.integers)
