@@ -105,7 +105,7 @@ def _closes_loops(count: int, handles: Sequence[Sequence[tuple[int, bool]]]) -> 
         return body
 
     for bodies in ends:
-        first, second = (root(body) for body in [*bodies, len(handles)][:2])
+        first, second = (root(body) for body in [*bodies, len(handles), len(handles)][:2])
         if first == second:
             return True
         parent[first] = second

@@ -13,16 +13,14 @@ from derive.lowering.flat.context import Context, Input, stores
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.class_code import Loaded
 from derive.lowering.instances.context import (
-    GroupCode,
     InstanceContext,
     Result,
     given_inputs,
     kernel,
-    loads,
     scatter,
-    spread,
     whole,
 )
+from derive.lowering.instances.group_code import GroupCode, loads, spread
 from derive.lowering.model_functions import ModelFunction
 
 
