@@ -1,7 +1,7 @@
 """Vectors, rotations and linear equations of decimal numbers with 60 digits.
 
-Arrays are NumPy arrays of `decimal.Decimal`, whose arithmetic is ten times as fast as that of mpmath; elementary functions
-come from mpmath. Every function that computes runs under `precise()`.
+Arrays are NumPy arrays of `decimal.Decimal`, whose arithmetic is ten times as fast as that of mpmath; elementary
+functions come from mpmath. Every function that computes runs under `precise()`.
 """
 
 from __future__ import annotations
@@ -68,9 +68,7 @@ def length(a: Array) -> Decimal:
 
 def cross(a: Array, b: Array) -> Array:
     """a x b."""
-    return np.array(
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]], dtype=object
-    )
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]], dtype=object)
 
 
 def skew(a: Array) -> Array:

@@ -1,7 +1,7 @@
 """Bodies as material points with masses: a rigid body has six, a flexible one its nodes.
 
-The six points of a rigid body lie on three lines through its centre of mass, in pairs, such that their second moments are
-those of the inertia tensor. The nodes of a flexible body move by its modes; their mass matrix may couple them.
+The six points of a rigid body lie on three lines through its centre of mass, in pairs, such that their second moments
+are those of the inertia tensor. The nodes of a flexible body move by its modes; their mass matrix may couple them.
 """
 
 from __future__ import annotations
@@ -82,7 +82,9 @@ def rigid_body(name: str, table: Table, value: Numbers) -> PointBody:
         masses, points = rigid_points(mass, centre, inertia)
     none = zeros(0, len(points), 3)
     markers = {marker: rigid_marker(of, value) for marker, of in table.get("markers", {}).items()}
-    return PointBody(name, np.diag(masses) if len(masses) else zeros(0, 0), points, none, zeros(0, 0), zeros(0, 0), markers)
+    return PointBody(
+        name, np.diag(masses) if len(masses) else zeros(0, 0), points, none, zeros(0, 0), zeros(0, 0), markers
+    )
 
 
 def rigid_marker(of: Any, value: Numbers) -> MarkerFrame:
@@ -108,9 +110,7 @@ def nodal_fields(file: Path) -> NodalFields:
     mass = np.diag(data["mass"]) if "mass" in data else np.zeros((count, count))
     if "mass_row" in data:
         mass[data["mass_row"], data["mass_col"]] = data["mass_value"]
-    return NodalFields(
-        array(data["positions"]), array(mass), array(data["modes"]), array(data["modal_stiffness"])
-    )
+    return NodalFields(array(data["positions"]), array(mass), array(data["modes"]), array(data["modal_stiffness"]))
 
 
 def nodal_body(name: str, table: Table, value: Numbers, fields: NodalFields) -> PointBody:

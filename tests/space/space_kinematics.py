@@ -7,29 +7,23 @@ their own frames. Values, derivatives and virtual displacements are differences 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
-from typing import Any
 
-import mpmath
 import numpy as np
 from decimal_vectors import (
     ONE,
-    ZERO,
     Array,
     about,
     array,
-    elementary,
     identity,
     length,
-    number,
     of_quaternion,
-    stacked,
     zeros,
 )
 from mass_points import MarkerFrame, NodalFields, PointBody, nodal_body, nodal_fields, rigid_body, rigid_marker
-from relative_motion import FREE_MOTIONS, driven_value, joint_rows, relative
+from relative_motion import driven_row, free_motions, joint_rows, relative
 from written_scene import Numbers, Table
 
 GROUND = "ground"
@@ -98,6 +92,7 @@ class SpaceKinematics:
         self,
         scene: Table,
         coordinates: Sequence[str],
+        multipliers: Sequence[str] = (),
         *,
         folder: Path = Path(),
         fields: Mapping[str, NodalFields] | None = None,
@@ -113,21 +108,25 @@ class SpaceKinematics:
                 self.bodies[name] = rigid_body(name, table, self.value)
         ground = scene.get("ground", {}).get("markers", {})
         self.ground = {name: rigid_marker(of, self.value) for name, of in ground.items()}
+        self.centres = {
+            name: self.value.vector(table.get("centre", (0, 0, 0))) for name, table in scene.get("bodies", {}).items()
+        }
         self.gravity = self.value.vector(scene.get("scene", {}).get("gravity", (0, 0, 0)))
         self.joints: dict[str, Table] = dict(scene.get("joints", {}))
         self.drives = {table["joint"]: {**table, "name": name} for name, table in scene.get("drives", {}).items()}
         self.springs: dict[str, Table] = dict(scene.get("springs", {}))
-        self.held = self._held_bodies()
+        self.held = self._held_bodies(multipliers)
 
-    def _held_bodies(self) -> list[tuple[str, str]]:
+    def _held_bodies(self, multipliers: Sequence[str]) -> list[tuple[str, str]]:
         """Bodies without coordinates of their own, each with the joint that places it, in an order that can be used."""
         known = {GROUND} | {name for name in self.bodies if f"{name}_c1" in self.columns}
+        placing = [name for name in self.joints if not any(row.startswith(f"{name}_") for row in multipliers)]
         result: list[tuple[str, str]] = []
         while len(known) <= len(self.bodies):
-            for name, joint in self.joints.items():
-                ends = [end.split(".")[0] for end in joint["between"]]
+            for name in placing:
+                ends = [end.split(".")[0] for end in self.joints[name]["between"]]
                 new = [end for end in ends if end not in known]
-                if len(new) == 1 and name not in [j for _, j in result]:
+                if len(new) == 1:
                     result.append((new[0], name))
                     known.add(new[0])
                     break
@@ -148,42 +147,38 @@ class SpaceKinematics:
         return np.array([state.scalars[f"{name}_alpha{i}"] for i in range(1, n + 1)], dtype=object)
 
     def poses(self, t: Decimal, state: SpaceState) -> dict[str, Pose]:
-        """The poses of the frames in which markers have their coordinates."""
+        """The poses of the frames in which markers have their coordinates.
+
+        The coordinates c of a rigid body are those of its centre of mass, of a flexible one of its floating frame.
+        """
         result = {GROUND: Pose(zeros(3), identity(3))}
         for name in self.bodies:
             if f"{name}_c1" in self.columns:
                 c = np.array([state.scalars[f"{name}_c{k}"] for k in (1, 2, 3)], dtype=object)
-                result[name] = Pose(c, state.rotations[f"{name}_"])
+                R = state.rotations[f"{name}_"]
+                result[name] = Pose(c - R @ self.centres[name], R)
         for name, joint in self.held:
             result[name] = self._held_pose(name, joint, t, state, result)
         return result
 
     def _held_pose(self, name: str, joint: str, t: Decimal, state: SpaceState, known: Mapping[str, Pose]) -> Pose:
-        """The pose that a joint gives a body, with the coordinates that the joint leaves, or with its drive."""
+        """The pose that a joint gives a body: by the coordinates that it leaves, or by its drive."""
         table = self.joints[joint]
         first, second = table["between"]
-        coordinates: dict[str, Any] = {}
-        for motion in FREE_MOTIONS[table["kind"]]:
-            coordinates[motion] = (
-                self.motion(joint, t) if joint in self.drives else self._joint_coordinate(name, motion, state)
-            )
-        d, R = relative(coordinates)
-        if second.split(".")[0] == name:
-            x1, A1 = self.frame(first, state, known)
-            _, marker = self.marker(second)
-            turned = A1 @ R @ marker.rotation.T
-            return Pose(x1 + A1 @ d - turned @ marker.position, turned)
-        x2, A2 = self.frame(second, state, known)
-        _, marker = self.marker(first)
-        A1 = A2 @ R.T
-        turned = A1 @ marker.rotation.T
-        return Pose(x2 - A1 @ d - turned @ marker.position, turned)
-
-    def _joint_coordinate(self, name: str, motion: str, state: SpaceState) -> Any:
-        """A coordinate of a joint: a rotation matrix, or a number."""
-        if motion == "rotation":
-            return state.rotations[f"{name}_"]
-        return state.scalars[f"{name}_{motion}"]
+        sign = 1 if second.split(".")[0] == name else -1
+        other, own = (first, second) if sign > 0 else (second, first)
+        values: dict[str, Decimal] = {}
+        ball = f"{name}_" in state.rotations  # the rotation of the body itself is kept
+        for motion, end in free_motions(table, sign).items():
+            if ball and motion.startswith("r"):
+                continue
+            driven = joint in self.drives and motion == ("rz" if table["kind"] == "revolute" else "z")
+            values[motion] = sign * self.motion(joint, t) if driven else state.scalars[f"{name}_{end}"]
+        d, R = relative(values)
+        x, A = self.frame(other, state, known)
+        _, marker = self.marker(own)
+        turned = state.rotations[f"{name}_"] if ball else A @ R @ marker.rotation.T
+        return Pose(x + A @ d - turned @ marker.position, turned)
 
     def motion(self, joint: str, t: Decimal) -> Decimal:
         """The rotation or displacement that a drive prescribes."""
@@ -193,7 +188,10 @@ class SpaceKinematics:
         return self.value(drive["speed"]) * t + self.value(drive.get("offset", 0))
 
     def frame(self, reference: str, state: SpaceState, poses: Mapping[str, Pose]) -> tuple[Array, Array]:
-        """The inertial position and the axes of a marker; those of a deformed body turn by exp of a rotation vector."""
+        """The inertial position and the axes of a marker.
+
+        Those of a deformed body turn by the quaternion [1, theta/2], normalised, of their rotation vector theta.
+        """
         body, marker = self.marker(reference)
         pose = poses[body]
         position, turned = marker.position, marker.rotation
@@ -201,7 +199,7 @@ class SpaceKinematics:
             alpha = self.amplitudes(body, state)
             position = position + alpha @ marker.shapes
             if marker.turns is not None:
-                turned = about(alpha @ marker.turns) @ turned
+                turned = of_quaternion(np.array([ONE, *(alpha @ marker.turns / 2)], dtype=object)) @ turned
         return pose.place(position), pose.R @ turned
 
     # ---- functions of t and the state
@@ -226,7 +224,7 @@ class SpaceKinematics:
                 result[f"{name}_{row}"] = value
             if name in self.drives:
                 drive = self.drives[name]["name"]
-                result[drive] = driven_value(table, d, R) - self.motion(name, t)
+                result[drive] = driven_row(table, d, R, self.motion(name, t))
         return result
 
     def acted_on(self) -> list[str]:
@@ -240,7 +238,7 @@ class SpaceKinematics:
         """What springs and dampers act along: distances, rotation angles, relative displacements and rotations."""
         result: list[Decimal] = []
         for table in self.springs.values():
-            (x1, A1), (x2, A2) = (self.frame(end, state, poses) for end in table["between"])
+            (x1, _), (x2, _) = (self.frame(end, state, poses) for end in table["between"])
             kind = table.get("kind", "spring")
             if kind in ("spring", "translational"):
                 result.append(length(x2 - x1))

@@ -1,7 +1,7 @@
 """The equations of motion of a spatial scene from the positions of its material points and virtual work.
 
-M vdot + h = G^T lambda with v = (cdot, omega in the floating frame, alphadot) of each body: every derivative is a central
-difference of 60-digit numbers along the motion or along a virtual displacement. The relative errors are about 1e-26.
+M vdot + h = G^T lambda with v = (cdot, omega in the floating frame, alphadot) of each body: every derivative is a
+central difference of 60-digit numbers along the motion or along a virtual displacement, to about 1e-26.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ TWICE = 2 * STEP
 
 @dataclass(frozen=True, eq=False)
 class Mechanics:
-    """The results of the oracle in one state; `sizes` are sums of the magnitudes of what M and h add up.
+    """The results of the oracle in one state; mass_sizes, force_sizes: sums of the magnitudes of what M and h add up.
 
     rows: names of the constraints, by joint and row.
     """
 
     M: Array
     h: Array
-    size_M: Array
-    size_h: Array
+    mass_sizes: Array
+    force_sizes: Array
     rows: tuple[str, ...]
     g: Array
     G: Array
@@ -89,21 +89,21 @@ class SpaceOracle(SpaceKinematics):
         second = [(a - 2 * x + b) / (STEP * STEP) for a, x, b in zip(ahead, now, behind, strict=True)]
         by = [varied(j) for j in range(n)]
         jacobians = [np.array([b[k] for b in by], dtype=object).reshape(n, len(now[k])).T for k in range(len(now))]
-        M, size_M, h, size_h = self._inertia(jacobians[0], second[0])
+        M, mass_sizes, h, force_sizes = self._inertia(jacobians[0], second[0])
         for force in (
             *self._internal(state, v),
             *self._applied(t, now[2], jacobians[2]),
             *self._sprung(now[3], rate[3], jacobians[3]),
         ):
-            h, size_h = h + force, size_h + abs(force)
+            h, force_sizes = h + force, force_sizes + abs(force)
         poses = self.poses(t, state)
         names = self.all_markers()
         x, xdot, J = now[4].reshape(-1, 3), rate[4].reshape(-1, 3), jacobians[4].reshape(len(names), 3, n)
         return Mechanics(
             M,
             h,
-            size_M,
-            size_h,
+            mass_sizes,
+            force_sizes,
             tuple(self.constraints(t, state, poses)),
             now[1],
             jacobians[1],
@@ -118,7 +118,7 @@ class SpaceOracle(SpaceKinematics):
     def _inertia(self, J: Array, second: Array) -> tuple[Array, Array, Array, Array]:
         """M, and the part of h from accelerations and gravity; with the sums of magnitudes."""
         n, start = J.shape[1], 0
-        M, size_M, h, size_h = zeros(n, n), zeros(n, n), zeros(n), zeros(n)
+        M, mass_sizes, h, force_sizes = zeros(n, n), zeros(n, n), zeros(n), zeros(n)
         for body in self.bodies.values():
             count = len(body.points)
             own = slice(start, start + 3 * count)
@@ -132,10 +132,10 @@ class SpaceOracle(SpaceKinematics):
                 weighted = body.masses @ Jb[:, k]
                 block = np.ix_(used, used)
                 M[block] = M[block] + Jb[:, k].T @ weighted
-                size_M[block] = size_M[block] + abs(Jb[:, k]).T @ (abs(body.masses) @ abs(Jb[:, k]))
+                mass_sizes[block] = mass_sizes[block] + abs(Jb[:, k]).T @ (abs(body.masses) @ abs(Jb[:, k]))
                 h[used] = h[used] + weighted.T @ acceleration[:, k]
-                size_h[used] = size_h[used] + abs(Jb[:, k]).T @ (abs(body.masses) @ abs(acceleration[:, k]))
-        return M, size_M, h, size_h
+                force_sizes[used] = force_sizes[used] + abs(Jb[:, k]).T @ (abs(body.masses) @ abs(acceleration[:, k]))
+        return M, mass_sizes, h, force_sizes
 
     def _internal(self, state: SpaceState, v: Array) -> list[Array]:
         """K alpha and B alphadot of flexible bodies."""

@@ -1,4 +1,4 @@
-"""A scene in space as its TOML file has it, read without the package: numbers, vectors, rotations, functions of time."""
+"""A scene in space as its TOML file has it, read without the package: numbers, rotations, functions of time."""
 
 from __future__ import annotations
 
@@ -36,7 +36,9 @@ OPERATORS = {
     ast.Div: operator.truediv,
     ast.Pow: lambda a, b: a ** int(b) if b == int(b) else elementary(mpmath.power, a, b),
 }
-FUNCTIONS = {name: getattr(mpmath, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "tanh", "atan", "cosh")}
+FUNCTIONS = {
+    name: getattr(mpmath, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "tanh", "atan", "cosh")
+}
 
 
 def tables(source: str | Path) -> Table:
