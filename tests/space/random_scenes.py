@@ -39,6 +39,8 @@ class Writer:
         self.markers: list[str] = []
         self.turning: set[str] = set()
         """The markers that have a rotation."""
+        self.moves = False
+        """Whether anything moves that nothing prescribes."""
         self.files: dict[str, dict[str, np.ndarray]] = {}
 
     def number(self, size: float = 1.0) -> float:
@@ -155,7 +157,9 @@ class Writer:
             self.lines.append(f"removes = {kept}")
         if kind == "distance":
             self.lines.append(f"distance = {self.positive(0.5, 3)}")
-        if kind in ("revolute", "prismatic") and "drives" in self.parts and self.chance(0.4):
+        driven = kind in ("revolute", "prismatic") and "drives" in self.parts and self.chance(0.4)
+        self.moves |= not driven and kind != "fixed"
+        if driven:
             self.lines += [f"[drives.{name}_drive]", f'joint = "{name}"']
             self.lines.append(
                 f'motion = "{self.number()} + {self.positive()}*t {self.signed()}*sin({self.positive()}*t)"'
@@ -221,13 +225,18 @@ def random_scene(seed: int, folder: Path, parts: frozenset[str] = PARTS) -> Path
         else:
             writer.rigid(name)
         own = [m for m in writer.markers if m.startswith(f"{name}.")]
-        if k == 0 or writer.chance(0.8):
+        if k > 0 and writer.chance(0.2):
+            writer.moves = True
+        else:
             pair = [writer.random.choice(before), writer.random.choice(own)]
             pairs.append(pair[:: writer.random.choice([1, -1])])
         before += own
     if writer.chance(0.4):
         pairs.append(writer.pair(writer.markers))
+    actions = [m for m in writer.markers if not m.startswith("ground.")]
     for k, pair in enumerate(pairs):
         writer.joint(f"joint{k}", pair)
-    writer.actions([m for m in writer.markers if not m.startswith("ground.")])
+    if not writer.moves:
+        writer.rigid("loose")
+    writer.actions(actions)
     return writer.write(folder)

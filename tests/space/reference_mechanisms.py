@@ -336,7 +336,7 @@ mass = {BAR_MASS}
 centre = [0, 0, 0.5]
 inertia = {numbers(np.array([*BAR_INERTIA, 0, 0, 0]))}
 keep_coordinates = {kept}
-markers.base = [0, 0, 0]
+markers.foot = [0, 0, 0]
 markers.right = {{ at = [{HALF_WIDTH}, 0, 1], rotation = {across} }}
 markers.left = {{ at = [{-HALF_WIDTH}, 0, 1], rotation = {across} }}
 start = {{ position = [0, 0, 0], rotation = [1, 0, 0, 0], angular_velocity = [0, 0, {GOVERNOR_SPEED!r}] }}
@@ -347,10 +347,10 @@ markers = {{ centre = [0, 0, 0], right = [{HALF_WIDTH}, 0, 0], left = [{-HALF_WI
 start = {{ position = [0, 0, 0.5], rotation = [1, 0, 0, 0] }}
 [joints.bearing]
 kind = "revolute"
-between = ["ground.base", "shaft.base"]
+between = ["ground.base", "shaft.foot"]
 [joints.sleeve]
 kind = "prismatic"
-between = ["shaft.base", "slider.centre"]
+between = ["shaft.foot", "slider.centre"]
 """
     ]
     for name, side in (("right", 1), ("left", -1)):

@@ -56,7 +56,7 @@ def rotations(found: derive.Trajectory, body: str) -> Array:
 # ---- a body alone, and tops
 
 
-FREE = EulerBody((1.0, 2.0, 3.5), (0.9, -0.4, 1.7))
+FREE = EulerBody((1.0, 2.0, 2.5), (0.5, -0.4, 1.7))
 
 
 def euler_scene() -> str:
@@ -138,7 +138,7 @@ def test_turned_double_pendulum(keep: bool) -> None:
     found = simulated(turned_double_pendulum_scene(1.2, -0.8, keep=keep))
     expected = turned_double_pendulum().motion([1.2, -0.8], [0, 0], found.t)
     a, b = expected[:, 0], expected[:, 1]
-    lower = Rotation.from_euler("z", a) * Rotation.from_euler("y", np.pi / 4) * Rotation.from_euler("z", b)
+    lower = Rotation.from_euler("ZYZ", np.stack([a, np.full_like(a, np.pi / 4), b], axis=1))
     assert np.allclose(rotations(found, "lower"), lower.as_matrix(), atol=1e-7)
     if not keep:
         assert np.allclose(found["upper_phi"], a, atol=1e-7)
@@ -204,7 +204,7 @@ def test_joints_conserve_energy_and_momentum(kind: str) -> None:
     assert np.abs(momenta - momenta[0]).max() < 1e-8 * np.abs(momenta).max()
     assert np.ptp(energies) < 1e-8 * energies[0]
     for t, q in zip(found.t, found.q, strict=True):
-        assert np.abs(native.constraints(t, q, k)).max() < 1e-13
+        assert np.abs(native.constraints(t, q, k)).max() < 1e-11  # rows between steps are interpolated
 
 
 @pytest.mark.parametrize("steps", [2000, pytest.param(100_000, marks=pytest.mark.long)])
