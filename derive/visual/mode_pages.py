@@ -13,6 +13,7 @@ from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.spatial_player_data import DrawnBody, body_data, body_motion_data, drawn_body
 from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.visual.mode_shapes import ModePanel, mode_picture
 from derive.visual.player import motions_page, spatial_motions_page
 
@@ -28,7 +29,7 @@ VIEW = (0.6, 0.35)
 
 def is_drawn(modes: Modes, count: int) -> bool:
     """Whether there is a mode to draw, and a model with a geometry: not that of a body with symbolic integrals."""
-    return not isinstance(modes.spec, SymbolicBody) and bool(drawn_modes(modes, count))
+    return not isinstance(modes.spec, (SymbolicBody, SpatialScene)) and bool(drawn_modes(modes, count))
 
 
 def modes_picture(modes: Modes, count: int) -> str:

@@ -50,7 +50,7 @@ class WithTargets:
     def __init__(self, assembler: Assembler, targets: Sequence[Target]) -> None:
         native = assembler.native
         self._assembler, self._native, self._targets = assembler, native, tuple(targets)
-        self.nq, self.roles, self.mass_pattern = native.nq, native.roles, native.mass_pattern
+        self.nq, self.nv, self.roles, self.mass_pattern = native.nq, native.nv, native.roles, native.mass_pattern
         rows = native.nlambda + len(targets)
         self.constraint_pattern: Pattern = pattern(rows, self.nq, {(i, j) for i in range(rows) for j in range(self.nq)})
 

@@ -26,6 +26,7 @@ from derive.simulation.initial.targets import Strength, Target, targets
 from derive.simulation.observables.beams import beam_bodies, half_length, relative_deflection
 from derive.simulation.observables.motion import SceneMotion, si_value, transformed
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
+from derive.spec.model.specification import AnyScene
 
 MAX_DEFLECTION = 0.3
 """The largest deflection of an initial state, relative to the length of a piece of a beam; one with a larger deflection
@@ -99,7 +100,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     )
     balance = None
     if scene.start is not None:
-        _check_rest(scene, native, constants)
+        check_rest(scene, native, constants)
         balance = equilibrium(native, constants, assembly.q)
         assembly = _moved(assembler, assembly, balance, positions)
     q = assembly.q
@@ -156,7 +157,7 @@ def _check_deflections(scene: Scene, native: NativeScene, k: Vector, q: Vector) 
         raise ExcessiveDeformation(excessive)
 
 
-def _check_rest(scene: Scene, native: NativeScene, k: Vector) -> None:
+def check_rest(scene: AnyScene, native: NativeScene, k: Vector) -> None:
     """Raise MovingDrives if drives have a speed or an acceleration at t = 0, so that there is no static equilibrium."""
     moving = []
     for drive in scene.drives:

@@ -33,6 +33,7 @@ from derive.simulation.observables.motion import (
     body_coordinates,
     drive_unit,
     outline,
+    planar,
     simulated_drive,
     transformed,
 )
@@ -60,7 +61,7 @@ def player_data(motion: SceneMotion, curves: Sequence[Column], clock: Array | No
     curves: columns with a value for each instant, which the page draws over time below the scene. clock: the times
     (n,) of the page, if they are not those of the scene, such as for a displaced scene.
     """
-    scene = motion.scene
+    scene = planar(motion.scene)
     chosen = _instants(motion, len(curves) + len(scene.drives))
     shown = SceneMotion(scene, motion.native, motion.k, motion.t[chosen], motion.q[chosen], motion.v[chosen])
     markers = [MarkerRef(GROUND, p.name) for p in scene.ground]

@@ -14,7 +14,7 @@ from derive.spec.parsing.values import kind_of
 from derive.spec.tables.beam import BEAM, BEAM_BODY, BEAM_KEYS
 from derive.spec.tables.body import NODAL, SYMBOLIC
 from derive.spec.tables.scene_bodies import RIGID
-from derive.spec.tables.shared import Example
+from derive.spec.tables.shared import Example, TomlTable
 from derive.spec.tables.simulation import SIMULATION
 from derive.spec.tables.specification import GROUND_TABLE, SCENE, SCENE_TABLE, specification_table
 
@@ -22,11 +22,14 @@ MAX_FAULTS = 100
 
 
 def key_faults(
-    error: ValidationError, data: Mapping[str, object], written: Callable[[KeyPath], KeyPath] = lambda path: path
+    error: ValidationError,
+    data: Mapping[str, object],
+    written: Callable[[KeyPath], KeyPath] = lambda path: path,
+    table: type[TomlTable] | None = None,
 ) -> list[Fault]:
     """The faults of single keys; of very many faults only the first are given.
 
-    written: the path as it is written, for the path of a key of an instance.
+    written: the path as it is written, for the path of a key of an instance. table: that of the whole specification.
     """
     faults: list[Fault] = []
     paths: set[KeyPath] = set()
@@ -40,7 +43,7 @@ def key_faults(
         paths.add(location)
         alike = location, detail["type"], str(detail.get("ctx", {}).get("error")), kind_of(detail["input"])
         if alike not in known:
-            known[alike] = _fault(detail, data)
+            known[alike] = _fault(detail, data, table or specification_table())
         fault = known[alike]
         in_instance = location != detail["loc"]
         faults.append(fault._replace(path=(*detail["loc"][:2], *fault.path[2:])) if in_instance else fault)
@@ -49,8 +52,8 @@ def key_faults(
     return faults
 
 
-def _fault(error: ErrorDetails, data: Mapping[str, object]) -> Fault:
-    at = place(specification_table(), error["loc"])
+def _fault(error: ErrorDetails, data: Mapping[str, object], table: type[TomlTable]) -> Fault:
+    at = place(table, error["loc"])
     match error["type"]:
         case "value_error":
             return Fault(at.path, str(error["ctx"]["error"]))

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.spec.checks.dimensions import is_in_space
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.plots import Deflection
@@ -57,8 +58,15 @@ class SceneData:
         sections = [self.data.get(kind, {}) for kind in NAMED]
         return all(isinstance(item, Mapping) and len(item) <= MAX_NAMED for item in sections)
 
+    @cached_property
+    def in_space(self) -> bool:
+        """Whether the scene is one in space."""
+        return is_in_space(self.data)
+
     def kind(self, body: str) -> str:
         """The kind of a body."""
+        if self.in_space:
+            return "flexible" if "nodes" in self.bodies.get(body, {}) else "rigid"
         return kind_of_scene_body(self.bodies.get(body))
 
     def is_beam(self, body: str) -> bool:

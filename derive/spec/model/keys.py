@@ -60,6 +60,10 @@ class KeyType(Enum):
     COUNTS = "whole numbers"
     MODE_COUNT = "a number of modes"
     COORDINATES = "two coordinates, numbers or run-time parameters"
+    COORDINATE_TRIPLE = "three coordinates, numbers or run-time parameters"
+    INERTIA_TENSOR = "six entries of a tensor of inertia, numbers or run-time parameters"
+    FRAMES = "marker frames by their names, with three coordinates each and a rotation"
+    RELATIVE_MOTIONS = "relative motions of two marker frames, by their names"
     PLANAR_ACCELERATION = "two components, numbers or run-time parameters"
     ACCELERATION = "three components, numbers or run-time parameters"
     POINTS = "points by their names, with two coordinates each"
@@ -99,7 +103,7 @@ class Key:
     @property
     def has_names(self) -> bool:
         """Whether the value is a table of elements by their names."""
-        points = (KeyType.POINTS, KeyType.BEAM_POINTS, KeyType.NODE_POINTS)
+        points = (KeyType.POINTS, KeyType.BEAM_POINTS, KeyType.NODE_POINTS, KeyType.FRAMES)
         return self.type in points or (isinstance(self.type, type) and has_name(self.type))
 
 

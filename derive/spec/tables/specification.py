@@ -70,7 +70,7 @@ VALUES_TABLE = keyed_model(
 )
 
 
-_OTHERS = {
+OTHER_SECTIONS = {
     "parameters": Annotated[
         by_name(FUNCTION_PARAMETER, "parameters", "[parameters.amplitude]"),
         Field(description="Run-time parameters that functions of time call by name."),
@@ -126,8 +126,8 @@ def _specification_table(
                 return bodies_field(dict(bodies)) | None, None
             case "simulation":
                 return SIMULATION.value | None, None
-            case _ if name in _OTHERS:
-                return _OTHERS[name], {}
+            case _ if name in OTHER_SECTIONS:
+                return OTHER_SECTIONS[name], {}
             case _:
                 return key_field(_OF_SCENE[name], False, tables)
 
