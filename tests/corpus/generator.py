@@ -11,7 +11,6 @@ strong, linkages close and can move, and durations are short.
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from functools import cache
@@ -33,7 +32,8 @@ from corpus.spatial_scenes import FIRST, spatial_scene
 from corpus.spelling import respell
 from derive import JOINTS
 from derive.mechanics.multibody.joints.relative_rows import Axes
-from derive.spec.tables.specification import json_schema
+from derive.spec.tables.json_schema import schema_of
+from derive.spec.tables.specification import specification_table
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def _lower(tables: Table, draws: Draws) -> None:
 
 @cache
 def _schema() -> dict[str, Any]:
-    schema: dict[str, Any] = json.loads(json_schema())
+    schema: dict[str, Any] = schema_of(specification_table())
     return schema
 
 

@@ -50,8 +50,10 @@ def test_frequency_about_the_equilibrium_is_that_of_a_small_motion() -> None:
     native, k, q = result.native, result.k, result.linear.q
     # along the motion that the constraints allow, the force of a small displacement is -(2 pi f)^2 of its inertia
     amplitude = 1e-6
-    change = amplitude * np.linalg.pinv(np.column_stack([native.rates(q, e, k) for e in np.eye(native.nv)])) @ (
-        result.modes[0].shape.real
+    change = (
+        amplitude
+        * np.linalg.pinv(np.column_stack([native.rates(q, e, k) for e in np.eye(native.nv)]))
+        @ (result.modes[0].shape.real)
     )
     from derive.simulation.configurations import displaced
     from derive.simulation.constraints.projection import project

@@ -60,7 +60,7 @@ def _fault(error: ErrorDetails, data: Mapping[str, object], table: type[TomlTabl
         case "missing":
             return Fault(at.path, f"this key is missing; write {_example(at, data)}")
         case "extra_forbidden":
-            return Fault(at.path, _unknown_key(at, error["loc"], data))
+            return Fault(at.path, _unknown_key(at, error["loc"], data, table))
         case "model_type":
             example = _example_of(at)
             such = f", such as {example.value}" if example and example.value else ""
@@ -103,7 +103,7 @@ def _example(at: TablePlace, data: Mapping[str, object]) -> str:
     return example.text
 
 
-def _unknown_key(at: TablePlace, location: KeyPath, data: Mapping[str, object]) -> str:
+def _unknown_key(at: TablePlace, location: KeyPath, data: Mapping[str, object], whole: type[TomlTable]) -> str:
     path, key, table = at.path, str(at.path[-1]), at.table
     if len(path) == 1:
         tables = {"beam": (BEAM.model,), "body": (NODAL.model, SYMBOLIC.model)}
@@ -118,7 +118,7 @@ def _unknown_key(at: TablePlace, location: KeyPath, data: Mapping[str, object]) 
         return "a symbolic body has no such key: its numbers are run-time parameters; leave this or `integrals` out"
     # A drive has keys of its own for how it begins.
     if "start" in table.model_fields and path[0] != "drives":
-        start = place(specification_table(), (*location[:-1], "start"))
+        start = place(whole, (*location[:-1], "start"))
         if start.value and key in start.value.model_fields:
             return f"this key belongs in the table [{path_text(start.path)}]"
     if table in (RIGID.model, BEAM_BODY.model):

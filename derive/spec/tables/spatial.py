@@ -31,7 +31,9 @@ from derive.spec.tables.simulation import PLOT, SIMULATION
 from derive.spec.tables.specification import OTHER_SECTIONS, SCENE, SpecificationKeys, plots
 from derive.spec.tables.value_types import COORDINATE_TRIPLE, VALUE_TYPES, markers_type
 
-FRAME = declare(FrameMarker, "FrameTable", plain=COORDINATE_TRIPLE, doc="A marker frame: its point and its rotation.")
+FRAME = declare(
+    FrameMarker, "FrameMarkerTable", plain=COORDINATE_TRIPLE, doc="A marker frame: its point and its rotation."
+)
 
 
 def _frame(name: str, at: Any) -> FrameMarker:

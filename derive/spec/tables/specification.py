@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
@@ -161,21 +160,3 @@ def scene(table: Any, references: Mapping[str, Rows]) -> Scene:
         simulation=table.simulation,
         **sections,
     )
-
-
-def json_schema() -> str:
-    """The JSON schema of a specification, with which editors complete and check TOML files."""
-    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **specification_table().model_json_schema()}
-    return json.dumps(_plain(schema), indent=2, ensure_ascii=False) + "\n"
-
-
-def _plain(node: Any) -> Any:
-    """A schema without the titles that pydantic adds and without null for optional keys."""
-    if isinstance(node, list):
-        return [_plain(item) for item in node]
-    if isinstance(node, dict):
-        kept = {k: v for k, v in node.items() if k not in ("title", "anyOf") and not (k == "default" and v is None)}
-        options = [option for option in node.get("anyOf", []) if option != {"type": "null"}]
-        several = {"anyOf": options} if len(options) > 1 else dict(*options)
-        return {key: _plain(value) for key, value in {**several, **kept}.items()}
-    return node
