@@ -27,7 +27,9 @@ from written_scene import tables
 ROWS = 3
 """The states of a motion that are checked."""
 LIMIT = 1e-10
-"""The largest error of an equation, relative to the sum of the magnitudes in it."""
+"""The largest error of an equation, relative to the largest sum of magnitudes in one."""
+AT_REST = 1e-3
+"""What is added to those magnitudes, N and m/s^2, since nothing moves in some scenes."""
 CLOSED = 1e-9
 """The largest constraint, relative to the size of the scene, m and rad."""
 
@@ -76,10 +78,10 @@ def _equations(
     rows = [seen.rows.index(name) for name in native.multipliers]
     M, h, G, gamma = floats(seen.M), floats(seen.h), floats(seen.G[rows]), floats(seen.gamma[rows])
     size = np.abs(M) @ np.abs(vdot) + floats(seen.force_sizes) + np.abs(G).T @ np.abs(lam)
-    errors = [np.abs(M @ vdot + h - G.T @ lam) / (size + 1e-6 * size.max(initial=0) + 1e-300)]
+    errors = {"motion": np.abs(M @ vdot + h - G.T @ lam).max(initial=0) / (size.max(initial=0) + AT_REST)}
     speeds = np.abs(G) @ np.abs(vdot) + np.abs(gamma)
-    errors.append(np.abs(G @ vdot - gamma) / (speeds + 1e-6 * speeds.max(initial=0) + 1e-300))
-    for name, error in zip(("motion", "constraints"), errors, strict=True):
-        if not error.max(initial=0) < LIMIT:
-            text = f"t = {t:g}: {error.max():.2g}"
+    errors["constraints"] = np.abs(G @ vdot - gamma).max(initial=0) / (speeds.max(initial=0) + AT_REST)
+    for name, error in errors.items():
+        if not error < LIMIT:
+            text = f"t = {t:g}: {error:.2g}"
             yield Finding("physics", f"the oracle contradicts the equations of {name}", text)

@@ -284,7 +284,7 @@ def _loop(draft: SpatialDraft, kinds: tuple[str, ...], parallel: bool) -> None:
 
 
 def _gravity(draft: SpatialDraft) -> None:
-    if draft.draws.chance(0.7):
+    if draft.draws.chance(0.7) or draft.looped:
         draft.section("scene")["gravity"] = [0, rounded(draft.draws.between(-3, 3), 2), draft.quantity(-9.81, "m/s^2")]
 
 

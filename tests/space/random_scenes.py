@@ -26,7 +26,7 @@ KINDS = (
 )
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
 SEQUENCES = ("xyz", "xzy", "yzx", "yxz", "zxy", "zyx", "xyx", "xzx", "yzy", "yxy", "zxz", "zyz")
-PARTS = frozenset({"drives", "forces", "torques", "springs", "flexible"})
+PARTS = frozenset({"drives"})
 """The parts of a scene besides rigid bodies, joints and gravity."""
 
 
