@@ -34,6 +34,8 @@ TITLES = {
     "SpatialJointTable": "`[joints.NAME]` in space",
     "SpatialInitialValuesTable": "Initial values of a body in space",
     "FrameMarkerTable": "Marker frame",
+    "FlexibleTable": "`[bodies.NAME]`, a finite-element body in space",
+    "NodeFrameTable": "Marker at nodes",
     "RotationTable": "Rotation about an axis",
     "AxesTable": "Rotation by axes",
     "AnglesTable": "Rotation by angles",

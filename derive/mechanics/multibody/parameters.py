@@ -49,7 +49,9 @@ def spatial_parameters(scene: SpatialScene) -> tuple[ParameterSymbol, ...]:
     """The run-time parameters of a scene in space, each symbol once, in the order of the specification."""
     constants = [
         *_of_gravity(scene),
-        *chain.from_iterable(SPATIAL_BODIES[body.kind].constants(body) for body in scene.bodies),
+        *chain.from_iterable(
+            SPATIAL_BODIES[body.kind].constants(body) for body in scene.bodies if body.kind in SPATIAL_BODIES
+        ),
         *frame_constants("the ground", scene.ground),
         *(Constant(drive.constant_speed, f"speed of drive {drive.name}") for drive in scene.drives),
         *_of_functions(scene),

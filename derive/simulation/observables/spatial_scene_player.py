@@ -1,85 +1,74 @@
-"""The data of the player of a scene in space: the bodies with their markers, edges and motion, as plain data."""
+"""The data of the player of a scene in space: rigid and finite-element bodies with their markers and their motion."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations, pairwise
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
+from derive.mechanics.symbols import amplitude, owned
 from derive.simulation.configurations import quaternion_of
 from derive.simulation.observables.motion import Array, SceneMotion, si_value
-from derive.simulation.observables.player_data import RESOLUTION, Plain, channel, frames, rounded, speeds
-from derive.spec.model.markers import GROUND
-from derive.spec.model.spatial_scene import FrameMarker, SpatialRigidBody, SpatialScene
-
-FEW = 6
-"""The largest number of markers between all of which edges are drawn; otherwise they go to the centre of mass."""
+from derive.simulation.observables.player_data import Plain
+from derive.simulation.observables.spatial_player_data import (
+    BodyPath,
+    DrawnBody,
+    bodies_data,
+    bodies_motion_data,
+    drawn_body,
+    rigid_drawing,
+)
+from derive.spec.model.body import NodeMarker
+from derive.spec.model.quantity import Quantity
+from derive.spec.model.spatial_scene import FlexibleBody, SpatialBody, SpatialRigidBody, SpatialScene
 
 
 def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion) -> Plain:
     """The content of the page of a motion: lengths in m, times in s."""
-    drawings = {body.name: _drawing(body.markers, _centre(body)) for body in scene.bodies}
-    if scene.ground:
-        drawings[GROUND] = _drawing(scene.ground, None)
-    width = sum(7 for _ in drawings)
-    chosen = frames(len(motion.t), 1 + width)
-    t = motion.t[chosen]
-    still = np.tile(np.concatenate([np.zeros(3), np.eye(3).ravel()]), (len(t), 1))
-    poses = {name: still if name == GROUND else motion.pose(name)[chosen] for name in drawings}
-    points = np.vstack(
-        [pose[:, :3] + pose[:, 3:].reshape(-1, 3, 3) @ x for name, pose in poses.items() for x in drawings[name].x]
-    )
-    low, high = points.min(axis=0), points.max(axis=0)
-    reach = float(np.linalg.norm(high - low)) / 2 or 1.0
-    step = rounded(RESOLUTION * reach)
-    return {
-        "name": scene.name,
-        "time": channel(t, 1e-6 * float(t[-1] - t[0]) or 1.0),
-        "bodies": [
-            {
-                "nodes": np.vectorize(rounded, otypes=[float])(drawings[name].x).tolist(),
-                "shapes": [],
-                "edges": drawings[name].edges,
-                "markers": drawings[name].markers,
-                "radius": rounded(0.4 * reach),
-                "position": [channel(c, step) for c in pose[:, :3].T],
-                "quaternion": [channel(e, RESOLUTION) for e in quaternions(pose[:, 3:]).T],
-                "amplitudes": [],
-            }
-            for name, pose in poses.items()
-        ],
-        "radius": rounded(reach),
-        "reach": rounded(reach),
-        "centre": [rounded(float(x)) for x in (low + high) / 2],
-        "speeds": speeds(float(t[-1] - t[0])),
-    }
+    drawn, ground = drawn_bodies(scene), [(m.name, _vector(m.position)) for m in scene.ground]
+    content = bodies_motion_data(drawn, motion.t, body_paths(drawn, motion))
+    return {"name": scene.name, **bodies_data(drawn, ground), **content}
 
 
-def quaternions(rotations: Array) -> Array:
+def drawn_bodies(scene: SpatialScene) -> list[DrawnBody]:
+    """The drawings of all bodies of a scene."""
+    return [_drawn(body) for body in scene.bodies]
+
+
+def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath]:
+    """The motions of the frames of bodies, with their amplitudes."""
+    paths = []
+    for body in drawn:
+        pose = motion.pose(body.name)
+        names = (owned(amplitude(i), body.name).name for i in range(1, len(body.phi) + 1))
+        places = [motion.native.coordinates.index(name) for name in names]
+        paths.append(BodyPath(pose[:, :3], _quaternions(pose[:, 3:]), motion.q[:, places]))
+    return paths
+
+
+def _drawn(body: SpatialBody) -> DrawnBody:
+    if isinstance(body, FlexibleBody):
+        markers = tuple(NodeMarker(m.name, m.nodes[0]) for m in body.markers)
+        return drawn_body(replace(body.body, name=body.name, markers=markers))
+    mass = 0.0 if body.mass is None or body.inertia is None else si_value(body.mass)
+    named = [(m.name, _vector(m.position)) for m in body.markers]
+    return rigid_drawing(body.name, mass, _vector(body.centre), _inertia(body), named)
+
+
+def _inertia(body: SpatialRigidBody) -> Array:
+    """The tensor of inertia (3, 3); zero where none is given."""
+    xx, yy, zz, xy, xz, yz = (si_value(x) for x in body.inertia) if body.inertia else (0.0,) * 6
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _vector(position: Sequence[Quantity]) -> Array:
+    return np.array([si_value(x) for x in position])
+
+
+def _quaternions(rotations: Array) -> Array:
     """The quaternions (n, 4) of rotation tensors by rows (n, 9), next to each other without jumps of the sign."""
     result = np.array([quaternion_of(Q.reshape(3, 3)) for Q in rotations])
     signs = np.cumprod([1.0, *(-1.0 if a @ b < 0 else 1.0 for a, b in pairwise(result))])
     return np.asarray(result * signs[:, None])
-
-
-class _Drawing:
-    """Points x (n, 3), m, in the frame of a body, with edges between them and the names of markers."""
-
-    def __init__(self, x: Array, edges: list[list[int]], markers: list[Plain]) -> None:
-        self.x, self.edges, self.markers = x, edges, markers
-
-
-def _drawing(markers: Sequence[FrameMarker], centre: Array | None) -> _Drawing:
-    points = [np.array([si_value(x) for x in m.position]) for m in markers]
-    named: list[Plain] = [{"name": m.name, "node": i} for i, m in enumerate(markers)]
-    if centre is None:
-        return _Drawing(np.array(points), [], named)
-    if len(points) > FEW or len(points) < 2:
-        edges = [[i, len(points)] for i in range(len(points))]
-        return _Drawing(np.array([*points, centre]), edges, named)
-    return _Drawing(np.array([*points, centre]), [list(pair) for pair in combinations(range(len(points)), 2)], named)
-
-
-def _centre(body: SpatialRigidBody) -> Array:
-    return np.array([si_value(x) for x in body.centre])

@@ -19,6 +19,7 @@ from derive.spec.parsing.faults import KeyPath, readable
 from derive.spec.tables.scene_bodies import kind_of_scene_body
 from derive.spec.tables.scene_elements import ELEMENTS
 from derive.spec.tables.shared import MAX_MARKERS, MAX_NAMED
+from derive.spec.tables.spatial import kind_of_spatial_body
 
 Raw = Mapping[str, object]
 MARKERS = (KeyType.MARKER, KeyType.BEAM_MARKER, KeyType.MARKER_PAIR)
@@ -66,7 +67,7 @@ class SceneData:
     def kind(self, body: str) -> str:
         """The kind of a body."""
         if self.in_space:
-            return "flexible" if "nodes" in self.bodies.get(body, {}) else "rigid"
+            return kind_of_spatial_body(self.bodies.get(body))
         return kind_of_scene_body(self.bodies.get(body))
 
     def is_beam(self, body: str) -> bool:

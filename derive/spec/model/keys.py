@@ -63,6 +63,8 @@ class KeyType(Enum):
     COORDINATE_TRIPLE = "three coordinates, numbers or run-time parameters"
     INERTIA_TENSOR = "six entries of a tensor of inertia, numbers or run-time parameters"
     FRAMES = "marker frames by their names, with three coordinates each and a rotation"
+    NODE_FRAMES = "markers of a finite-element body by their names: nodes, or sets of nodes"
+    WEIGHTS = "weights, positive numbers"
     RELATIVE_MOTIONS = "relative motions of two marker frames, by their names"
     PLANAR_ACCELERATION = "two components, numbers or run-time parameters"
     ACCELERATION = "three components, numbers or run-time parameters"
@@ -103,7 +105,7 @@ class Key:
     @property
     def has_names(self) -> bool:
         """Whether the value is a table of elements by their names."""
-        points = (KeyType.POINTS, KeyType.BEAM_POINTS, KeyType.NODE_POINTS, KeyType.FRAMES)
+        points = (KeyType.POINTS, KeyType.BEAM_POINTS, KeyType.NODE_POINTS, KeyType.FRAMES, KeyType.NODE_FRAMES)
         return self.type in points or (isinstance(self.type, type) and has_name(self.type))
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal
 
 from derive.spec.model.beam_parts import DEFAULT_LENGTH, DEFAULT_MASS, INERTIA_UNIT
-from derive.spec.model.body import GRAVITY
+from derive.spec.model.body import GRAVITY, NodalBody
 from derive.spec.model.forces import BETWEEN
 from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.markers import MarkerRef
@@ -138,7 +138,67 @@ class SpatialRigidBody:
     kind: ClassVar[str] = "rigid"
 
 
-SpatialBody = SpatialRigidBody
+NodeMotion = Literal["mean", "rigid"]
+
+
+@dataclass(frozen=True)
+class NodeFrame:
+    """A named marker of a finite-element body: a node, or a set of nodes."""
+
+    name: str
+    nodes: Annotated[
+        tuple[int, ...],
+        key(
+            KeyType.COUNTS,
+            "Nodes whose weighted mean displacement and rotation are those of the marker.",
+            default=(),
+        ),
+        key(KeyType.COUNT, "A node, counted from 0; its marker has no rotation of its own.", name="node"),
+    ]
+    weights: Annotated[tuple[Fraction, ...], key(KeyType.WEIGHTS, "Weights of the nodes; equal by default.")] = ()
+    motion: Annotated[
+        NodeMotion,
+        key(
+            KeyType.CHOICE,
+            "How the nodes move: mean, any (their weighted mean is the marker, as RBE3), or rigid, together (as RBE2).",
+            choice_of="the motion of nodes",
+        ),
+    ] = "mean"
+    rotation: Annotated[
+        UnitQuaternion,
+        key(
+            KeyType.ROTATION,
+            f"Rotation of the marker against the undeformed body: {ROTATION_FORMS}.",
+            shown=(1, 0, 0, 0),
+        ),
+    ] = NO_ROTATION
+
+    @property
+    def has_rotation(self) -> bool:
+        """Whether the marker has a rotation by deformation."""
+        return len(self.nodes) > 1
+
+
+@dataclass(frozen=True)
+class FlexibleBody:
+    """A finite-element body in a scene in space; `body` are its data, without gravity, markers and initial values."""
+
+    name: str
+    body: NodalBody
+    markers: Annotated[
+        tuple[NodeFrame, ...],
+        key(
+            KeyType.NODE_FRAMES,
+            "Named markers: the number of a node, or { nodes = [..] } for the weighted mean motion of a set of nodes.",
+            default=(),
+        ),
+    ] = ()
+    start: Annotated[SpatialInitialValues, SPATIAL_START] = NOT_GIVEN_IN_SPACE
+    keep_coordinates: ClassVar[bool] = True
+    kind: ClassVar[str] = "flexible"
+
+
+SpatialBody = SpatialRigidBody | FlexibleBody
 
 
 @dataclass(frozen=True)

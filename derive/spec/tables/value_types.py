@@ -157,6 +157,13 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.DIRECTION: Annotated[_pair(Number, ("1", "0"), "numbers"), AfterValidator(scene_values.axis)],
     KeyType.COORDINATE_TRIPLE: COORDINATE_TRIPLE,
     KeyType.INERTIA_TENSOR: _quantities(("0.01", "0.02", "0.02", "0", "0", "0"), INERTIA_UNIT, "entries"),
+    KeyType.WEIGHTS: _several(
+        _read(Fraction, values.positive, number_schema(exclusiveMinimum=0)),
+        1,
+        MAX_AROUND,
+        "weights",
+        "weights is needed, such as [1, 1, 2]",
+    ),
     KeyType.RELATIVE_MOTIONS: _several(
         _relative_motion, 1, len(RELATIVE_MOTIONS), "relative motions", 'words is needed, such as ["x", "y"]'
     ),
