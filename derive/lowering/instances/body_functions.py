@@ -176,7 +176,7 @@ def poses(context: InstanceContext, function: ModelFunction) -> Kernel:
 
     def items(of: ClassCode, symbols: Symbols) -> tuple[list[StepItem], dict[str, LoopTarget]]:
         (pose,) = of.context.equations.poses
-        values = [symbols(e) for e in (*pose.position, pose.rotation_angle)]
+        values = [symbols(e) for _, e in pose.parts]
         place = of.place("pose", [3 * m.number for m in of.of.members])
         return [*stores("pose", values)], {"pose": of.target("pose", place)}
 

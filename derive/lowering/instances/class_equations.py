@@ -205,7 +205,7 @@ def given_symbols(equations: Equations, known: KnownMotion) -> tuple[sp.Symbol, 
     parts += [*(term.expr for term in equations.terms), *(out.expr for out in equations.outputs)]
     parts += [equations.kinetic_energy, equations.strain_energy, equations.weight_energy or sp.S.Zero]
     parts += [*equations.linear_momentum, *equations.angular_momentum]
-    parts += [e for pose_of in equations.poses for e in (*pose_of.position, pose_of.rotation_angle)]
+    parts += [e for pose_of in equations.poses for _, e in pose_of.parts]
     for c in equations.constraints:
         parts += [c.position, c.rate, c.bias, *(factor for _, factor in c.jacobian)]
     present = frozenset().union(*(part.free_symbols for part in parts))

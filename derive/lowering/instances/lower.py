@@ -89,7 +89,7 @@ def lower_instances(
         multipliers=tuple(Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in conditions),
         splines=tuple(replace(s, name=table_name(scene.name, s.name)) for s in equations.splines),
         bodies=tuple(instance.name for instance in mechanism.instances),
-        inputs=tuple(Variable(given.name, given.doc, given.unit) for given in equations.inputs),
+        inputs=tuple(Variable(given.name, given.doc, given.unit, shown=given.shown) for given in equations.inputs),
         outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in context.output_components),
         eliminated=tuple(
             Zero(out.what, out.reason)
