@@ -33,11 +33,12 @@ from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.multibody import assembly
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.space.assembly import spatial_mechanism
+from derive.mechanics.multibody.space.flexible import ReducedBody
 from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import Gravity, Lowering, NodalBody, SymbolicBody
 from derive.spec.model.scene import Redundant, Scene
-from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.spatial_scene import FlexibleBody, SpatialScene
 from derive.spec.model.specification import Specification, check_specification
 
 AnyMechanism = Mechanism | SpatialMechanism
@@ -58,7 +59,7 @@ def derive(spec: Specification) -> IndexedEquations | AnyMechanism:
         case Scene():
             return assembly.mechanism(spec)
         case SpatialScene():
-            return spatial_mechanism(spec)
+            return spatial_mechanism(spec, reduced_bodies(spec))
         case SymbolicBody():
             return indexed_equations.derive_body(parametric_body(spec), spec.lowering)
         case NodalBody():
@@ -72,6 +73,17 @@ def modal(spec: NodalBody) -> ModalBody:
     from derive.reduction import reduce  # only a body of nodes needs it, and SciPy's rotations
 
     return reduce(spec)
+
+
+def reduced_bodies(scene: SpatialScene) -> dict[str, ReducedBody]:
+    """The finite-element bodies of a scene as numbers, by their names. Raises SpecError with faults of their data."""
+    flexible = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
+    if not flexible:
+        return {}
+    from derive.reduction import reduce
+    from derive.reduction.frame_points import modal_frames
+
+    return {body.name: ReducedBody(reduce(body.body), modal_frames(body)) for body in flexible}
 
 
 @paused()

@@ -28,6 +28,7 @@ from corpus.linkages import link
 from corpus.lone_bodies import LONE, lone_beam, spatial_body
 from corpus.many_bodies import SHARE, many_bodies
 from corpus.observations import observe
+from corpus.spatial_scenes import FIRST, spatial_scene
 from corpus.spelling import respell
 from derive.spec.tables.json_schema import schema_of
 from derive.spec.tables.specification import specification_table
@@ -70,8 +71,12 @@ class CorpusScene:
 
 
 def corpus_scene(seed: int) -> CorpusScene:
-    """The scene of a seed."""
+    """The scene of a seed; those from FIRST on are in space."""
     draws = Draws(seed)
+    if seed >= FIRST:
+        tables, files, linkage = spatial_scene(draws, f"scene_{seed}")
+        respell(tables, _schema(), draws, 0.15)
+        return CorpusScene(seed, tables, tables, files, linkage)
     tables, files, linkage = _parts(draws, f"scene_{seed}")
     many = Draws(f"many {seed}")
     if many.chance(SHARE):

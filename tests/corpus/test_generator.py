@@ -26,6 +26,7 @@ from derive.spec.tables.specification import specification_table
 CORPUS = 2000
 """The seeds 0 to 1999 are the corpus."""
 
+EVERY = all_features(schema_of(specification_table()))
 NOT_USED = {
     "NodalTable.nodes as object": "MatrixMarket files: tests/spec/test_node_files.py",
     **dict.fromkeys(

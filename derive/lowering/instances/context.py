@@ -68,10 +68,12 @@ class InstanceContext:
         self.rows = tuple(row.name for row in mechanism.rows)
         self.multipliers = tuple(c.name for c in self.conditions)
         if sensitivities:
-            self.known.differentiate()
+            self.known.differentiate(by_parameters=True)
             for code in self.codes:
                 for constant in derivatives(code.context.equations):
                     code.context.add_constant(constant)
+        elif mechanism.outputs and mechanism.scene.inputs:
+            self.known.differentiate(by_parameters=False)
 
     def _group(self, group: Group, equations: Equations) -> GroupCode:
         return GroupCode(self._code(group, equations), group.members)

@@ -13,7 +13,7 @@ import sympy as sp
 from derive.ir.expressions import Expr, Number, ScalarRef
 from derive.ir.statements import Let, Statement, Store
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.context import Context
+from derive.lowering.flat.context import Context, Input, array_input
 from derive.lowering.flat.schedule import OutputValue, Step
 from derive.lowering.flat.sensitivities import by_parameters_and_inputs, derivatives
 from derive.lowering.instances.varying_joints import prescribed_alone, varies
@@ -74,15 +74,15 @@ class KnownMotion:
             if all(map(self.is_known, force.markers)):
                 defined, potential = self._stored(force)
                 self._potentials.append(potential)
-                definitions += [*defined, *([] if potential.expr.is_Rational else [potential])]
+                definitions += [] if potential.expr.is_Rational else [*defined, potential]
         for name, body in self.bodies.items():
             definitions += [d for d in _pose_definitions(name, body) if not d.expr.is_Rational]
         self.definitions = tuple(definitions)
         self.derivatives = KnownDerivatives({}, {})
 
-    def differentiate(self) -> None:
-        """Compute the derivatives of what is known with respect to parameters and inputs, for kernels that follow."""
-        self.derivatives = _derivatives(self.context, [d.symbol for d in self.definitions])
+    def differentiate(self, by_parameters: bool) -> None:
+        """Compute the derivatives of what is known by the inputs, and by the parameters, for kernels that follow."""
+        self.derivatives = _derivatives(self.context, [d.symbol for d in self.definitions], by_parameters)
 
     def _known_part(self, joint: JointInstance) -> tuple[tuple[Intermediate, ...], tuple[Constraint, ...]]:
         """The definitions and the known parts of the constraints of a joint."""
@@ -163,6 +163,17 @@ class KnownMotion:
         """The names of the definitions and of their derivatives."""
         return frozenset((*map(str, self.symbols), *self.derivatives.values))
 
+    def derivatives_of(self, symbols: Iterable[sp.Symbol]) -> Input:
+        """The derivatives of some symbols of what is known, as the elements of an argument."""
+        columns = (self.derivatives.columns.get(symbol, {}) for symbol in symbols)
+        return array_input("known", (derivative for of in columns for derivative in of.values()), "")
+
+    def by_inputs(self, symbol: sp.Symbol) -> list[tuple[int, sp.Symbol]]:
+        """The numbers of the inputs that a symbol depends on, and the symbols of its derivatives."""
+        parameters = len(self.mechanism.parameters)
+        columns = self.derivatives.columns.get(symbol, {})
+        return [(j - parameters, derivative) for j, derivative in columns.items() if j >= parameters]
+
     def statements(self, names: Iterable[str]) -> tuple[Statement, ...]:
         """The statements that compute some of the definitions and of their derivatives, by their names."""
         wanted = sorted(set(names))
@@ -182,9 +193,9 @@ class KnownMotion:
         return tuple(result)
 
 
-def _derivatives(context: Context, of: Iterable[sp.Symbol]) -> KnownDerivatives:
+def _derivatives(context: Context, of: Iterable[sp.Symbol], by_parameters: bool) -> KnownDerivatives:
     """The derivatives of some definitions, with the derivatives of their constants as constants of setup."""
-    for constant in derivatives(context.equations):
+    for constant in derivatives(context.equations) if by_parameters else ():
         context.add_constant(constant)
     symbols = context.symbols(context.t)
     known = [symbol for symbol in of if symbol in symbols.values]

@@ -98,9 +98,8 @@ def _of_all(context: InstanceContext, form: DaeLayout) -> Iterator[_Rows]:
 
 def _symbols(context: InstanceContext, code: LoopCode, *inputs: Input) -> Symbols:
     """The symbols of a class or a group, with the derivatives of what is known."""
-    known = context.known.derivatives.columns
-    every = (derivative for symbol in code.given.symbols for derivative in known.get(symbol, {}).values())
-    return code.context.symbols(code.context.t, code.given, array_input("known", every, ""), *inputs)
+    known = context.known.derivatives_of(code.given.symbols)
+    return code.context.symbols(code.context.t, code.given, known, *inputs)
 
 
 def _derivatives(

@@ -1,12 +1,15 @@
-"""The data of the player of a scene in space, as plain data: its bodies with their markers, and their motion."""
+"""The data of the player of a scene in space: rigid and finite-element bodies with their markers and their motion."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
+from derive.mechanics.symbols import amplitude, owned
+from derive.reduction.frame_points import modal_frames
 from derive.simulation.configurations import quaternion_of
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import Array, SceneMotion, si_value
@@ -16,10 +19,12 @@ from derive.simulation.observables.spatial_player_data import (
     DrawnBody,
     bodies_data,
     bodies_motion_data,
+    drawn_body,
     rigid_drawing,
     shown_frames,
 )
-from derive.spec.model.spatial_scene import FrameMarker, SpatialRigidBody, SpatialScene
+from derive.spec.model.quantity import Quantity
+from derive.spec.model.spatial_scene import FlexibleBody, SpatialBody, SpatialRigidBody, SpatialScene
 
 
 def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion, curves: Sequence[Column] = ()) -> Plain:
@@ -27,37 +32,59 @@ def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion, curves: 
 
     curves: columns with a value for each instant, which the page draws over time below the scene.
     """
-    drawn = [drawn_rigid_body(body) for body in scene.bodies]
-    paths = [_path(motion.pose(body.name)) for body in scene.bodies]
-    return {
-        "name": scene.name,
-        **bodies_data(drawn, _placed(scene.ground)),
-        **bodies_motion_data(drawn, motion.t, paths),
-        "curves": curves_data(curves, shown_frames(motion.t, paths)),
-    }
+    drawn, ground = drawn_bodies(scene), [(m.name, _vector(m.position)) for m in scene.ground]
+    paths = body_paths(drawn, motion)
+    content = bodies_motion_data(drawn, motion.t, paths)
+    shown = curves_data(curves, shown_frames(motion.t, paths))
+    return {"name": scene.name, **bodies_data(drawn, ground), **content, "curves": shown}
 
 
-def drawn_rigid_body(body: SpatialRigidBody) -> DrawnBody:
-    """The drawing of a rigid body: the box of its inertia, and lines to its markers."""
-    centre = np.array([si_value(x) for x in body.centre])
+def drawn_bodies(scene: SpatialScene) -> list[DrawnBody]:
+    """The drawings of all bodies of a scene."""
+    return [_drawn(body) for body in scene.bodies]
+
+
+def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath]:
+    """The motions of the frames of bodies, with their amplitudes."""
+    paths = []
+    for body in drawn:
+        pose = motion.pose(body.name)
+        names = (owned(amplitude(i), body.name).name for i in range(1, len(body.phi) + 1))
+        places = [motion.native.coordinates.index(name) for name in names]
+        paths.append(BodyPath(pose[:, :3], _quaternions(pose[:, 3:]), motion.q[:, places]))
+    return paths
+
+
+def _drawn(body: SpatialBody) -> DrawnBody:
+    if isinstance(body, FlexibleBody):
+        return _with_markers(drawn_body(replace(body.body, name=body.name, markers=())), body)
     mass = 0.0 if body.mass is None or body.inertia is None else si_value(body.mass)
-    inertia = np.zeros((3, 3))
-    if mass and body.inertia is not None:
-        xx, yy, zz, xy, xz, yz = map(si_value, body.inertia)
-        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return rigid_drawing(body.name, mass, centre, inertia, _placed(body.markers))
+    named = [(m.name, _vector(m.position)) for m in body.markers]
+    return rigid_drawing(body.name, mass, _vector(body.centre), _inertia(body), named)
 
 
-def _placed(markers: Sequence[FrameMarker]) -> list[tuple[str, Array]]:
-    return [(marker.name, np.array([si_value(x) for x in marker.position])) for marker in markers]
+def _with_markers(drawn: DrawnBody, body: FlexibleBody) -> DrawnBody:
+    """The drawing of a body with its markers, which move as the mean of their nodes."""
+    points = [frame.point for frame in modal_frames(body)]
+    if not points:
+        return drawn
+    x = np.concatenate([drawn.x, [point.position for point in points]])
+    phi = np.concatenate([drawn.phi, *(point.shapes[:, None] for point in points)], axis=1)
+    markers = tuple((point.name, len(drawn.x) + i) for i, point in enumerate(points))
+    return replace(drawn, x=x, phi=phi, markers=markers)
 
 
-def _path(poses: Array) -> BodyPath:
-    """The path of a body without amplitudes from its poses (n, 12)."""
-    return BodyPath(poses[:, :3], quaternions(poses[:, 3:]), np.zeros((len(poses), 0)))
+def _inertia(body: SpatialRigidBody) -> Array:
+    """The tensor of inertia (3, 3); zero where none is given."""
+    xx, yy, zz, xy, xz, yz = (si_value(x) for x in body.inertia) if body.inertia else (0.0,) * 6
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-def quaternions(rotations: Array) -> Array:
+def _vector(position: Sequence[Quantity]) -> Array:
+    return np.array([si_value(x) for x in position])
+
+
+def _quaternions(rotations: Array) -> Array:
     """The quaternions (n, 4) of rotation tensors by rows (n, 9), next to each other without jumps of the sign."""
     result = np.array([quaternion_of(Q.reshape(3, 3)) for Q in rotations])
     signs = np.cumprod([1.0, *(-1.0 if a @ b < 0 else 1.0 for a, b in pairwise(result))])

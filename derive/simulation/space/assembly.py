@@ -83,7 +83,7 @@ class WithSpatialTargets:
 
 def _size(target: SpatialTarget) -> int:
     """The number of components of a target; a quaternion is compared by a vector of three."""
-    return 3 if len(target.values) > 1 else 1
+    return len(target.values) if target.amplitudes or not target.angular or len(target.values) == 1 else 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +104,8 @@ def assembled(assembler: SpatialAssembler, guess: Vector, targets: Sequence[Spat
     given = [target for target in targets if target.strength is Strength.GIVEN]
     soft = [target for target in targets if target.strength is not Strength.GIVEN]
     rigid = ~velocities_with(native, Role.AMPLITUDE)
+    given_amplitudes = [j for target in given for j in target.amplitudes]
+    rigid[given_amplitudes] = True
     masks = (rigid,) if np.all(rigid) else (rigid, np.ones_like(rigid))
     best: ClosestState | None = None
     for system, kept in ((WithSpatialTargets(assembler, given), True), (native, False)):

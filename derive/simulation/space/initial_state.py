@@ -81,7 +81,7 @@ def spatial_scene_size(scene: SpatialScene) -> float:
     for body in scene.bodies:
         at = np.array(body.start.position or (0.0, 0.0, 0.0))
         points.append(at)
-        points += [at + own_frame(m).position for m in body.markers]
+        points += [at + own_frame(m, body).position for m in body.markers]
     return float(np.linalg.norm(np.ptp(np.array(points), axis=0))) or 1.0
 
 

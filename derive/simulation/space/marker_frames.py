@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from derive.simulation.configurations import rotation_matrix
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_scene import FrameMarker, SpatialScene
+from derive.spec.model.spatial_scene import FlexibleBody, FrameMarker, NodeFrame, SpatialBody, SpatialScene
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,18 +23,30 @@ class MarkerFrame:
     axes: Matrix
 
 
-def own_frame(marker: FrameMarker) -> MarkerFrame:
-    """A marker in the frame of its body."""
+def own_frame(marker: FrameMarker | NodeFrame, body: SpatialBody | None = None) -> MarkerFrame:
+    """A marker in the frame of its undeformed body, or of the ground."""
     quaternion = np.array(marker.rotation)
-    return MarkerFrame(
-        np.array([si_value(x) for x in marker.position]), rotation_matrix(quaternion / np.linalg.norm(quaternion))
-    )
+    axes = rotation_matrix(quaternion / np.linalg.norm(quaternion))
+    if isinstance(marker, NodeFrame):
+        assert isinstance(body, FlexibleBody)
+        return MarkerFrame(_positions(body)[marker.name], axes)
+    return MarkerFrame(np.array([si_value(x) for x in marker.position]), axes)
+
+
+@lru_cache(8)
+def _positions(body: FlexibleBody) -> dict[str, Vector]:
+    """The positions (3,), m, of the markers of an undeformed finite-element body in its floating frame."""
+    from derive.reduction.frame_points import modal_frames  # only for finite-element bodies
+
+    return {frame.point.name: frame.point.position for frame in modal_frames(body)}
 
 
 def frame_in_body(scene: SpatialScene, marker: MarkerRef) -> MarkerFrame:
     """A marker in the undeformed frame of its body, or in the inertial frame."""
-    of = scene.ground if marker.body == GROUND else next(b for b in scene.bodies if b.name == marker.body).markers
-    return own_frame(next(m for m in of if m.name == marker.marker))
+    if marker.body == GROUND:
+        return own_frame(next(m for m in scene.ground if m.name == marker.marker))
+    body = next(b for b in scene.bodies if b.name == marker.body)
+    return own_frame(next(m for m in body.markers if m.name == marker.marker), body)
 
 
 def frame_of(scene: SpatialScene, poses: SpatialPoses, marker: MarkerRef) -> MarkerFrame:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
+from derive.mechanics.symbols import amplitude, owned
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.configurations import rotation_matrix
@@ -74,12 +75,41 @@ def _of_body(body: SpatialBody, native: NativeScene) -> Iterator[SpatialTarget]:
         quaternion = np.array(start.rotation)
         reference = rotation_matrix(quaternion / np.linalg.norm(quaternion))
         yield SpatialTarget(table, "rotation", start.rotation, given, True, False, _rotation(body.name, reference))
+    for key, values in (("amplitudes", start.amplitudes), ("amplitude_rates", start.amplitude_rates)):
+        if values:
+            rate = key == "amplitude_rates"
+            columns = tuple(_amplitude(native, body.name, i) for i in range(1, len(values) + 1))
+            places = tuple(
+                native.coordinates.index(owned(amplitude(i), body.name).name) for i, _ in enumerate(values, 1)
+            )
+            yield SpatialTarget(
+                table, key, values, given, False, rate, _amplitudes(places, columns, np.array(values), rate), columns
+            )
     if start.velocity is not None:
         function = _twist(body.name, slice(0, 3), np.array(start.velocity))
         yield SpatialTarget(table, "velocity", start.velocity, given, False, True, function)
     if start.angular_velocity is not None:
         function = _twist(body.name, slice(3, 6), np.array(start.angular_velocity))
         yield SpatialTarget(table, "angular_velocity", start.angular_velocity, given, True, True, function)
+
+
+def _amplitude(native: NativeScene, body: str, i: int) -> int:
+    """The number of the velocity of an amplitude."""
+    return native.velocities.index(owned(amplitude(i, 1), body).name)
+
+
+def _amplitudes(
+    places: tuple[int, ...], columns: tuple[int, ...], values: Vector, rate: bool
+) -> Callable[[SpatialPoses], Linearised]:
+    """The amplitudes at some coordinates less their values; or their rates, which are the velocities `columns`."""
+
+    def linearised(poses: SpatialPoses) -> Linearised:
+        gradient = np.zeros((len(columns), poses.native.nv))
+        gradient[np.arange(len(columns)), list(columns)] = 1.0
+        now = np.zeros(len(values)) if rate else poses.q[list(places)]
+        return now - values, gradient, np.zeros(len(values))
+
+    return linearised
 
 
 def _position(body: str, value: Vector) -> Callable[[SpatialPoses], Linearised]:

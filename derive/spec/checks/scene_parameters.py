@@ -105,6 +105,8 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
             yield from beam_constants(("bodies", name), body, f" {of}")
             continue
         kind = view.kind(name)
+        if kind == "flexible":
+            continue
         for key, unit in _units(declared_keys(RigidBody) if kind == "rigid" else BODIES[kind].keys).items():
             yield SceneConstant(("bodies", name, key), body.get(key), f"{key} {of}", unit)
         yield from _components(("bodies", name, "centre"), body.get("centre"), f"the centre {of}", DEFAULT_LENGTH.unit)

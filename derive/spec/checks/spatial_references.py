@@ -6,11 +6,12 @@ from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialJointType
+from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
 from derive.spec.checks.cross_references import ground_faults, input_faults, marker_faults
 from derive.spec.checks.name_clashes import name_faults
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.checks.scene_parameters import parameter_faults
-from derive.spec.model.markers import GROUND
+from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
 
 
@@ -44,9 +45,33 @@ def _joints(view: SceneData) -> Iterator[Fault]:
                 text = f"both markers are on the body {first}; a joint is between two bodies, or ground and body"
                 yield Fault(path, text)
         joint_type = _type(joint)
+        if joint_type and markers is not None:
+            yield from _without_rotation(view, path, joint_type, joint, markers)
         if joint_type and joint_type.keeps_distance and "distance" not in joint:
             text = "a joint that keeps a distance needs the key `distance`, such as distance = 0.3"
             yield Fault(("joints", name), text)
+
+
+def _without_rotation(
+    view: SceneData, path: KeyPath, joint_type: SpatialJointType, joint: Raw, markers: tuple[MarkerRef, MarkerRef]
+) -> Iterator[Fault]:
+    """Faults of joints whose rotations or axes are those of a marker at a single node, which has none."""
+    removes = joint.get("removes") if joint_type.removes is None else joint_type.removes
+    removed = {str(name) for name in removes} if isinstance(removes, (list, tuple)) else set[str]()
+    for i, marker in enumerate(markers):
+        body = view.bodies.get(marker.body)
+        at = body.get("markers") if isinstance(body, Mapping) else None
+        value = at.get(marker.marker) if isinstance(at, Mapping) else None
+        is_node = isinstance(value, int) or (isinstance(value, Mapping) and "node" in value)
+        turns = removed & ROTATIONS.keys() or (
+            i == 0 and removed & DISPLACEMENTS.keys() not in ({}, DISPLACEMENTS.keys())
+        )
+        if view.kind(marker.body) == "flexible" and is_node and turns:
+            text = (
+                f"the marker {marker} is a node, which has no rotation, and a {joint.get('kind')} joint acts on the "
+                "rotation of its markers; take a set of nodes around it, { nodes = [..] }, or a spherical joint"
+            )
+            yield Fault((*path, i), text)
 
 
 def _drives(view: SceneData) -> Iterator[Fault]:

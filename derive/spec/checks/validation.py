@@ -15,6 +15,7 @@ from derive.errors import Problem, SpecError, quoted
 from derive.spec.checks.body_checks import shape_faults
 from derive.spec.checks.cross_references import scene_faults
 from derive.spec.checks.dimensions import dimension_faults, is_in_space
+from derive.spec.checks.flexible_nodes import flexible_nodes
 from derive.spec.checks.known_functions import function_faults, known_functions
 from derive.spec.checks.messages import key_faults
 from derive.spec.checks.plotted_columns import column_faults
@@ -85,6 +86,8 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves, columns: b
     faults += _names_of_integrals(data)
     faults += shape_faults(("beam",), data.get("beam"))
     nodes, node_faults = _nodes(data, specification, folder)
+    of_bodies, faults_of_bodies = flexible_nodes(data, specification, folder) if in_space else ({}, [])
+    node_faults = [*node_faults, *faults_of_bodies]
     curves, curve_faults = references(data, folder, known)
     faults += node_faults + curve_faults + faults_of_names
     if any(key in data for key in SCENE) and instances.counts_are_known:
@@ -94,7 +97,7 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves, columns: b
     faults = instances.merged(faults)
     if specification is None or faults:
         return faults
-    result = _specified(specification, nodes, curves)
+    result = _specified(specification, nodes, curves, of_bodies)
     faults += function_faults(result, data) if isinstance(result, (Scene, SpatialScene)) else ()
     faults += column_faults(result) if columns else ()
     return instances.merged(faults) or result
@@ -132,10 +135,13 @@ def _mixed(kinds: list[str]) -> Fault:
     return Fault((kinds[-1],), f"a file specifies {what}, and here are {tables}; leave one of them out")
 
 
-def _specified(table: Any, nodes: NodeData | None, curves: Mapping[str, Rows]) -> Specification:
+def _specified(
+    table: Any, nodes: NodeData | None, curves: Mapping[str, Rows], of_bodies: Mapping[str, NodeData]
+) -> Specification:
     """The specification that a table without faults describes."""
     if table.bodies is not None:
-        return (spatial_scene if isinstance(table, spatial_specification_table()) else scene)(table, curves)
+        in_space = isinstance(table, spatial_specification_table())
+        return spatial_scene(table, curves, of_bodies) if in_space else scene(table, curves)
     if isinstance(table.body, SymbolicBody):
         return replace(table.body, name=table.name)
     others = {"name": table.name, "simulation": table.simulation, "plots": plots(table, curves)}

@@ -9,28 +9,40 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from derive.mechanics.multibody.space.forces import SPATIAL_BUSHINGS, SPATIAL_SPRINGS
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.spec.files.reference_curves import Rows
+from derive.spec.model.body import NodalBody, NodeData
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.plots import Plot
+from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, Drive
+from derive.spec.model.simulation import AT_REST
 from derive.spec.model.spatial_scene import (
+    FlexibleBody,
     FrameMarker,
+    NodeFrame,
+    SpatialForce,
     SpatialInitialValues,
     SpatialJoint,
     SpatialRigidBody,
     SpatialScene,
+    SpatialSpring,
+    SpatialTorque,
 )
 from derive.spec.parsing.values import WrongValueError
-from derive.spec.tables.declared_tables import TABLES, DeclaredTable, declare, key_field, keyed_model, named
+from derive.spec.tables.body import NODAL_KEYS, nodal_keys
+from derive.spec.tables.declared_tables import TABLES, DeclaredTable, declare, key_field, keyed_model
 from derive.spec.tables.registered_tables import registered_table
-from derive.spec.tables.shared import ElementName, TomlTable
+from derive.spec.tables.shared import ElementName, TomlTable, by_name, one_of
 from derive.spec.tables.simulation import PLOT, SIMULATION
 from derive.spec.tables.specification import OTHER_SECTIONS, SCENE, SpecificationKeys, plots
 from derive.spec.tables.value_types import COORDINATE_TRIPLE, VALUE_TYPES, markers_type
 
+declare(SpatialInitialValues, "SpatialInitialValuesTable")
 FRAME = declare(
     FrameMarker, "FrameMarkerTable", plain=COORDINATE_TRIPLE, doc="A marker frame: its point and its rotation."
 )
@@ -69,7 +81,58 @@ def principal_moments(xx: float, yy: float, zz: float, xy: float, xz: float, yz:
     return float(moments[0]), float(moments[1]), float(moments[2])
 
 
-declare(SpatialInitialValues, "SpatialInitialValuesTable")
+def _node_frame(node: Any = None, nodes: Any = (), **given: Any) -> NodeFrame:
+    """A marker of a finite-element body. Raises WrongValueError for what does not go together."""
+    if (node is None) == (not nodes):
+        raise WrongValueError("a marker is at a node, node = 17, or at a set of nodes, nodes = [17, 18, 30, 31]")
+    if given.get("motion", "mean") == "rigid":
+        raise WrongValueError(
+            'a rigid set of nodes (RBE2) has to be part of the finite-element model; write motion = "mean" for their '
+            "weighted mean, or give modes with such a set"
+        )
+    own = (node,) if node is not None else tuple(nodes)
+    if len(set(own)) < len(own):
+        raise WrongValueError("a node is named twice in `nodes`; name each once, with a weight of its own")
+    if given.get("weights") and len(given["weights"]) != len(own):
+        raise WrongValueError(f"there are {len(own)} nodes and {len(given['weights'])} weights; give a weight for each")
+    if node is None and len(own) < LEAST_NODES:
+        raise WrongValueError("a set of nodes needs three, not on a line, to have a rotation; or write node = 17")
+    return NodeFrame("", own, **given)
+
+
+LEAST_NODES = 3
+NODE_FRAME = declare(
+    NodeFrame,
+    "NodeFrameTable",
+    make=lambda **given: _node_frame(**{key: value for key, value in given.items() if key != "name"}),
+    plain=VALUE_TYPES[KeyType.COUNT],
+    doc="A marker at a node or at a set of nodes.",
+)
+
+
+def _named_node_frame(name: str, at: Any) -> NodeFrame:
+    return replace(at, name=name) if isinstance(at, NodeFrame) else NodeFrame(name, (at,))
+
+
+VALUE_TYPES[KeyType.NODE_FRAMES] = markers_type(NODE_FRAME.value, "nodes", _named_node_frame)
+NOT_IN_SCENES = ("gravity", "markers", "start", "lowering")
+"""The keys of a body of nodes alone that a body in a scene does not have."""
+_OF_NODES = tuple(key for key in NODAL_KEYS if key.name not in NOT_IN_SCENES)
+FLEXIBLE_MODEL = keyed_model(
+    "FlexibleTable",
+    "A finite-element body in a scene in space.",
+    (*_OF_NODES, *declared_keys(FlexibleBody), COUNT),
+    tables=TABLES,
+)
+
+
+def flexible_body(name: str, table: Any, data: NodeData) -> FlexibleBody:
+    """The finite-element body that a table describes, with its data."""
+    given = {key.field: getattr(table, key.name, None) for key in NODAL_KEYS if key.name not in ("nodes", "units")}
+    own = nodal_keys(given, data, {"gravity": None, "markers": (), "start": AT_REST, "lowering": "auto"})
+    return FlexibleBody(name, NodalBody(name=name, data=data, **own), table.markers, table.start)
+
+
 SPATIAL_RIGID = declare(
     SpatialRigidBody, "SpatialRigidTable", keys=(*declared_keys(SpatialRigidBody), COUNT), check=_check_inertia
 )
@@ -90,6 +153,40 @@ def _joint(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SpatialJ
     return SpatialJoint("", kind, first, second, start=own["start"], **given)
 
 
+declare(SpatialForce, "SpatialForceTable", keys=(*declared_keys(SpatialForce), COUNT))
+declare(SpatialTorque, "SpatialTorqueTable", keys=(*declared_keys(SpatialTorque), COUNT))
+
+
+def spatial_spring_table() -> DeclaredTable:
+    """The table of a spring in space, with the kinds that are registered now, or of a bushing."""
+    keys = tuple(key for key in declared_keys(SpatialSpring) if key.type is KeyType.MARKER_PAIR)
+    doc = SpatialSpring.__doc__ or ""
+    springs = (*SPATIAL_SPRINGS.items(),)
+    own = registered_table("SpatialSpringTable", doc, "spring", springs, (*keys, COUNT), _spring, "linear")
+    bushings = (*SPATIAL_BUSHINGS.items(),)
+    bushing = registered_table("SpatialBushingTable", doc, "bushing", bushings, (*keys, COUNT), _spring)
+    return DeclaredTable(own.model, one_of(_kind_of_spring, spring=own.value, bushing=bushing.value))
+
+
+def _kind_of_spring(value: Any) -> str:
+    return "bushing" if isinstance(value, Mapping) and value.get("kind") in SPATIAL_BUSHINGS else "spring"
+
+
+def _spring(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SpatialSpring:
+    first, second = own["first"]
+    return SpatialSpring("", kind, first, second, given)
+
+
+def spatial_output_table() -> DeclaredTable:
+    """The table of an output in space, with the kinds that are registered now."""
+    kinds = (*SPATIAL_OUTPUTS.items(),)
+    return registered_table("SpatialOutputTable", SceneOutput.__doc__ or "", "output", kinds, (COUNT,), _output)
+
+
+def _output(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SceneOutput:
+    return SceneOutput("", kind, given)
+
+
 _OF_SCENE = {key.field: key for key in declared_keys(SpatialScene)}
 SPATIAL_GROUND_TABLE = keyed_model(
     "SpatialGroundTable", "The inertial frame, which does not move.", (replace(_OF_SCENE["ground"], name="markers"),)
@@ -103,7 +200,14 @@ SPATIAL_SCENE_TABLE = keyed_model(
 
 def spatial_specification_table() -> type[TomlTable]:
     """The table of a whole specification of a scene in space, with the joints that are registered now."""
-    return _spatial_specification_table(((SpatialJoint, spatial_joint_table()), (Plot, PLOT)))
+    return _spatial_specification_table(
+        (
+            (SpatialJoint, spatial_joint_table()),
+            (SpatialSpring, spatial_spring_table()),
+            (SceneOutput, spatial_output_table()),
+            (Plot, PLOT),
+        )
+    )
 
 
 @cache
@@ -135,13 +239,26 @@ _WRITTEN = ("ground", "scene", "bodies", "simulation", *OTHER_SECTIONS)
 
 
 def _bodies() -> Any:
-    bodies = named(SPATIAL_RIGID.value, "bodies", "[bodies.rod]", ElementName, minProperties=1)
-    return Annotated[bodies, Field(description="Bodies of a scene in space by name.")]
+    body = one_of(kind_of_spatial_body, rigid=SPATIAL_RIGID.value, flexible=FLEXIBLE_MODEL)
+    bodies = by_name(body, "bodies", "[bodies.rod]", ElementName, minProperties=1)
+    return Annotated[bodies, Field(description="Bodies of a scene in space by name: rigid, or finite elements.")]
 
 
-def spatial_scene(table: Any, references: Mapping[str, Rows]) -> SpatialScene:
-    """The scene in space that a table describes; `references` are the numbers of plots with a reference."""
+def kind_of_spatial_body(value: Any) -> str:
+    """The kind of body that a table describes: a discriminator."""
+    return "flexible" if isinstance(value, Mapping) and ("nodes" in value or "modes" in value) else "rigid"
+
+
+def spatial_scene(table: Any, references: Mapping[str, Rows], nodes: Mapping[str, NodeData]) -> SpatialScene:
+    """The scene in space that a table describes.
+
+    references: the numbers of plots with a reference. nodes: the data of finite-element bodies by their names.
+    """
     sections: dict[str, Any] = {section: getattr(table, section, ()) for section in NAMED}
+    sections["bodies"] = tuple(
+        flexible_body(name, body, nodes[name]) if name in nodes else replace(body, name=name)
+        for name, body in table.bodies.items()
+    )
     sections["drives"] = tuple(with_spatial_speed_unit(drive, table.joints) for drive in table.drives)
     sections["plots"] = plots(table, references)
     chosen = {} if table.scene is None else {key: getattr(table.scene, key) for key in CHOSEN}

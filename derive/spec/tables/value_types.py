@@ -157,6 +157,13 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.DIRECTION: Annotated[_pair(Number, ("1", "0"), "numbers"), AfterValidator(scene_values.axis)],
     KeyType.COORDINATE_TRIPLE: COORDINATE_TRIPLE,
     KeyType.INERTIA_TENSOR: _quantities(("0.01", "0.02", "0.02", "0", "0", "0"), INERTIA_UNIT, "entries"),
+    KeyType.WEIGHTS: _several(
+        _read(Fraction, values.positive, number_schema(exclusiveMinimum=0)),
+        1,
+        MAX_AROUND,
+        "weights",
+        "weights is needed, such as [1, 1, 2]",
+    ),
     KeyType.RELATIVE_MOTIONS: _several(
         _relative_motion, 1, len(RELATIVE_MOTIONS), "relative motions", 'words is needed, such as ["x", "y"]'
     ),
@@ -168,8 +175,13 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.ACCELERATION: _quantities(("0", "0", "-9.81"), ACCELERATION_UNIT),
     KeyType.SPEED: Speed,
     KeyType.FUNCTION: _time,
+    KeyType.FUNCTION_TRIPLE: Annotated[
+        tuple[_time, _time, _time],  # type: ignore[valid-type]  # a type that is made
+        components(("0", "0", '"-10*sin(t)"'), "components"),
+    ],
+    KeyType.SIX_QUANTITIES: _quantities(("1000", "1000", "1000", "10", "10", "10"), "", "numbers"),
     KeyType.FUNCTION_PAIR: _pair(_time, ("0", '"-10*sin(t)"'), "components"),
-    KeyType.SHAPE: _shape,
+    KeyType.DEFLECTION: _read(Polynomial, values.deflection, _FORMULA),
     KeyType.SHAPES: Annotated[
         _several(
             _shape,
