@@ -21,8 +21,10 @@ from derive.ir.model import Model
 from derive.registry import Registry
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, SymbolicBody
-from derive.spec.model.scene import BeamBody, Scene, Specification, check_specification
+from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.simulation import InitialValues, SpatialStart
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import Specification, check_specification
 from derive.spec.model.time_function import Spline, TimeFunction
 from derive.version import VERSION
 
@@ -59,7 +61,13 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
 UNWRITTEN = ("order", "ends", "masses", "axial", "lowering", "redundant")
 """The fields that are left out where they have their defaults: those of the paper's beam, and of most scenes."""
 
-KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body", Scene: "scene"}
+KINDS = {
+    PlanarBeam: "planar_beam",
+    NodalBody: "nodal_body",
+    SymbolicBody: "symbolic_body",
+    Scene: "scene",
+    SpatialScene: "spatial_scene",
+}
 
 
 def specification(spec: Specification) -> dict[str, object]:

@@ -291,6 +291,7 @@ class Model:
     components and constraints that are eliminated, its run-time inputs and outputs, the structure of its KKT matrix
     and, if it has been computed, its initial state. Loops over instances have `marker_classes` in place of `markers`.
     proximal: whether the constraints may be redundant, since a proximal term gives multipliers of least norm.
+    in_space: whether the bodies of a scene are in space.
     """
 
     name: str
@@ -319,6 +320,7 @@ class Model:
     splines: tuple[Spline, ...] = ()
     marker_classes: tuple[MarkerClass, ...] = ()
     proximal: bool = False
+    in_space: bool = False
 
     @property
     def defaults(self) -> tuple[float, ...]:

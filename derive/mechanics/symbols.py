@@ -124,6 +124,12 @@ class Family(Enum):
     RADIUS = "r", Kind.MOVING_POINT
     LEVER = "s", Kind.MOVING_POINT
     TANGENT = "dr", Kind.MOVING_POINT
+    INERTIAL_OMEGA = "w", Kind.MOVING_POINT
+    FRAME_AXES = "A", Kind.MOVING_POINT
+    SECTION_VECTOR = "theta", Kind.MOVING_POINT
+    SECTION_SCALE = "scale", Kind.MOVING_POINT
+    SECTION_SPIN = "nu", Kind.MOVING_POINT
+    SECTION_VELOCITY = "vrel", Kind.MOVING_POINT
     PARAMETER = "parameter", Kind.CHOSEN
     ELEMENT = "element", Kind.CHOSEN
     TIME = "t", Kind.CHOSEN

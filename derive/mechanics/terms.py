@@ -241,6 +241,26 @@ class Pose:
     position: tuple[sp.Expr, sp.Expr]
     rotation_angle: sp.Expr
 
+    @property
+    def parts(self) -> tuple[tuple[str, sp.Expr], ...]:
+        """The components with their labels, in the order of the generated code."""
+        return (*zip(("c1", "c2"), self.position, strict=True), ("phi", self.rotation_angle))
+
+
+@dataclass(frozen=True)
+class SpatialPose:
+    """Position of the origin (m) and rotation tensor, by rows, of a body frame in space."""
+
+    name: str
+    position: tuple[sp.Expr, ...]
+    rotation: tuple[sp.Expr, ...]
+
+    @property
+    def parts(self) -> tuple[tuple[str, sp.Expr], ...]:
+        """The components with their labels, in the order of the generated code."""
+        tensor = (f"Q{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3))
+        return (*zip(("c1", "c2", "c3"), self.position, strict=True), *zip(tensor, self.rotation, strict=True))
+
 
 @dataclass(frozen=True)
 class Eliminated:

@@ -30,7 +30,7 @@ class InterpretedScene(NativeScene):
         self.parameters, self.defaults = _names(model.parameters), np.array(model.defaults)
         self.coordinates, self.velocities = _names(model.coordinates), _names(model.velocities)
         self.roles = tuple(variable.role or Role.AMPLITUDE for variable in model.coordinates)
-        self.proximal = model.proximal
+        self.proximal, self.in_space = model.proximal, model.in_space
         self.multipliers, self.bodies = _names(model.multipliers), model.bodies
         instances = {m.title: (of, number) for of in model.marker_classes for number, m in enumerate(of.markers)}
         self.markers, self._instances = (*_names(model.markers), *instances), instances

@@ -17,6 +17,7 @@ from derive.lowering.model_functions import FunctionKind, ModelFunction, functio
 from derive.lowering.symbol_variables import symbol_variable
 from derive.lowering.terms import model_terms
 from derive.mechanics.equations import Equations
+from derive.mechanics.terms import SpatialPose
 
 Implementation = Callable[[Context, ModelFunction], Kernel]
 
@@ -95,6 +96,7 @@ def lower(
         inputs=tuple(Variable(given.name, given.doc, given.unit, shown=given.shown) for given in equations.inputs),
         outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in equations.outputs),
         proximal=proximal,
+        in_space=any(isinstance(pose, SpatialPose) for pose in equations.poses),
         kkt=constraints.kkt(context) if scene else None,
         eliminated=tuple(Zero(out.what, out.reason) for out in equations.eliminated),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),

@@ -104,7 +104,7 @@ def lower_instances(
 
 def _check(context: InstanceContext) -> None:
     """Raise SpecError where a constraint has no coordinate that could meet it, or where two names meet."""
-    idle = tuple(context.known.constraints[joint][k] for joint, k in idle_rows(context))
+    idle = tuple(context.constraint(joint, k) for joint, k in idle_rows(context))
     refuse_idle(idle, context.mechanism.scene.redundant)
     equations = [of.context.equations for of in context.classes]
     refuse_equal_names(

@@ -9,10 +9,10 @@ from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.symbols import DOTS, run_time_input
 from derive.mechanics.terms import InputSymbol, ModelConstant, OutputEquation
 from derive.spec.model.instances import identifier, joined, rate_name
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 
 
-def input_symbols(scene: Scene) -> tuple[InputSymbol, ...]:
+def input_symbols(scene: AnyScene) -> tuple[InputSymbol, ...]:
     """The symbols of the run-time inputs; inputs that prescribe motions of drives have two time derivatives."""
     motions = {drive.motion.name for drive in scene.drives if drive.motion and drive.motion.kind == "input"}
     result = []

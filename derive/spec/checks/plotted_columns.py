@@ -16,7 +16,8 @@ from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import ShapeFamily
 from derive.spec.model.instances import joined, rate_name
 from derive.spec.model.plots import ColumnCurves, Plot
-from derive.spec.model.scene import BeamBody, RigidBody, Scene, Specification
+from derive.spec.model.scene import BeamBody, RigidBody, Scene
+from derive.spec.model.specification import Specification
 from derive.spec.parsing.condition import condition
 from derive.spec.parsing.faults import Fault, did_you_mean, names_text
 from derive.spec.parsing.parser import ExpressionError

@@ -12,7 +12,7 @@ from typing import Any
 from derive.errors import Problem, SpecError, printable, problem_text
 from derive.spec.files.file_content import regular_file_start, why_unreadable
 from derive.spec.model.instances import COUNT, COUNTED
-from derive.spec.model.scene import Specification
+from derive.spec.model.specification import Specification
 from derive.spec.parsing.faults import Fault, line_of, path_text
 from derive.spec.parsing.values import TomlFloat
 from derive.spec.tables.instance_tables import instance_tables

@@ -15,13 +15,15 @@ from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import adaptive_library
 from derive.runtime.loading import load_scene, model_library
 from derive.simulation.inputs import with_functions
+from derive.simulation.observables.motion import planar
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.redundant_joints import refuse_dependent, with_redundant_joints
 from derive.simulation.simulate import with_simulation
 from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.scene import CustomBody, JointInitialValues, Scene, SceneBody, Specification
+from derive.spec.model.scene import CustomBody, JointInitialValues, Scene, SceneBody
 from derive.spec.model.simulation import NOT_GIVEN
+from derive.spec.model.specification import Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.study.sweep.dependence import initial_parameters
 from derive.study.sweep.outputs import SweepOutput, output
@@ -119,7 +121,7 @@ def make_plan(
         texts = dict(zip(remaining, map(number_text, values), strict=True))
         scenes.append(builder.add(_simulated(changed({**_defaults(changes, samples), **texts})[0], options)))
     cases = tuple(Case(scene, model, _hash(repr(scene))) for scene, model in scenes)
-    chosen = tuple(output(text, builder.runs[0].scene, builder.runs[0].units) for text in outputs)
+    chosen = tuple(output(text, planar(builder.runs[0].scene), builder.runs[0].units) for text in outputs)
     check_outputs(chosen, builder.codes)
     number_of = {values: number for number, values in enumerate(dict.fromkeys(keys))}
     runs = [
@@ -189,7 +191,7 @@ class _Models:
             self._progress(f"{scene.name}: deriving and compiling model {len(self.codes) + 1}")
             run = with_redundant_joints(scene, _prepared)
             name, library = model_library(run.files, RUN_FLAGS)
-            initial = initial_parameters(run.scene, run.complete_model)
+            initial = initial_parameters(planar(run.scene), run.complete_model)
             self.runs.append(run)
             self.codes.append(ModelCode(name, library, adaptive_library(), tuple(run.units), tuple(sorted(initial))))
         return replace(scene, plots=()), self._numbers[key]
