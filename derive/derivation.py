@@ -32,13 +32,21 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.multibody import assembly
 from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.space.assembly import spatial_mechanism
+from derive.mechanics.multibody.space.flexible import ReducedBody
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import Gravity, Lowering, NodalBody, SymbolicBody
-from derive.spec.model.scene import Redundant, Scene, Specification, check_specification
+from derive.spec.model.scene import Redundant, Scene
+from derive.spec.model.spatial_scene import FlexibleBody, SpatialScene
+from derive.spec.model.specification import Specification, check_specification
+
+AnyMechanism = Mechanism | SpatialMechanism
+"""A mechanism in the plane or in space."""
 
 
 @paused()
-def derive(spec: Specification) -> IndexedEquations | Mechanism:
+def derive(spec: Specification) -> IndexedEquations | AnyMechanism:
     """The equations of motion of a body, or the mechanism that a scene describes.
 
     Both have a method `expanded()`, which expands the sums over the modes and, for a mechanism, the equations of every
@@ -50,6 +58,8 @@ def derive(spec: Specification) -> IndexedEquations | Mechanism:
             return beam.derive(spec)
         case Scene():
             return assembly.mechanism(spec)
+        case SpatialScene():
+            return spatial_mechanism(spec, reduced_bodies(spec))
         case SymbolicBody():
             return indexed_equations.derive_body(parametric_body(spec), spec.lowering)
         case NodalBody():
@@ -63,6 +73,17 @@ def modal(spec: NodalBody) -> ModalBody:
     from derive.reduction import reduce  # only a body of nodes needs it, and SciPy's rotations
 
     return reduce(spec)
+
+
+def reduced_bodies(scene: SpatialScene) -> dict[str, ReducedBody]:
+    """The finite-element bodies of a scene as numbers, by their names. Raises SpecError with faults of their data."""
+    flexible = [body for body in scene.bodies if isinstance(body, FlexibleBody)]
+    if not flexible:
+        return {}
+    from derive.reduction import reduce
+    from derive.reduction.frame_points import modal_frames
+
+    return {body.name: ReducedBody(reduce(body.body), modal_frames(body)) for body in flexible}
 
 
 @paused()
@@ -82,7 +103,7 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
 
 
 @paused()
-def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit: bool = False) -> Model:
+def lower(derived: Equations | AnyMechanism, sensitivities: bool = False, explicit: bool = False) -> Model:
     """The kernels of a model: straight-line code, or loops over the modes of a spatial body if these are faster.
 
     sensitivities: add the kernels `parameter_jacobian` and `solve_kkt` for derivatives with respect to parameters and
@@ -91,10 +112,12 @@ def lower(derived: Equations | Mechanism, sensitivities: bool = False, explicit:
     Raises SpecError if the specification requires straight-line code that would be too long, or has loops where
     sensitivities are required; TypeError for anything but equations.
     """
-    if not isinstance(derived, (Equations, Mechanism)):
+    if not isinstance(derived, (Equations, Mechanism, SpatialMechanism)):
         raise TypeError(f"the equations that derive.derive(spec) returns are needed, not {type(derived).__name__}")
     if isinstance(derived, Mechanism):
         return _lower_mechanism(derived, sensitivities, explicit)
+    if isinstance(derived, SpatialMechanism):
+        return _lower_spatial(derived, sensitivities, explicit)
     if not isinstance(derived, IndexedEquations) or derived.body.dimension == 2:
         return _straight_line(derived.expanded(), "", sensitivities, explicit)
     estimate = cost_model.estimate_costs(derived.body)
@@ -119,13 +142,19 @@ def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) 
     try:
         return _straight_line(mechanism.expanded(), reason, sensitivities, explicit, redundant)
     except RecursionError:
-        raise LoweringError(_too_long(costs.obstacle)) from None
+        raise LoweringError('straight-line code is too long; write lowering = "instances"') from None
 
 
-def _too_long(obstacle: str) -> str:
-    """The message where straight-line code is too long, with the reason why there are no loops over bodies."""
-    why = f"there are no loops over bodies, since {obstacle}" if obstacle else 'write lowering = "instances"'
-    return f"straight-line code is too long; {why}"
+def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: bool) -> Model:
+    """Straight-line code: there are no loops over bodies in space."""
+    if mechanism.scene.lowering == "instances":
+        text = 'bodies in space have straight-line code alone; use lowering = "flat" or "auto"'
+        raise SpecError((Problem("scene.lowering", text),))
+    try:
+        return _straight_line(mechanism.expanded(), "", sensitivities, explicit, mechanism.scene.redundant)
+    except RecursionError:
+        text = "straight-line code is too long; there are no loops over bodies in space"
+        raise LoweringError(text) from None
 
 
 def _straight_line(
@@ -142,7 +171,7 @@ def _straight_line(
     return lower_flat(equations, choice, sensitivities=sensitivities, explicit=explicit, proximal=True)
 
 
-def lowered_form(derived: Equations | Mechanism, model: Model) -> Equations:
+def lowered_form(derived: Equations | AnyMechanism, model: Model) -> Equations:
     """The form of the equations from which `model` was lowered: with sums over the modes, or expanded."""
     if isinstance(derived, Equations) and model.lowering == "loops":
         return derived

@@ -22,7 +22,7 @@ from derive.mechanics.multibody.forces.registry import FORCES
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
 from derive.rendering import templates_folder
-from derive.spec.model.scene import Scene, Specification
+from derive.spec.model.specification import AnyScene, Specification
 from derive.version import VERSION
 
 TRUSTED = (
@@ -53,7 +53,7 @@ def generated(spec: Specification) -> Generated:
     return _kept("model", spec, lambda: _made(spec))
 
 
-def generated_explicit(scene: Scene) -> Generated:
+def generated_explicit(scene: AnyScene) -> Generated:
     """The model of a scene with the kernels that explicit integration calls, and its C, kept in the cache as well.
 
     It is complete if the scene starts in equilibrium, which is computed with the iteration matrix.

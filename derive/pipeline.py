@@ -11,12 +11,13 @@ from warnings import warn
 
 from derive.artifacts import File
 from derive.backends.model_files import emit
-from derive.derivation import derive, lower, lowered_form
+from derive.derivation import AnyMechanism, derive, lower, lowered_form
 from derive.errors import SpecError, TisserandError
 from derive.ir.model import Model
 from derive.mechanics.equations import Equations
-from derive.mechanics.multibody.mechanism import Mechanism
-from derive.spec.model.scene import Scene, Specification
+from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.toml.read import read, with_lines
 
 
@@ -29,7 +30,7 @@ class Built:
     """
 
     spec: Specification
-    derived: Equations | Mechanism
+    derived: Equations | AnyMechanism
     model: Model
     files: tuple[File, ...]
     unstarted: str = ""
@@ -67,7 +68,7 @@ def build(path: Path, announce: Callable[[str], None] = lambda _: None, sensitiv
         spec = read(path)
     try:
         result = generate(spec, sensitivities, stages=stages)
-        if isinstance(spec, Scene):
+        if isinstance(spec, (Scene, SpatialScene)):
             _check_plots(spec, result.model)
     except SpecError as error:  # a fault that shows only in the derivation, or in the names of the columns
         raise with_lines(error, path) from None
@@ -92,7 +93,7 @@ def generate(
     with stages.stage("lower", "lowering to kernels"):
         model = lower(derived, sensitivities)
     unstarted = ""
-    if isinstance(spec, Scene):
+    if isinstance(spec, (Scene, SpatialScene)):
         with stages.stage("start", "computing the initial state"):
             model, unstarted = _started(spec, model, start_needed)
     with stages.stage("emit", "emitting C and Python"):
@@ -107,14 +108,14 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
     NAME_start; where there is no initial state, a warning of Python says why. Raises UnknownNameError for a name that
     is not in `BACKENDS`.
     """
-    if isinstance(spec, Scene) and model.start is None:
+    if isinstance(spec, (Scene, SpatialScene)) and model.start is None:
         model, unstarted = _started(spec, model)
         if unstarted:
             warn(unstarted, stacklevel=2)
     return emit(model, spec, backends)
 
 
-def _started(scene: Scene, model: Model, needed: bool = False) -> tuple[Model, str]:
+def _started(scene: AnyScene, model: Model, needed: bool = False) -> tuple[Model, str]:
     """The model with its initial state or, unless that is needed, without it and with the reason.
 
     It is another one if joints prove to be redundant in the initial state.
@@ -123,7 +124,7 @@ def _started(scene: Scene, model: Model, needed: bool = False) -> tuple[Model, s
     from derive.simulation.linear.run_time_inputs import with_zero_inputs
     from derive.simulation.redundant_joints import with_redundant_joints
 
-    def started(described: Scene) -> Model:
+    def started(described: AnyScene) -> Model:
         own = model if described is scene else lower(derive(described), model.sensitivities)
         return replace(own, start=start_state(with_zero_inputs(described) if needed else described, own))
 
@@ -136,7 +137,7 @@ def _started(scene: Scene, model: Model, needed: bool = False) -> tuple[Model, s
         return model, f"no function {model.name}_start, since there is no initial state: {reason}"
 
 
-def _check_plots(scene: Scene, model: Model) -> None:
+def _check_plots(scene: AnyScene, model: Model) -> None:
     """Raise SpecError if plots show columns that a trajectory does not have."""
     from derive.simulation.prepared_run import plots_of_nothing
     from derive.simulation.trajectory import column_units

@@ -14,14 +14,17 @@ from derive.artifacts import MARK, File
 from derive.backends.c.source import ABI, CBackend
 from derive.backends.c.stack_use import stack_bytes
 from derive.backends.description import MODEL_HASH
+from derive.backends.merged_instances import merged_instances
 from derive.backends.protocol import Backend
 from derive.backends.python.module import PythonBackend
 from derive.ir.model import Model
 from derive.registry import Registry
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import DisplacementOrder, NodalBody, NodeData, SymbolicBody
-from derive.spec.model.scene import BeamBody, Scene, Specification, check_specification
+from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.simulation import InitialValues, SpatialStart
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import Specification, check_specification
 from derive.spec.model.time_function import Spline, TimeFunction
 from derive.version import VERSION
 
@@ -58,7 +61,13 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
 UNWRITTEN = ("order", "ends", "masses", "axial", "lowering", "redundant")
 """The fields that are left out where they have their defaults: those of the paper's beam, and of most scenes."""
 
-KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body", Scene: "scene"}
+KINDS = {
+    PlanarBeam: "planar_beam",
+    NodalBody: "nodal_body",
+    SymbolicBody: "symbolic_body",
+    Scene: "scene",
+    SpatialScene: "spatial_scene",
+}
 
 
 def specification(spec: Specification) -> dict[str, object]:
@@ -128,7 +137,7 @@ def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> Fil
     content = {
         "generator": f"{MARK}. Do not edit.",
         "name": model.name,
-        "specification": specification(spec),
+        "specification": merged_instances(specification(spec)),
         "specification_sha256": fingerprint(spec),
         "abi": ABI,
         "tools": {"tisserand": VERSION, **{name: version(name) for name in ("sympy", "casadi", "jinja2")}},

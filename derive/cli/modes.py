@@ -17,6 +17,7 @@ from derive.simulation.linear.mode_files import mode_files, modes_data
 from derive.simulation.linear.modes import Modes, modes
 from derive.spec.model.body import SymbolicBody
 from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.toml.read import warnings, with_lines
 from derive.terminal import SimulationProgress, magnitude, show_progress, table, wrapped
 from derive.visual.mode_pages import is_drawn, modes_page, modes_picture
@@ -108,7 +109,7 @@ def _shapes(result: Modes, shown: Sequence[Mode]) -> list[str]:
 
 def _state(result: Modes) -> str:
     """The state in words: the equilibrium with its stability, or the size of its velocities and accelerations."""
-    if not isinstance(result.spec, Scene):
+    if not isinstance(result.spec, (Scene, SpatialScene)):
         return "the undeformed state at rest"
     if (balance := result.equilibrium) is not None:
         loads = f"; out-of-balance force {magnitude(balance.residual)} of loads up to {balance.load:.3g}"

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from derive.spec.tables.specification import json_schema
+from derive.spec.tables.json_schema import json_schema
 
 Schema = Mapping[str, Any]
 
@@ -18,15 +18,30 @@ INTRODUCTION = """\
 This page is generated from the JSON schema of specifications by `tisserand schema --markdown`.
 
 A specification is a TOML file with a `name` and either a planar beam, `[beam]`, or a body in space, `[body]`, or a
-scene of planar bodies, `[bodies.NAME]`, with joints, drives and forces. Where a *number* is expected, an exact number
-in quotation marks, such as `"1/3"`, is accepted as well. A marker is written `"body.marker"`. Units are SI units.
-Editors complete and check these keys if the first line of the file is `#:schema schema.json`, with the path of
-`scenes/schema.json`.
+scene of bodies, `[bodies.NAME]`, with joints, drives and forces. A scene whose vectors have three components is one in
+space; sections with two forms are then those in space. Where a *number* is expected, an exact number in quotation
+marks, such as `"1/3"`, or a formula of numbers, such as `"pi/2"` or `"sqrt(2)/4"`, is accepted as well. A marker is
+written `"body.marker"`. Units are SI units. Editors complete and check these keys if the first line of the file is
+`#:schema schema.json`, with the path of `scenes/schema.json`.
 """
 TITLES = {
     "NodalTable": "`[body]` given by nodes",
     "SymbolicTable": "`[body]` with symbolic integrals",
     "RigidTable": "`[bodies.NAME]`, a rigid body",
+    "SpatialGroundTable": "`[ground]` in space",
+    "SpatialSceneTable": "`[scene]` in space",
+    "SpatialRigidTable": "`[bodies.NAME]`, a rigid body in space",
+    "SpatialJointTable": "`[joints.NAME]` in space",
+    "SpatialInitialValuesTable": "Initial values of a body in space",
+    "FrameMarkerTable": "Marker frame",
+    "UnitsTable": "Units of files of nodes",
+    "BodyFrameTable": "Frame of a finite-element body",
+    "DampingTable": "Damping of a finite-element body",
+    "FlexibleTable": "`[bodies.NAME]`, a finite-element body in space",
+    "NodeFrameTable": "Marker at nodes",
+    "RotationTable": "Rotation about an axis",
+    "AxesTable": "Rotation by axes",
+    "AnglesTable": "Rotation by angles",
     "BeamBodyTable": "`[bodies.NAME]`, a beam",
     "FrameTable": "Frame of a beam",
     "ShapeFamilyTable": "Family of shape functions",

@@ -17,6 +17,7 @@ from derive.cli.specifications import in_file_order, read_changed, simulation_of
 from derive.errors import SpecError
 from derive.simulation.earlier_run import EarlierRun, read_run
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
+from derive.simulation.observables.motion import planar
 from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.plots import plot_curves, plot_text
 from derive.simulation.output_times import output_times
@@ -27,6 +28,8 @@ from derive.simulation.trajectory import Trajectory
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Deflection
 from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 from derive.spec.set_values import SetValue
 from derive.spec.toml.read import with_lines
 from derive.terminal import SimulationProgress, beam_count, show_progress
@@ -91,7 +94,7 @@ class Simulations:
     All are prepared before the first one runs. Raises SpecError.
     """
 
-    def __init__(self, spec: Scene | NodalBody, options: argparse.Namespace) -> None:
+    def __init__(self, spec: AnyScene | NodalBody, options: argparse.Namespace) -> None:
         self._spec, self._options = spec, options
         self._variants = {_pieces(spec): self._prepared(spec)}
         self.main = self._variants[_pieces(spec)].run
@@ -102,7 +105,7 @@ class Simulations:
                 if _pieces(scene) not in self._variants:
                     self._variants[_pieces(scene)] = self._prepared(scene)
 
-    def _prepared(self, spec: Scene | NodalBody) -> TitledRun:
+    def _prepared(self, spec: AnyScene | NodalBody) -> TitledRun:
         title = ", ".join([spec.name, *pieces_text(_pieces(spec))])
         show_progress(f"{title}: deriving the equations ...")
         try:
@@ -145,29 +148,33 @@ class Simulations:
         return SimulationResult(main, done, tuple(shown), tuple(changes))
 
 
-def _pieces(spec: Scene | NodalBody) -> Pieces:
+def _pieces(spec: AnyScene | NodalBody) -> Pieces:
     return tuple((b.name, b.pieces) for b in surroundings(spec).bodies if isinstance(b, BeamBody))
 
 
-def _divided(spec: Scene | NodalBody, cut: str | None, pieces: int) -> Scene:
+def _divided(spec: AnyScene | NodalBody, cut: str | None, pieces: int) -> Scene:
     """The scene with the beam `cut` divided into `pieces` pieces."""
-    scene = surroundings(spec)
+    scene = planar(surroundings(spec))
     bodies = (replace(b, pieces=pieces) if isinstance(b, BeamBody) and b.name == cut else b for b in scene.bodies)
     return replace(scene, bodies=tuple(bodies))
 
 
 def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
     texts = [(plot, plot_text(plot, main.scene, main.units), curves) for plot, curves in shown]
+    columns = [
+        Column(curve.label or text.doc, curve.unit, curve.y)
+        for plot, text, _ in texts
+        for curve in plot_curves(plot, main, "")
+    ]
     if main.body:
         from derive.simulation.observables.spatial_player_data import spatial_player_data
 
-        page = spatial_player_page(spatial_player_data(main.body, main.t, main.q))
+        page = spatial_player_page(spatial_player_data(main.body, main.t, main.q, columns))
+    elif isinstance(main.scene, SpatialScene):
+        from derive.simulation.observables.spatial_scene_player import spatial_scene_player_data
+
+        page = spatial_player_page(spatial_scene_player_data(main.scene, main.motion, columns), main.warnings)
     else:
-        columns = [
-            Column(curve.label or text.doc, curve.unit, curve.y)
-            for plot, text, _ in texts
-            for curve in plot_curves(plot, main, "")
-        ]
         page = player_page(player_data(main.motion, columns), main.warnings)
     pictures = picture_names([plot for plot, _ in shown])
     return [

@@ -15,7 +15,8 @@ from derive.simulation.simulate import with_simulation
 from derive.simulation.simulated_scene import simulated
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
-from derive.spec.model.scene import Scene, Specification
+from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.spec.toml.key_lines import lines
 from derive.spec.toml.read import read, read_with_counts
@@ -27,7 +28,16 @@ if TYPE_CHECKING:
 
 def read_scene(path: Path) -> Scene:
     """Read the scene of a file. Raises SpecError if it is a body, or has no [simulation]."""
-    spec = read(path)
+    return _scene(read(path), path)
+
+
+def read_changed_scene(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Scene, tuple[SetValue, ...]]:
+    """The scene of a file with other values, and what has been replaced; see `read_changed` and `read_scene`."""
+    spec, changes = read_changed(path, assignments)
+    return _scene(spec, path), changes
+
+
+def _scene(spec: Specification, path: Path) -> Scene:
     if not isinstance(spec, Scene):
         raise SpecError((Problem("", "a scene is needed, and this is a single body"),), str(path))
     with _file(path):
@@ -68,7 +78,7 @@ def simulation_of(
     output: float | None = None,
     tolerance: float | None = None,
     until: str | None = None,
-) -> Scene | NodalBody:
+) -> AnyScene | NodalBody:
     """The scene or body of a file with the given duration (s), interval of rows (s), tolerance and end condition.
 
     What is not given stays as it is. Raises SpecError if the specification cannot be simulated.

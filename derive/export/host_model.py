@@ -7,16 +7,16 @@ from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 
 from derive.artifacts import File
+from derive.derivation import AnyMechanism
 from derive.ir.model import Model, Variable
 from derive.mechanics.equations import Equations
-from derive.mechanics.multibody.mechanism import Mechanism
 from derive.notes.model_notes import limits
 from derive.pipeline import generate
 from derive.simulation.initial.start_state import start_state
 from derive.simulation.linear.run_time_inputs import input_values
 from derive.simulation.simulated_scene import simulated, surroundings
 from derive.spec.model.body import NodalBody
-from derive.spec.model.scene import Scene, Specification
+from derive.spec.model.specification import AnyScene, Specification
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,8 @@ class HostModel:
     """
 
     name: str
-    spec: Scene | NodalBody
-    derived: Equations | Mechanism
+    spec: AnyScene | NodalBody
+    derived: Equations | AnyMechanism
     model: Model
     files: tuple[File, ...]
     coordinates: tuple[HostVariable, ...]
@@ -137,7 +137,7 @@ def _scalars(variables: Sequence[Variable], values: Sequence[float] | None) -> t
     )
 
 
-def _notes(spec: Scene | NodalBody) -> Iterator[str]:
+def _notes(spec: AnyScene | NodalBody) -> Iterator[str]:
     """Notes for the user: inputs without a value, and limits of the model."""
     for value in surroundings(spec).inputs:
         if value.function is None:

@@ -17,7 +17,7 @@ from derive.export.petsc import PETSC
 from derive.export.rust import RUST
 from derive.export.sundials import SUNDIALS
 from derive.registry import Registry
-from derive.spec.model.scene import Specification
+from derive.spec.model.specification import Specification
 
 INTERFACES: Registry[Interface] = Registry(
     "interface",

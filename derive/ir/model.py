@@ -204,6 +204,11 @@ class Variable:
         """The names of its values for people, which are those of columns."""
         return (self.shown,) if self.shown else self.elements
 
+    @property
+    def title(self) -> str:
+        """The name for people, link[3]_phi; of an array that of the whole array."""
+        return self.shown or self.name
+
 
 def element_names(name: str, size: int) -> tuple[str, ...]:
     """The names of the values of a variable; those of an array are numbered from 1, as straight-line code has them."""
@@ -286,6 +291,7 @@ class Model:
     components and constraints that are eliminated, its run-time inputs and outputs, the structure of its KKT matrix
     and, if it has been computed, its initial state. Loops over instances have `marker_classes` in place of `markers`.
     proximal: whether the constraints may be redundant, since a proximal term gives multipliers of least norm.
+    in_space: whether the bodies of a scene are in space.
     """
 
     name: str
@@ -314,6 +320,7 @@ class Model:
     splines: tuple[Spline, ...] = ()
     marker_classes: tuple[MarkerClass, ...] = ()
     proximal: bool = False
+    in_space: bool = False
 
     @property
     def defaults(self) -> tuple[float, ...]:

@@ -7,6 +7,7 @@ before what follows from it: where the quaternion is NaN, accel reports it, and 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import reduce
 
@@ -16,18 +17,25 @@ from derive.ir.statements import Require, Requirement, ReturnCode
 from derive.mechanics.equations import Equations
 from derive.roles import Role
 
+COMPONENTS = 4
 ZERO_QUATERNION = "the quaternion is zero or NaN"
 
 
 def with_attitude_check(kernel: Kernel, equations: Equations) -> Kernel:
-    """The kernel, with a check before everything else if it reads the quaternion."""
-    elements = [str(c.q) for c in equations.coordinates if c.role is Role.QUATERNION]
-    if not {*elements} & kernel.used:
+    """The kernel, with a check before everything else if it reads a quaternion."""
+    every = [str(c.q) for c in equations.coordinates if c.role is Role.QUATERNION]
+    quaternions = [every[start : start + COMPONENTS] for start in range(0, len(every), COMPONENTS)]
+    checks = tuple(map(_check, (elements for elements in quaternions if {*elements} & kernel.used)))
+    if not checks:
         return kernel
-    squares: list[Expr] = [Operation(Operator.MUL, (ScalarRef(e), ScalarRef(e))) for e in elements]
-    check = Require(Requirement.POSITIVE, reduce(_sum, squares), ReturnCode.NOT_FINITE, ZERO_QUATERNION)
-    section = Section("attitude", "", "check that the quaternion is neither zero nor NaN", (check,))
+    section = Section("attitude", "", "check that the quaternion is neither zero nor NaN", checks)
     return replace(kernel, sections=(section, *kernel.sections))
+
+
+def _check(elements: Sequence[str]) -> Require:
+    """The check of the quaternion with these elements."""
+    squares: list[Expr] = [Operation(Operator.MUL, (ScalarRef(e), ScalarRef(e))) for e in elements]
+    return Require(Requirement.POSITIVE, reduce(_sum, squares), ReturnCode.NOT_FINITE, ZERO_QUATERNION)
 
 
 def _sum(a: Expr, b: Expr) -> Expr:

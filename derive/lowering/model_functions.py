@@ -13,6 +13,7 @@ from enum import Enum
 from derive.ir.model import JACOBIAN, PARAMETER_JACOBIAN
 from derive.ir.patterns import Pattern
 from derive.mechanics.equations import Equations
+from derive.mechanics.terms import SpatialPose
 
 
 class FunctionKind(Enum):
@@ -89,6 +90,8 @@ STATE, TIMED = ("q", "v", "k"), ("t", "q", "v", "k")
 MASS_OUTPUT = {"M": "values of the mass matrix, lower triangle by columns"}
 FORCE_OUTPUT = {"h": "forces, one for each equation of motion"}
 VDOT = {"vdot": "accelerations"}
+POSES = "c1, c2 [m] and phi [rad] of each body"
+POSES_IN_SPACE = "c1, c2, c3 [m] and the rotation tensor Q by rows, of each body"
 RESIDUAL = {"F": "residual, one for each state"}
 ITERATION_MATRIX = {"jac": "values of the iteration matrix by columns"}
 
@@ -101,7 +104,10 @@ def functions_of(
     explicit: without those of `IMPLICIT`.
     """
     mechanism = bool(equations.poses)
-    specific = _of_mechanisms(bool(equations.outputs)) if mechanism else _of_bodies()
+    in_space = any(isinstance(pose, SpatialPose) for pose in equations.poses)
+    specific = (
+        _of_mechanisms(bool(equations.outputs), POSES_IN_SPACE if in_space else POSES) if mechanism else _of_bodies()
+    )
     every = (*_dynamics(mechanism), *_invariants(equations, mechanism), *_of_markers(equations), *specific)
     if sensitivities:
         every += tuple(_of_sensitivities(mechanism))
@@ -190,7 +196,7 @@ def _of_sensitivities(mechanism: bool) -> Iterator[ModelFunction]:
     )
 
 
-def _of_mechanisms(outputs: bool) -> Iterator[ModelFunction]:
+def _of_mechanisms(outputs: bool, pose: str) -> Iterator[ModelFunction]:
     """The functions for constraints, multipliers, poses, outputs, and the forms for implicit integrators."""
     kind, timed = FunctionKind, ("t", "q", "k")
     yield ModelFunction(kind.CONSTRAINTS, "Constraints g(t, q) = 0.", timed, {"g": "residuals of the constraints"})
@@ -229,7 +235,7 @@ def _of_mechanisms(outputs: bool) -> Iterator[ModelFunction]:
         kind.POSES,
         "Position of the origin and rotation of the frame of every body, including bodies without coordinates.",
         timed,
-        {"pose": "c1, c2 [m] and phi [rad] of each body"},
+        {"pose": pose},
     )
     if outputs:
         arguments = ("t", "q", "v", "vdot", "lam", "k")

@@ -23,6 +23,7 @@ from derive.mechanics.terms import (
     ParameterSymbol,
     Pose,
     Reason,
+    SpatialPose,
     Term,
     Vanished,
 )
@@ -75,7 +76,7 @@ class Equations:
     angular_momentum: tuple[sp.Expr, ...]
     markers: tuple[MarkerEquations, ...]
     constraints: tuple[Constraint, ...] = ()
-    poses: tuple[Pose, ...] = ()
+    poses: tuple[Pose, ...] | tuple[SpatialPose, ...] = ()
     inputs: tuple[InputSymbol, ...] = ()
     outputs: tuple[OutputEquation, ...] = ()
     eliminated: tuple[Eliminated, ...] = ()

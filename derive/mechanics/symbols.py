@@ -15,7 +15,7 @@ from typing import Any
 
 import sympy as sp
 
-from derive.spec.model.instances import identifier, joined
+from derive.spec.model.instances import identifier, joined, rate_name
 
 
 class Index(Enum):
@@ -124,6 +124,12 @@ class Family(Enum):
     RADIUS = "r", Kind.MOVING_POINT
     LEVER = "s", Kind.MOVING_POINT
     TANGENT = "dr", Kind.MOVING_POINT
+    INERTIAL_OMEGA = "w", Kind.MOVING_POINT
+    FRAME_AXES = "A", Kind.MOVING_POINT
+    SECTION_VECTOR = "theta", Kind.MOVING_POINT
+    SECTION_SCALE = "scale", Kind.MOVING_POINT
+    SECTION_SPIN = "nu", Kind.MOVING_POINT
+    SECTION_VELOCITY = "vrel", Kind.MOVING_POINT
     PARAMETER = "parameter", Kind.CHOSEN
     ELEMENT = "element", Kind.CHOSEN
     TIME = "t", Kind.CHOSEN
@@ -178,7 +184,7 @@ class Identity:
             case Kind.POINT:
                 parts = [stem, self.point, *shapes, components]
             case Kind.INPUT:
-                parts = [self.family.stem, f"{self.label}{DOTS[self.derivative]}"]
+                parts = [self.family.stem, rate_name(self.label, DOTS[self.derivative])]
             case Kind.CHOSEN | Kind.LOCAL:
                 parts = [self.label, *shapes, components]
         return parts

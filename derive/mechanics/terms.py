@@ -65,10 +65,11 @@ class ParameterSymbol:
 
 @dataclass(frozen=True)
 class InputSymbol:
-    """A run-time input, or a time derivative of one: symbol, the name that users give it, description and unit."""
+    """A run-time input, or a time derivative of one: symbol, name, name for people, description and unit."""
 
     symbol: sp.Symbol
     name: str
+    shown: str
     doc: str
     unit: str
 
@@ -175,6 +176,7 @@ class MarkerEquations:
     `load` (rows,) is the virtual work of a force at the marker, with inertial components `force` (d, 1). If the
     equations keep their sums over the modes, `mode_sums` define the point in the body frame, at second order with the
     `table_sums` dr/dalpha_i, and the last column and row belong to a generic mode. d is 2 in the plane and 3 in space.
+    shown: the name for people, where that is another one.
     """
 
     name: str
@@ -188,6 +190,7 @@ class MarkerEquations:
     load: tuple[sp.Expr, ...]
     mode_sums: tuple[ModeSum, ...] = ()
     table_sums: tuple[TableSum, ...] = ()
+    shown: str = ""
 
 
 @dataclass(frozen=True)
@@ -237,6 +240,26 @@ class Pose:
     name: str
     position: tuple[sp.Expr, sp.Expr]
     rotation_angle: sp.Expr
+
+    @property
+    def parts(self) -> tuple[tuple[str, sp.Expr], ...]:
+        """The components with their labels, in the order of the generated code."""
+        return (*zip(("c1", "c2"), self.position, strict=True), ("phi", self.rotation_angle))
+
+
+@dataclass(frozen=True)
+class SpatialPose:
+    """Position of the origin (m) and rotation tensor, by rows, of a body frame in space."""
+
+    name: str
+    position: tuple[sp.Expr, ...]
+    rotation: tuple[sp.Expr, ...]
+
+    @property
+    def parts(self) -> tuple[tuple[str, sp.Expr], ...]:
+        """The components with their labels, in the order of the generated code."""
+        tensor = (f"Q{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3))
+        return (*zip(("c1", "c2", "c3"), self.position, strict=True), *zip(tensor, self.rotation, strict=True))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from derive.notes.conditioning import condition_warnings
 from derive.notes.scene_notes import scene_notes
 from derive.notes.spin_limit import spin_notes
-from derive.spec.model.scene import Scene, Specification
+from derive.spec.model.scene import Scene
+from derive.spec.model.specification import Specification
 
 
 def limits(spec: Specification) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ from derive.mechanics.symbols import Family
 from derive.notes.conditioning import beams
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import Specification
+from derive.spec.model.specification import Specification
 
 NOTICEABLE = 0.99
 """A limit below this part of the first natural frequency is that of the frame, and not of the beam."""

@@ -35,6 +35,7 @@ from derive.report.sections.zeros import vanished_blocks
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import BodyFrame, NodalBody, SymbolicBody
 from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_scene import SpatialScene
 
 
 def model_page(built: Built, specification: SpecificationText) -> Page:
@@ -98,7 +99,7 @@ def _of_kind(built: Built, written: Notation) -> _OfKind:
         case SymbolicBody():
             frame = mode_frame_blocks(BodyFrame(spec.frame))
             return _OfKind((model.doc,), space_kinematics_blocks(equations, written), frame)
-        case Scene():
+        case Scene() | SpatialScene():
             raise TypeError("a scene has a page of its own")
         case _ as never:
             assert_never(never)

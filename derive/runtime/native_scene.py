@@ -60,6 +60,7 @@ class Forms(dict[str, Dae]):
 
 
 NONE = np.zeros(0)
+PLANAR_POSE, SPATIAL_POSE = 3, 12
 
 
 class NativeScene(Native):
@@ -69,9 +70,13 @@ class NativeScene(Native):
     """
 
     def __init__(self, library: ctypes.CDLL, name: str) -> None:
-        """proximal: whether constraints may be redundant, since the multipliers are those of least norm."""
+        """proximal: whether constraints may be redundant, since the multipliers are those of least norm.
+
+        in_space: whether the bodies of a scene are in space.
+        """
         super().__init__(library, name)
         self.proximal = hasattr(library, f"{name}_proximal")
+        self.in_space = hasattr(library, f"{name}_in_space")
         self.multipliers: tuple[str, ...] = ()
         self.bodies: tuple[str, ...] = ()
         self.constraint_pattern = Pattern(0, self.nv, (0,) * (self.nv + 1), (), symmetric=False)
@@ -85,6 +90,11 @@ class NativeScene(Native):
         if self._model.ports:
             self._prepare_ports(self._model.ports.contents)
 
+    @property
+    def pose_size(self) -> int:
+        """The number of values of a pose."""
+        return SPATIAL_POSE if self.in_space else PLANAR_POSE
+
     def _prepare(self, s: Any) -> None:
         """Prepare the names, the pattern and the functions of a scene."""
         self.multipliers = names_of(s.multipliers, self.nlambda)
@@ -94,7 +104,7 @@ class NativeScene(Native):
         at_position, state, n = (self.nq, self.nk), (self.nq, self.nv, self.nk), self.nlambda
         self._add(s, "constraints", at_position, (n,))
         self._add(s, "constraint_jacobian", at_position, (len(self.constraint_pattern.rowidx),))
-        self._add(s, "poses", at_position, (3 * len(self.bodies),))
+        self._add(s, "poses", at_position, (self.pose_size * len(self.bodies),))
         self._add(s, "constraint_rates", state, (n,))
         self._add(s, "constraint_bias", state, (n,))
         self._add(s, "solve", state, (self.nv, n))
@@ -148,8 +158,11 @@ class NativeScene(Native):
         return self._compiled["project_velocity"]((q, self.own_at(t, k), r), t)
 
     def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
-        """The poses c1, c2 (m) and phi (rad) of the frame of each body in `bodies`, (bodies, 3)."""
-        return self._compiled["poses"]((q, self.own_at(t, k)), t).reshape(-1, 3)
+        """The poses of the frame of each body in `bodies`: c1, c2 (m) and phi (rad), (bodies, 3).
+
+        In space c1, c2, c3 (m) and the rotation tensor by rows, (bodies, 12).
+        """
+        return self._compiled["poses"]((q, self.own_at(t, k)), t).reshape(-1, self.pose_size)
 
     def inputs_at(self, t: float) -> Vector:
         """The inputs u (inputs,) at a time, where they follow functions; otherwise zeros."""

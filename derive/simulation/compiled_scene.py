@@ -18,6 +18,7 @@ class Constraints(Protocol):
     """Constraints g(t, q) = 0 on coordinates with the metric M(q), as a compiled scene computes them."""
 
     nq: int
+    nv: int
     roles: tuple[Role, ...]
     mass_pattern: Pattern
     constraint_pattern: Pattern
@@ -41,10 +42,10 @@ class ConstrainedSystem(Constraints, Protocol):
     """
 
     name: str
-    nv: int
     nlambda: int
     proximal: bool
     coordinates: tuple[str, ...]
+    velocities: tuple[str, ...]
     multipliers: tuple[str, ...]
 
     def rates(self, q: Vector, v: Vector, k: Vector) -> Vector:

@@ -11,7 +11,8 @@ import numpy as np
 from derive.errors import Problem, SpecError
 from derive.mechanics.prescribed_motion import drive_speed
 from derive.simulation.observables.motion import drive_unit
-from derive.spec.model.scene import Drive, Scene
+from derive.spec.model.scene import Drive
+from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import TimeFunction, break_times, value_at
 
 BESIDE = 64
@@ -78,7 +79,7 @@ def rate_at(function: TimeFunction, t: float) -> float:
             return sum(d * rate for d, rate in zip(partial, rates, strict=True) if rate)
 
 
-def check_drives(scene: Scene) -> None:
+def check_drives(scene: AnyScene) -> None:
     """Raise SpecError if the position or the speed of a drive jumps within the simulation of a scene.
 
     Drives that follow run-time inputs are not checked, since their functions are not known here.
@@ -90,7 +91,7 @@ def check_drives(scene: Scene) -> None:
         raise SpecError(tuple(problems))
 
 
-def check_start(scene: Scene) -> None:
+def check_start(scene: AnyScene) -> None:
     """Raise SpecError if a drive has a kink at t = 0 with another speed in the generated code than just behind it."""
     problems = []
     for drive in scene.drives:
@@ -113,7 +114,7 @@ def check_start(scene: Scene) -> None:
         raise SpecError(tuple(problems))
 
 
-def _jumps(scene: Scene, drive: Drive, duration: float) -> Iterator[Problem]:
+def _jumps(scene: AnyScene, drive: Drive, duration: float) -> Iterator[Problem]:
     key, prescribed = ("motion", drive.motion) if drive.motion is not None else ("speed", drive_speed(drive))
     if prescribed is None or prescribed.kind == "input":
         return

@@ -20,13 +20,16 @@ from derive.mechanics.prescribed_motion import drive_motion
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, max_norm
+from derive.simulation.compiled_scene import constraint_matrix, max_norm
+from derive.simulation.configurations import velocities_with
 from derive.simulation.constraints.closest_state import PERTURBATIONS, closest_state, perturbed, unmet_constraints
 from derive.simulation.constraints.scaling import SINGULAR
 from derive.simulation.observables.motion import drive_unit
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import value_at
 
 SAMPLES = 250
@@ -71,13 +74,15 @@ class DriveObstacle:
         )
 
 
-def drive_obstacle(scene: Scene, native: NativeScene, k: Vector, q: Vector, size: float) -> DriveObstacle | None:
+def drive_obstacle(scene: AnyScene, native: NativeScene, k: Vector, q: Vector, size: float) -> DriveObstacle | None:
     """The first obstacle on the way of the drives over the simulation of a scene, if there is one.
 
     q (nq,): the initial configuration, whose deformations stay; size: that of the scene, m. Where no rigid motion
     begins at all, beams are there to be bent by their drives, and no obstacle is sought; nor where drives follow
     run-time inputs, whose functions are called once the integration needs them.
     """
+    if isinstance(scene, SpatialScene):
+        return None
     unknown = any(drive.motion is not None and drive.motion.kind == "input" for drive in scene.drives)
     if not scene.drives or unknown or not native.nlambda or not _has_loop(scene):
         return None
@@ -106,8 +111,8 @@ class _Walk:
         self.units = [drive_unit(scene, drive) for drive in scene.drives]
         self.motions = [drive_motion(drive) for drive in scene.drives]
         self.scales = np.array([1.0 if unit == "rad" else size for unit in self.units])
-        self.free = ~coordinates_with(native, Role.AMPLITUDE)
-        self.lengths = np.where(coordinates_with(native, Role.ROTATION), 1.0, size)[self.free]
+        self.free = ~velocities_with(native, Role.AMPLITUDE)
+        self.lengths = np.where(velocities_with(native, Role.ROTATION), 1.0, size)[self.free]
         G = constraint_matrix(native, 0.0, q, k)[:, self.free] * self.lengths
         self.movable = int(np.sum(self.free)) > np.linalg.matrix_rank(G, SINGULAR * np.abs(G).max(initial=1.0))
 
@@ -227,7 +232,7 @@ class _Walk:
         joints = [
             joint.name
             for joint in self.scene.joints
-            if any(identifier(joint.name, row.label) in unmet for row in JOINTS[joint.kind].removes)
+            if any(joined(joint.name, row.label) in unmet for row in JOINTS[joint.kind].removes)
         ]
         beams = any(isinstance(body, BeamBody) for body in self.scene.bodies)
         values = tuple((drive.name, float(value), unit) for drive, value, unit in drives)

@@ -16,7 +16,7 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.errors import SimulationError
 from derive.simulation.integration.solution import Solution
 from derive.spec.model.body import NodalBody
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 
 
 class NothingToResume(SimulationError):
@@ -68,7 +68,7 @@ class EarlierRun:
         return np.column_stack([self.columns[name] for name in names]) if names else np.zeros((rows, 0))
 
 
-def read_run(folder: Path, spec: Scene | NodalBody) -> EarlierRun:
+def read_run(folder: Path, spec: AnyScene | NodalBody) -> EarlierRun:
     """The run of a specification whose files are in a folder.
 
     Raises NothingToResume if there is none, if its files have been changed, or if it is of another specification.

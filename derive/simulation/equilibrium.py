@@ -20,6 +20,7 @@ from derive.simulation.compiled_scene import (
     mass_matrix,
     max_norm,
 )
+from derive.simulation.configurations import displaced, rate_matrix, velocities_with, velocity_names
 from derive.simulation.constraints.closest_state import closest_state
 from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
 from derive.simulation.errors import NoEquilibrium
@@ -111,7 +112,7 @@ def equilibrium(native: StaticSystem, k: Vector, guess: Vector, t: float = 0.0) 
     Raises NoEquilibrium with the coordinates that loads keep moving, ModelError where the model returns an error.
     """
     norms = typical_row_norms(native, k, t, guess, mass_factor(mass_matrix(native, guess, k)))
-    first = closest_state(native, k, t, guess, np.ones(native.nq, dtype=bool), norms).q
+    first = closest_state(native, k, t, guess, np.ones(native.nv, dtype=bool), norms).q
     unbalanced = native.force(t, first, np.zeros(native.nv), k)
     for steps in LOAD_STEPS:
         newton = _Newton(native, k, t, norms, max_norm(unbalanced))
@@ -125,7 +126,7 @@ def equilibrium(native: StaticSystem, k: Vector, guess: Vector, t: float = 0.0) 
 
 @dataclass(frozen=True, eq=False)
 class _Linearisation:
-    """The balance of forces in a configuration: motions (nq, f) of unit kinetic energy that the constraints allow,
+    """The balance of forces in a configuration: motions (nv, f) of unit kinetic energy that the constraints allow,
     multipliers, the out-of-balance force (nv,), and the stiffness (f, f) of those motions."""
 
     motions: Matrix
@@ -162,7 +163,7 @@ class _Newton:
                 motion = motion * (LARGEST_STEP / length)
             work = float(motion @ at.unbalanced)
             for halving in range(HALVINGS):
-                trial = self._on_constraints(q + 0.5**halving * motion)
+                trial = self._on_constraints(displaced(self.native, q, 0.5**halving * motion))
                 after = self.linearisation(trial, excluded)
                 if float(motion @ after.unbalanced) <= 0.5 * abs(work):  # no far overshoot; false for NaN
                     break
@@ -185,7 +186,12 @@ class _Newton:
         values = native.jacobian(t, y, np.zeros_like(y), 0.0, k)
         stiffness = native.jacobian_pattern.dense(values)[native.nq : native.nq + native.nv, : native.nq]
         motions = solve_triangular(R, allowed)
-        return _Linearisation(motions, lam, h - G.T @ lam, motions.T @ stiffness @ motions)
+        if native.nq == native.nv:
+            return _Linearisation(motions, lam, h - G.T @ lam, motions.T @ stiffness @ motions)
+        # In terms of rotation vectors the stiffness is not symmetric beside an equilibrium; its symmetric part is that
+        # of the potential.
+        of_motions = motions.T @ stiffness @ rate_matrix(native, q, k) @ motions
+        return _Linearisation(motions, lam, h - G.T @ lam, (of_motions + of_motions.T) / 2)
 
     def result(self, q: Vector, load_steps: int) -> Equilibrium:
         """The equilibrium q (nq,) with its residual and eigenvalues."""
@@ -204,7 +210,7 @@ class _Newton:
         A finite step along the tangent of a rotation stretches bodies; if that deformed stiff beams, they would keep
         the step short.
         """
-        for free in (~coordinates_with(self.native, Role.AMPLITUDE), np.ones(self.native.nq, dtype=bool)):
+        for free in (~velocities_with(self.native, Role.AMPLITUDE), np.ones(self.native.nv, dtype=bool)):
             closest = closest_state(self.native, self.k, self.t, q, free, self.norms)
             if closest.converged:
                 break
@@ -212,8 +218,8 @@ class _Newton:
 
     def _length(self, q: Vector, motion: Vector) -> float:
         """The largest rotation (rad) of a motion (nq,), or displacement as a part of the size of the mechanism."""
-        angles = coordinates_with(self.native, Role.ROTATION)
-        lengths = ~(angles | coordinates_with(self.native, Role.AMPLITUDE))
+        angles = velocities_with(self.native, Role.ROTATION)
+        lengths = ~coordinates_with(self.native, Role.ROTATION, Role.QUATERNION, Role.AMPLITUDE)
         size = max(max_norm(q[lengths]), 1e-3)
         return max(max_norm(motion[angles]), max_norm(motion[~angles]) / size)
 
@@ -249,6 +255,6 @@ def _is_symmetric(stiffness: Matrix) -> bool:
 
 
 def _participants(native: StaticSystem, motion: Vector) -> tuple[str, ...]:
-    """The coordinates with a share above 10 % in a motion (nq,)."""
+    """The coordinates with a share above 10 % in a motion (nv,)."""
     largest = max_norm(motion)
-    return tuple(name for name, x in zip(native.coordinates, motion, strict=True) if abs(x) > 0.1 * largest > 0.0)
+    return tuple(name for name, x in zip(velocity_names(native), motion, strict=True) if abs(x) > 0.1 * largest > 0.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,15 +13,17 @@ from derive.errors import Problem, SpecError
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Vector, checked_vector
 from derive.runtime.native_scene import Forms, NativeScene
-from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import with_changed_functions
+from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import TimeFunction
+
+S = TypeVar("S", bound=AnyScene)
 
 InputFunction = Callable[[float], float | Sequence[float]]
 """The value of an input at a time (s); for a prescribed motion with its first two time derivatives."""
 
 
-def with_functions(scene: Scene, given: Mapping[str, InputFunction]) -> Scene:
+def with_functions(scene: S, given: Mapping[str, InputFunction]) -> S:
     """A scene whose inputs are the functions of its specification; those that are `given` in Python remain inputs.
 
     Raises SpecError where an input has no function, UnknownNameError for the name of no input.
@@ -40,7 +43,9 @@ def with_functions(scene: Scene, given: Mapping[str, InputFunction]) -> Scene:
         return functions.get(function.name, function) if function.kind == "input" else function
 
     inputs = tuple(value for value in scene.inputs if value.name in given)
-    return replace(with_changed_functions(scene, resolved), inputs=inputs)
+    changed: Any = with_changed_functions(scene, resolved)
+    result: S = replace(changed, inputs=inputs)
+    return result
 
 
 class DrivenScene(NativeScene):
@@ -48,7 +53,7 @@ class DrivenScene(NativeScene):
 
     follows_functions = True
 
-    def __init__(self, native: NativeScene, scene: Scene, functions: Mapping[str, InputFunction]) -> None:
+    def __init__(self, native: NativeScene, scene: AnyScene, functions: Mapping[str, InputFunction]) -> None:
         """functions: one for each input of the scene, with as many values as the compiled scene has inputs of it."""
         self.__dict__.update(native.__dict__)
         self._functions = [functions[value.name] for value in scene.inputs]

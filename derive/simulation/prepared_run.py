@@ -15,7 +15,7 @@ from derive.simulation.drive_jumps import check_drives
 from derive.simulation.drive_obstacle import drive_obstacle
 from derive.simulation.earlier_run import EarlierRun
 from derive.simulation.errors import SimulationError
-from derive.simulation.initial.initial_state import InitialState, initial_state, scene_size
+from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.initial.spatial_state import body_size, spatial_state
 from derive.simulation.inputs import DrivenScene, InputFunction, with_functions
 from derive.simulation.integration.integrator import Integrator, Settings
@@ -25,6 +25,7 @@ from derive.simulation.observables.default_plots import default_plots, plots_not
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
 from derive.simulation.redundant_joints import with_redundant_joints
+from derive.simulation.scene_start import size_of, state_of
 from derive.simulation.simulated_scene import surroundings
 from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import RunSettings, Trajectory, column_units, column_values
@@ -34,8 +35,8 @@ from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.checks.plotted_columns import missing_columns
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
-from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import breaks
+from derive.spec.model.specification import AnyScene
 from derive.spec.parsing.condition import Row
 from derive.spec.parsing.faults import names_text, path_text
 
@@ -53,7 +54,7 @@ class PreparedRun:
 
     def __init__(
         self,
-        spec: Scene | NodalBody,
+        spec: AnyScene | NodalBody,
         integrator: str = "adaptive",
         step: float | None = None,
         inputs: Mapping[str, InputFunction] | None = None,
@@ -71,7 +72,7 @@ class PreparedRun:
             raise SimulationError(NO_INPUTS)
         self.scene = with_functions(surroundings(spec), self.inputs)
         self.spec = self.body or self.scene
-        self.size = body_size(self.body) if self.body else scene_size(self.scene)
+        self.size = body_size(self.body) if self.body else size_of(self.scene)
         check_drives(self.scene)
         self._compile, self._complete = INTEGRATORS[integrator], bool(self.body) or complete
         self._generate(self.scene)
@@ -85,7 +86,7 @@ class PreparedRun:
         self._notes = (*monitoring_note(self.scene), *plots_note(self.scene, self.model))
         self.plots = (*spec.plots, *default_plots(self.scene, self.model))
 
-    def _generate(self, scene: Scene) -> None:
+    def _generate(self, scene: AnyScene) -> None:
         """Generate the model, of `scene` in place of the scene that is simulated."""
         if self._complete or self.settings.integrator not in EXPLICIT:
             self.complete_model, self.files = generated(self.body or with_monitors(scene))
@@ -107,7 +108,7 @@ class PreparedRun:
         norm, unless the scene says what to do about redundant joints.
         """
 
-        def run(scene: Scene) -> Trajectory:
+        def run(scene: AnyScene) -> Trajectory:
             if scene is not self.scene:
                 self._generate(scene)
             return self._trajectory(earlier, progress, announce)
@@ -120,7 +121,7 @@ class PreparedRun:
         simulation = self.settings.simulation
         native, integrator = self._compiled(self.files)
         k = native.setup()
-        initial = self._spatial or initial_state(self.scene, native, k)
+        initial = self._spatial or state_of(self.scene, native, k)
         q, v, times = initial.q, initial.v, output_times(simulation)
         foreseen: tuple[str, ...] = self._notes
         if earlier is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from derive.errors import TisserandError
 from derive.runtime.native_scene import NativeScene
@@ -15,26 +15,27 @@ from derive.simulation.errors import (
     RedundantConstraints,
     SingularConfiguration,
 )
-from derive.simulation.initial.initial_state import initial_state
-from derive.spec.model.scene import Scene
+from derive.simulation.scene_start import state_of
+from derive.spec.model.specification import AnyScene
 
+S = TypeVar("S", bound=AnyScene)
 Result = TypeVar("Result")
 
 DEPENDENT = (RedundantConstraints, SingularConfiguration)
 """The errors for constraints that depend on each other, in all states or in one."""
 
 
-def refuse_dependent(scene: Scene, native: NativeScene) -> None:
+def refuse_dependent(scene: AnyScene, native: NativeScene) -> None:
     """Raise one of `DEPENDENT` if that is why a scene has no initial state; other faults are not looked for."""
     try:
-        initial_state(scene, native)
+        state_of(scene, native)
     except DEPENDENT:
         raise
     except TisserandError:
         return
 
 
-def with_redundant_joints(scene: Scene, action: Callable[[Scene], Result]) -> Result:
+def with_redundant_joints(scene: S, action: Callable[[S], Result]) -> Result:
     """The result of an action with a scene; it is repeated for a model that resolves redundant joints if it needs that.
 
     action: generates a model of the scene that is given to it, and raises one of `DEPENDENT` where its constraints
@@ -47,6 +48,7 @@ def with_redundant_joints(scene: Scene, action: Callable[[Scene], Result]) -> Re
         if scene.redundant != "auto" or isinstance(error, DriveCannotBeFollowed):
             raise
         try:
-            return action(replace(scene, redundant="resolve"))
+            changed: Any = scene
+            return action(replace(changed, redundant="resolve"))
         except (*DEPENDENT, DriftTooLarge, IntegrationStopped):
             raise error from None

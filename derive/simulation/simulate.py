@@ -16,14 +16,14 @@ from derive.simulation.trajectory import Trajectory
 from derive.spec.construction import validated
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import NodalBody
-from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import Simulation
+from derive.spec.model.specification import AnyScene
 
-Simulated = TypeVar("Simulated", bound=Scene | NodalBody)
+Simulated = TypeVar("Simulated", bound=AnyScene | NodalBody)
 
 
 def simulate(
-    spec: Scene | PlanarBeam | NodalBody,
+    spec: AnyScene | PlanarBeam | NodalBody,
     *,
     duration: float | None = None,
     output: float | None = None,

@@ -13,17 +13,19 @@ from derive.runtime.native_scene import NativeScene
 from derive.spec.construction import validated
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.body import NodalBody, SymbolicBody
-from derive.spec.model.scene import BeamBody, Scene, Specification
+from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.simulation import NOT_GIVEN
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene, Specification
 
 
-def simulated(spec: Specification, lacking: str = "there is nothing to simulate with") -> Scene | NodalBody:
+def simulated(spec: Specification, lacking: str = "there is nothing to simulate with") -> AnyScene | NodalBody:
     """The scene or the body in space that is simulated: of a single beam its scene.
 
     lacking: what a symbolic body lacks. Raises SpecError for one, and TypeError for anything but a specification.
     """
     match spec:
-        case Scene() | NodalBody():
+        case Scene() | SpatialScene() | NodalBody():
             return spec
         case PlanarBeam():
             return beam_scene(spec)
@@ -38,9 +40,9 @@ def simulated(spec: Specification, lacking: str = "there is nothing to simulate 
             raise TypeError(f"{what}; read its file with derive.read(...)")
 
 
-def surroundings(spec: Scene | NodalBody) -> Scene:
+def surroundings(spec: AnyScene | NodalBody) -> AnyScene:
     """The scene in which a specification moves: a body in space alone is in an empty one."""
-    if isinstance(spec, Scene):
+    if isinstance(spec, (Scene, SpatialScene)):
         return spec
     return Scene(spec.name, (), None, (), (), simulation=spec.simulation, plots=spec.plots)
 

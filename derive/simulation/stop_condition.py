@@ -15,8 +15,9 @@ from derive.simulation.errors import SimulationError
 from derive.simulation.integration.solution import Cost, Solution
 from derive.simulation.integration.stop_event import StopEvent
 from derive.simulation.observables.motion import drive_values
-from derive.spec.model.scene import Drive, Scene
+from derive.spec.model.scene import Drive
 from derive.spec.model.simulation import Simulation
+from derive.spec.model.specification import AnyScene
 from derive.spec.parsing.condition import Condition, Row, condition
 from derive.spec.parsing.parser import ExpressionError
 
@@ -35,7 +36,7 @@ StateColumn = Callable[[float, Vector], float]
 """A column as a function of the time (s) and the state y = [q; v] alone."""
 
 
-def state_columns(scene: Scene, native: NativeScene, names: Sequence[str]) -> dict[str, StateColumn]:
+def state_columns(scene: AnyScene, native: NativeScene, names: Sequence[str]) -> dict[str, StateColumn]:
     """The columns of a scene that need neither multipliers nor outputs, with the numbers of `column_values`.
 
     names: those of all columns, in their order.

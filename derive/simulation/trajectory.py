@@ -24,8 +24,8 @@ from derive.simulation.observables.outputs import port_values
 from derive.simulation.validity.monitoring_outputs import monitoring_outputs
 from derive.simulation.validity.monitors import Monitor
 from derive.spec.model.body import NodalBody
-from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import Simulation
+from derive.spec.model.specification import AnyScene
 
 ENERGIES = ("kinetic_energy", "strain_energy", "gravity_potential")
 """The names of the energies, in the order of the model; the last only where there is gravity."""
@@ -40,7 +40,7 @@ class RunSettings:
     step: float | None = None
 
 
-def column_units(scene: Scene, model: Model) -> list[tuple[str, str]]:
+def column_units(scene: AnyScene, model: Model) -> list[tuple[str, str]]:
     """The names of the columns of a trajectory in a scene, with their units, before it is computed."""
     return [
         ("t", "s"),
@@ -52,18 +52,18 @@ def column_units(scene: Scene, model: Model) -> list[tuple[str, str]]:
         ),
         # a drive and its multiplier have one name
         *((f"lambda_{name}", x.unit) for x in model.multipliers for name in x.columns),
-        *((f"u_{x.name}", x.unit) for x in model.inputs),
+        *((f"u_{x.title}", x.unit) for x in model.inputs),
         *((name, x.unit) for x in model.outputs for name in x.columns),
         *((name, "J") for name in energy_names(scene, model)),
     ]
 
 
-def energy_names(scene: Scene, model: Model) -> tuple[str, ...]:
+def energy_names(scene: AnyScene, model: Model) -> tuple[str, ...]:
     """The names of the columns of the energies, which a body alone has in place of the outputs of a scene."""
     return () if scene.bodies else ENERGIES[: len(model.kernel("energy").outputs[0].elements)]
 
 
-def column_values(scene: Scene, native: NativeScene, k: Vector, solution: Solution) -> list[Vector]:
+def column_values(scene: AnyScene, native: NativeScene, k: Vector, solution: Solution) -> list[Vector]:
     """The values (n,) of the columns of a trajectory in a scene, in the order of `column_units`."""
     drives = [simulated_drive(native, drive, solution.t) for drive in scene.drives]
     monitors = {output.name for output in monitoring_outputs(scene)} if native.outputs else set[str]()
@@ -92,7 +92,7 @@ class Trajectory(Mapping[str, Vector]):
     Of a body in space alone (`body`) the scene is empty; the last columns are its energies, J.
     """
 
-    scene: Scene
+    scene: AnyScene
     model: Model
     initial: InitialState
     motion: SceneMotion
@@ -112,7 +112,7 @@ class Trajectory(Mapping[str, Vector]):
         return self.scene.name
 
     @property
-    def spec(self) -> Scene | NodalBody:
+    def spec(self) -> AnyScene | NodalBody:
         """The scene or body that is simulated."""
         return self.body or self.scene
 

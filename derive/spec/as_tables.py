@@ -20,8 +20,10 @@ from derive.spec.model.markers import MarkerRef, PointMarker
 from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import NAMED, BeamBody, CustomBody, CustomJoint, Joint, Scene, Specification
+from derive.spec.model.scene import NAMED, BeamBody, CustomBody, CustomJoint, Joint, Scene
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
+from derive.spec.model.spatial_scene import NO_ROTATION, FrameMarker, SpatialJoint, SpatialScene
+from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.model.time_function import TimeFunction
 
 Data = dict[str, Any]
@@ -29,13 +31,13 @@ Data = dict[str, Any]
 
 def specification_tables(spec: Specification) -> Data:
     """The tables of a whole specification."""
-    if isinstance(spec, Scene):
+    if isinstance(spec, (Scene, SpatialScene)):
         return scene_tables(spec)
     others = without_none(simulation=as_table(spec.simulation), plots=named("plots", spec.plots) or None)
     return {"name": spec.name, spec.section: as_table(spec), **others}
 
 
-def scene_tables(scene: Scene) -> Data:
+def scene_tables(scene: AnyScene) -> Data:
     """The tables of a scene. Raises SpecError where two elements of one kind have the same name."""
     tables: Data = {"name": scene.name, "ground": {"markers": named("ground", scene.ground)}}
     keys = {key: getattr(scene, key) for key in ("lowering", "redundant")}
@@ -121,6 +123,11 @@ def _beam(beam: PlanarBeam) -> Data:
     return {**_declared(beam), "orthogonal": beam.orthogonal, "order": 1, **_order(beam.order)}
 
 
+def _frame_marker(marker: FrameMarker) -> Any:
+    at = [*as_table(marker.position)]
+    return at if marker.rotation == NO_ROTATION else {"at": at, "rotation": [*marker.rotation]}
+
+
 def _order(order: DisplacementOrder) -> Data:
     match order:
         case DisplacementOrder.FIRST_ORDER:
@@ -139,7 +146,7 @@ def _nodal_body(body: NodalBody) -> Data:
     return without_none(**{**table, "order": order})
 
 
-def _of_kind(element: Joint | Spring | Bushing) -> Data:
+def _of_kind(element: Joint | SpatialJoint | Spring | Bushing) -> Data:
     values = element.values if isinstance(element, CustomJoint) else {}
     return {"kind": element.kind, **_declared(element), **as_table(values)}
 
@@ -167,6 +174,8 @@ _SPECIAL: Mapping[type, Callable[[Any], Any]] = {
     SymbolicBody: lambda body: {"integrals": "symbolic", **_declared(body)},
     BeamBody: lambda body: {**_beam(body.beam), **_declared(body)},
     CustomBody: lambda body: {**as_table(body.values), **_declared(body)},
+    FrameMarker: _frame_marker,
+    SpatialJoint: _of_kind,
     Joint: _of_kind,
     CustomJoint: _of_kind,
     Spring: _of_kind,

@@ -34,8 +34,9 @@ from derive.spec.model.markers import PointMarker
 from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import NAMED, Drive, Joint, Scene, SceneBody, SceneInput, Specification
+from derive.spec.model.scene import NAMED, Drive, Joint, Scene, SceneBody, SceneInput
 from derive.spec.model.simulation import Simulation
+from derive.spec.model.specification import Specification
 from derive.spec.parsing.names import element_name_problem
 
 Number = int | float | Fraction | str

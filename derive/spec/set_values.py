@@ -18,7 +18,9 @@ from derive.spec.checks.scene_data import SceneData
 from derive.spec.checks.scene_parameters import beam_constants, scene_constants
 from derive.spec.construction import validated_tables
 from derive.spec.model.instances import COUNT, identifier, instance_parts
-from derive.spec.model.scene import Scene, Specification
+from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import Specification
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing.faults import KeyPath, did_you_mean, path_text, readable
 from derive.spec.parsing.names import name_problem
@@ -169,7 +171,7 @@ def _symbols(known: Mapping[KeyPath, Any]) -> dict[str, list[KeyPath]]:
 
 def _constants(spec: Specification, tables: Mapping[str, Any]) -> set[KeyPath]:
     """The paths of the numbers that may be parameters."""
-    if isinstance(spec, Scene):
+    if isinstance(spec, (Scene, SpatialScene)):
         return {constant.path for constant in scene_constants(SceneData(tables))}
     kind = spec.section
     of_beam = {constant.path for constant in beam_constants(("beam",), tables["beam"])} if kind == "beam" else set()
@@ -178,7 +180,7 @@ def _constants(spec: Specification, tables: Mapping[str, Any]) -> set[KeyPath]:
 
 def _names(spec: Specification, tables: Mapping[str, Any]) -> set[str]:
     """The names in lower case that parameters cannot have."""
-    return {spec.name.lower(), *(taken_names(SceneData(tables)) if isinstance(spec, Scene) else ())}
+    return {spec.name.lower(), *(taken_names(SceneData(tables)) if isinstance(spec, (Scene, SpatialScene)) else ())}
 
 
 def _as_parameter(path: KeyPath, old: Any, new: Any, taken: set[str]) -> Any:

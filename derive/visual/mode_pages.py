@@ -10,9 +10,16 @@ from derive.simulation.linear.eigenmodes import Mode
 from derive.simulation.linear.modes import Modes
 from derive.simulation.observables.motion import Array, body_coordinates
 from derive.simulation.observables.player_data import player_data
-from derive.simulation.observables.spatial_player_data import DrawnBody, body_data, body_motion_data, drawn_body
+from derive.simulation.observables.spatial_player_data import (
+    DrawnBody,
+    bodies_data,
+    bodies_motion_data,
+    drawn_body,
+    path_of,
+)
 from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.visual.mode_shapes import ModePanel, mode_picture
 from derive.visual.player import motions_page, spatial_motions_page
 
@@ -28,7 +35,7 @@ VIEW = (0.6, 0.35)
 
 def is_drawn(modes: Modes, count: int) -> bool:
     """Whether there is a mode to draw, and a model with a geometry: not that of a body with symbolic integrals."""
-    return not isinstance(modes.spec, SymbolicBody) and bool(drawn_modes(modes, count))
+    return not isinstance(modes.spec, (SymbolicBody, SpatialScene)) and bool(drawn_modes(modes, count))
 
 
 def modes_picture(modes: Modes, count: int) -> str:
@@ -61,7 +68,7 @@ def _body_panels(modes: Modes, drawn: DrawnBody, count: int) -> list[ModePanel]:
     axes = np.array([[np.cos(yaw), np.sin(yaw), 0.0], np.sin(pitch) * away + [0.0, 0.0, np.cos(pitch)]])
 
     def lines(x: Array) -> list[Array]:
-        return [(x @ axes.T)[edge] for edge in drawn.edges]
+        return [(x @ axes.T)[list(edge)] for edge in drawn.surface.edges]
 
     return [
         ModePanel(label, lines(drawn.x), lines(drawn.x + body_displacements(drawn, mode)[0].real), [])
@@ -78,11 +85,12 @@ def modes_page(modes: Modes, count: int) -> str:
         period = 2 * np.pi / mode.eigenvalue.imag if mode.eigenvalue.imag else NOMINAL_PERIOD
         times = period * frames / FRAMES
         if drawn is not None:
-            content = body_motion_data(drawn, times, displaced_body(modes, mode, drawn, phases))
+            path = path_of(displaced_body(modes, mode, drawn, phases))
+            content = bodies_motion_data([drawn], times, [path], measured=False)
         else:
             content = player_data(displaced(modes, mode, phases), (), times)
         pages.append({**content, "name": label})
-    return motions_page(title, pages) if drawn is None else spatial_motions_page(title, body_data(drawn), pages)
+    return motions_page(title, pages) if drawn is None else spatial_motions_page(title, bodies_data([drawn]), pages)
 
 
 def drawn_modes(modes: Modes, count: int) -> list[tuple[str, Mode]]:

@@ -19,12 +19,12 @@ def player_page(data: Mapping[str, Any], warnings: Sequence[str] = ()) -> str:
     return _page("player.html", str(data["name"]), data, warnings)
 
 
-def spatial_player_page(data: Mapping[str, Any]) -> str:
-    """The text of a page that plays the motion of a body in space.
+def spatial_player_page(data: Mapping[str, Any], warnings: Sequence[str] = ()) -> str:
+    """The text of a page that plays the motion of bodies in space, with warnings above it.
 
     `data` is that of `derive.simulation.observables.spatial_player_data`.
     """
-    return _page("spatial.html", str(data["name"]), data)
+    return _page("spatial.html", str(data["name"]), data, warnings)
 
 
 def motions_page(title: str, motions: Sequence[Mapping[str, Any]]) -> str:
@@ -32,9 +32,9 @@ def motions_page(title: str, motions: Sequence[Mapping[str, Any]]) -> str:
     return _page("player.html", title, {"motions": motions})
 
 
-def spatial_motions_page(title: str, body: Mapping[str, Any], motions: Sequence[Mapping[str, Any]]) -> str:
-    """The text of a page that plays one of several motions of a body in space, whose own data are `body`."""
-    return _page("spatial.html", title, {"body": body, "motions": motions})
+def spatial_motions_page(title: str, bodies: Mapping[str, Any], motions: Sequence[Mapping[str, Any]]) -> str:
+    """The text of a page that plays one of several motions of bodies in space, whose own data are `bodies`."""
+    return _page("spatial.html", title, {"common": bodies, "motions": motions})
 
 
 def _page(template: str, title: str, island: object, warnings: Sequence[str] = ()) -> str:

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 import derive
 from conftest import ROOT
 from derive.export.host_model import HostModel, host_model
-from derive.spec.model.scene import Specification
+from derive.spec.model.specification import Specification
 from derive.spec.toml.read import parse
 
 PUSHED = """

@@ -168,7 +168,7 @@ def test_a_body_in_space_is_drawn() -> None:
     assert re.findall('<path class="(.*?)"', modes_picture(found, 2)) == ["rest", "there"] * 2
     first, second = motions_of(modes_page(found, 2))
     assert first["name"] == "7: 1834 Hz" and second["name"] == "8: 2749 Hz"
-    (bending,) = (a for a in first["amplitudes"] if len(a["values"]) > 1)
+    (bending,) = (a for a in first["paths"][0]["amplitudes"] if len(a["values"]) > 1)
     moved = np.abs(np.cumsum(bending["values"])).max() * bending["step"] * drawn_body(body).phi[0]
     assert np.linalg.norm(moved, axis=1).max() == pytest.approx(0.1 * 0.4, rel=1e-3)
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from derive.report.paper_audit import ASSUMPTIONS, SECTIONS, STATEMENTS
 from derive.report.paper_audit.model import AuditRow, Verdict
-from derive.spec.tables.specification import json_schema
+from derive.spec.tables.json_schema import json_schema
 
 ROOT = Path(__file__).parent.parent.parent
 FOLDER = ROOT / "tests" / "paper"

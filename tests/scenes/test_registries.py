@@ -37,7 +37,7 @@ from derive.extensions import (
     torque_terms,
 )
 from derive.simulation.observables.player_data import player_data
-from derive.spec.tables.specification import json_schema
+from derive.spec.tables.json_schema import json_schema
 from derive.spec.toml.read import parse
 from derive.visual.mechanism import mechanism_picture
 from derive.visual.undeformed_poses import initial_poses

@@ -15,7 +15,7 @@ from browser import CHROMIUM, browsed
 from conftest import ROOT
 from derive.artifacts import MARK
 from derive.cli.main import main
-from derive.simulation.observables.spatial_player_data import MAX_NODES, neighbours, spatial_player_data
+from derive.simulation.observables.spatial_player_data import MAX_NODES, rigid_drawing, spatial_player_data
 from derive.simulation.trajectory import Trajectory
 from derive.visual.player import spatial_player_page
 
@@ -39,14 +39,15 @@ def decoded(channel: dict) -> np.ndarray:
 
 
 def node_positions(data: dict, instant: int) -> np.ndarray:
-    """(nodes, 3): x = c + Q (X + Phi alpha) of the data of a page, at an instant."""
+    """(nodes, 3): x = c + Q (X + Phi alpha) of the first body of the data of a page, at an instant."""
+    body, path = data["bodies"][0], data["paths"][0]
 
     def now(channels: list[dict]) -> np.ndarray:
         values = [decoded(channel) for channel in channels]
         return np.array([v[instant if len(v) > 1 else 0] for v in values])
 
-    c, e, alpha = now(data["position"]), now(data["quaternion"]), now(data["amplitudes"])
-    w, r = np.array(data["nodes"]) + np.tensordot(alpha, np.array(data["shapes"]), 1), e[1:]
+    c, e, alpha = now(path["position"]), now(path["quaternion"]), now(path["amplitudes"])
+    w, r = np.array(body["nodes"]) + np.tensordot(alpha, np.array(body["shapes"]), 1), e[1:]
     return c + w + 2 * np.cross(r, np.cross(r, w) + e[0] * w)
 
 
@@ -54,36 +55,56 @@ def test_nodes_of_the_page_are_where_the_model_has_its_markers(trajectory: Traje
     data = spatial_player_data(trajectory.body, trajectory.t, trajectory.q)
     for instant in (0, 7, 20):
         x = node_positions(data, instant)
-        for marker in data["markers"]:
+        for marker in data["bodies"][0]["markers"]:
             q, v = trajectory.q[instant], trajectory.v[instant]
             wanted = trajectory.motion.native.marker(marker["name"], q, v, trajectory.motion.k)[0]
             np.testing.assert_allclose(x[marker["node"]], wanted, atol=3e-6)  # m
 
 
-def test_edges_are_those_of_the_cells_of_a_grid(trajectory: Trajectory) -> None:
-    """The block has 17 x 5 x 3 nodes: 16 5 3 + 17 4 3 + 17 5 2 edges along its axes, and no diagonals."""
-    data = spatial_player_data(trajectory.body, trajectory.t, trajectory.q)
-    x, edges = np.array(data["nodes"]), np.array(data["edges"])
-    assert len(edges) == 16 * 5 * 3 + 17 * 4 * 3 + 17 * 5 * 2
-    assert (np.count_nonzero(np.abs(x[edges[:, 0]] - x[edges[:, 1]]) > 1e-9, axis=1) == 1).all()
-    assert neighbours(np.zeros((1, 3))) == []
-
-
 def test_a_body_of_many_nodes_is_drawn_as_a_box(trajectory: Trajectory, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = spatial_player_data(trajectory.body, trajectory.t, trajectory.q)
-    assert len(whole["nodes"]) == 255 <= MAX_NODES
-    monkeypatch.setattr("derive.simulation.observables.spatial_player_data.MAX_NODES", 254)
+    assert len(whole["bodies"][0]["nodes"]) == 210 + 3 <= MAX_NODES  # those of the surface, and the markers
+    monkeypatch.setattr("derive.simulation.observables.spatial_player_data.MAX_NODES", 209)
     box = spatial_player_data(trajectory.body, trajectory.t, trajectory.q)
-    assert len(box["nodes"]) == 8 and len(box["edges"]) == 12 and box["markers"] == []
-    corners = node_positions(whole, 9)[[0, 254]]
+    (body,) = box["bodies"]
+    assert len(body["nodes"]) == 8 + 3 and len(body["edges"]) == 12 and len(body["faces"]) == 6
+    assert sides_of(body) == {tuple(sorted(edge)) for edge in body["edges"]}
+    corners = node_positions(whole, 9)[[0, 209]]
     found = node_positions(box, 9)[[0, 7]]
     np.testing.assert_allclose(found, corners, atol=1e-6)
+
+
+def sides_of(body: dict) -> set[tuple[int, int]]:
+    """The edges of the faces of a body, each with the smaller number first."""
+    faces = body["faces"]
+    return {tuple(sorted((face[i - 1], face[i]))) for face in faces for i in range(len(face))}  # type: ignore[misc]
+
+
+def test_the_colours_measure_the_largest_displacement(trajectory: Trajectory) -> None:
+    data = spatial_player_data(trajectory.body, trajectory.t, trajectory.q)
+    largest = np.abs(trajectory.q[:, 7]).max()
+    shape = np.linalg.norm(np.array(data["bodies"][0]["shapes"][0]), axis=1).max()
+    assert data["displacement"] == pytest.approx(largest * shape, rel=1e-4)
+
+
+def test_a_rigid_body_is_the_box_of_its_inertia_and_lines_to_its_markers() -> None:
+    """A homogeneous box of 2 kg with sides of 0.2, 0.4 and 0.6 m, about its centre of mass, turned about e3."""
+    sides, turned = np.array([0.2, 0.4, 0.6]), np.array([[0.6, -0.8, 0], [0.8, 0.6, 0], [0, 0, 1]])
+    inertia = 2 / 12 * ((sides**2).sum() * np.eye(3) - np.diag(sides**2))
+    centre = np.array([0.1, 0, 0])
+    drawn = rigid_drawing("crate", 2.0, centre, turned @ inertia @ turned.T, [("hook", np.array([1.0, 0, 0]))])
+    corners = np.sort(np.abs((drawn.x[:8] - centre) @ turned), axis=0)
+    np.testing.assert_allclose(corners, np.tile(sides / 2, (8, 1)), atol=1e-12)
+    assert drawn.links == ((8, 9),) and drawn.markers == (("hook", 9),) and drawn.radius == 1
+    lines = rigid_drawing("frame", 0.0, centre, np.zeros((3, 3)), [("a", np.zeros(3)), ("b", np.ones(3))])
+    assert lines.links == ((0, 1),) and not lines.surface.faces
 
 
 def test_the_page_needs_nothing_from_outside(trajectory: Trajectory) -> None:
     text = spatial_player_page(spatial_player_data(trajectory.body, trajectory.t, trajectory.q))
     assert MARK in text[:1000] and "prefers-color-scheme: dark" in text
-    assert not re.search(r"https?://|<link|@import|url\(|fetch\(|import\(|src=", text)
+    assert set(re.findall(r"https?://[^\s\"'`]+", text)) == {"http://www.w3.org/2000/svg"}  # the name of SVG
+    assert not re.search(r"<link|@import|url\(|fetch\(|import\(|src=", text)
     assert len(text.encode()) < 300_000
 
 

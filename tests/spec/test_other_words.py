@@ -8,7 +8,7 @@ import pytest
 
 import derive
 from derive.spec.parsing.other_words import OTHER_CHOICES, OTHER_WORDS
-from derive.spec.tables.specification import json_schema
+from derive.spec.tables.json_schema import json_schema
 from derive.spec.toml.read import parse
 
 SCENE = """

@@ -14,7 +14,7 @@ from derive.spec.construction import planar_beam
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import Frame, Marker
 from derive.spec.model.quantity import Parameter
-from derive.spec.tables.specification import json_schema
+from derive.spec.tables.json_schema import json_schema
 from derive.spec.toml.read import parse, read
 
 SCENES = Path(__file__).parents[2] / "scenes"

@@ -8,7 +8,7 @@ import pytest
 from example_scenes import EVERYTHING, SMALL, small
 from json_schema import problems
 
-from derive.spec.tables.specification import json_schema
+from derive.spec.tables.json_schema import json_schema
 
 SCENES = Path(__file__).parents[2] / "scenes"
 SCHEMA = json.loads(json_schema())

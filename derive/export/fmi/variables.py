@@ -9,13 +9,15 @@ from itertools import chain
 
 import sympy as sp
 
+from derive.derivation import AnyMechanism
 from derive.errors import Problem, SpecError
 from derive.export.host_model import HostModel, HostVariable
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.symbols import DOTS, Identity, identity, is_indexed
-from derive.simulation.initial.initial_state import scene_size
+from derive.simulation.scene_start import size_of
 from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_scene import SpatialScene
 
 ANGULAR = ("", "rad", "rad/s")
 """The units of states that are no lengths or speeds: angles, quaternions, angular velocities."""
@@ -73,7 +75,7 @@ class FmiVariable:
 
 def nominals(model: HostModel) -> tuple[float, ...]:
     """The sizes of the states, for tolerances: lengths have that of the scene, at most 1 m, and all others 1."""
-    length = min(1.0, scene_size(model.spec)) if isinstance(model.spec, Scene) else 1.0
+    length = min(1.0, size_of(model.spec)) if isinstance(model.spec, (Scene, SpatialScene)) else 1.0
     return tuple(1.0 if x.unit in ANGULAR else length for x in model.states)
 
 
@@ -85,8 +87,9 @@ def fmi_variables(model: HostModel) -> tuple[FmiVariable, ...]:
     """
     derived = model.derived
     states, multipliers, outputs = _names_of_states(derived), [], []
-    if isinstance(derived, Mechanism):
-        multipliers, outputs = _names_of_multipliers(derived), _output_names(derived)
+    if not isinstance(derived, Equations):
+        multipliers = _names_of_multipliers(derived)
+        outputs = _output_names(derived) if isinstance(derived, Mechanism) else []
     parts = model.model.kernel("energy").outputs[0].elements
     energies = [HostVariable(f"energy.{part}", "J", f"{part} energy", None) for part in parts]
     first_state = 1 + len(model.inputs) + len(model.parameters)
@@ -134,7 +137,7 @@ def _rate_unit(unit: str) -> str:
     return known.get(unit, f"{unit}/s")
 
 
-def _names_of_states(derived: Equations | Mechanism) -> list[str]:
+def _names_of_states(derived: Equations | AnyMechanism) -> list[str]:
     symbols = chain((c.q for c in derived.coordinates), (row.v for row in derived.rows))
     modes = derived.modes if isinstance(derived, Equations) else 0
     return [_structured(part) for symbol in symbols for part in _elements(symbol, modes)]
@@ -156,7 +159,7 @@ def _structured(known: Identity) -> str:
     return f"{known.owner}{'.' if known.owner else ''}{stem}{f'[{indices}]' if indices else ''}"
 
 
-def _names_of_multipliers(mechanism: Mechanism) -> list[str]:
+def _names_of_multipliers(mechanism: AnyMechanism) -> list[str]:
     """The multipliers of each joint and of its drive, counted from 1."""
     return [f"{j.joint.name}.lambda[{k}]" for j in mechanism.joints for k in range(1, j.multipliers + 1)]
 

@@ -109,8 +109,8 @@ def poses(context: Context, function: ModelFunction) -> Kernel:
     """The kernel of the positions and rotation angles of all body frames, including bodies without coordinates."""
     symbols = context.symbols(context.t, context.q)
     every = context.equations.poses
-    values = [symbols(e) for pose in every for e in (*pose.position, pose.rotation_angle)]
-    labels = tuple(f"{pose.name}.{what}" for pose in every for what in ("c1", "c2", "phi"))
+    values = [symbols(e) for pose in every for _, e in pose.parts]
+    labels = tuple(f"{pose.name}.{label}" for pose in every for label, _ in pose.parts)
     return context.kernel(
         function,
         {"pose": OutputElements(labels)},

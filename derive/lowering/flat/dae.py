@@ -33,8 +33,8 @@ def _stabilising(context: Context) -> tuple[sp.Symbol, ...]:
     return tuple(local(f"mu_{name}") for name in context.multipliers)
 
 
-def residual_rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
-    """The rows of F."""
+def residual_rows(context: Context, form: str, symbols: Symbols, joints_alone: bool = False) -> list[ca.SX]:
+    """The rows of F; joints_alone: without qdot - v."""
     eq = context.equations
     entries = jacobian_entries(context, symbols)
 
@@ -45,10 +45,13 @@ def residual_rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
             total[j] = total[j] + value * symbols.values[multipliers[i]]
         return total
 
-    rows = [symbols.values[state_rate(c.q)] - symbols(rate) for c, rate in zip(eq.coordinates, eq.rates, strict=True)]
-    if form == "ggl":  # in planar mechanisms qdot = v, so that both have the same rows
-        mu = transposed(_stabilising(context))
-        rows = [row + part for row, part in zip(rows, mu, strict=True)]
+    rows = [ca.SX(0) for _ in eq.coordinates]
+    if not joints_alone:
+        kinematics = zip(eq.coordinates, eq.rates, strict=True)
+        rows = [symbols.values[state_rate(c.q)] - symbols(rate) for c, rate in kinematics]
+    if form == "ggl":
+        stabilising = _rates_of(context, symbols, transposed(_stabilising(context)))
+        rows = [row + part for row, part in zip(rows, stabilising, strict=True)]
     reactions = transposed(context.forces)
     rows += [symbols(eq.sum_of(row.name)) - f for row, f in zip(eq.rows, reactions, strict=True)]
     if form == "ggl":
@@ -56,6 +59,18 @@ def residual_rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
     if form in ("", "ggl"):
         return rows + [symbols(c.position) for c in eq.constraints]
     return rows + [acceleration_residual(c, context, symbols) for c in eq.constraints]
+
+
+def _rates_of(context: Context, symbols: Symbols, velocities: list[ca.SX]) -> list[ca.SX]:
+    """The rates of the coordinates that belong to velocities; in the plane both are the same."""
+    rates, rows = context.equations.rates, context.equations.rows
+    if rates == tuple(row.v for row in rows):
+        return velocities
+    result = []
+    for rate in rates:
+        factors = ((rate.coeff(row.v), velocity) for row, velocity in zip(rows, velocities, strict=True))
+        result.append(sum((symbols(factor) * velocity for factor, velocity in factors if factor != 0), ca.SX(0)))
+    return result
 
 
 def residual(context: Context, function: ModelFunction) -> Kernel:

@@ -17,6 +17,7 @@ from derive.lowering.model_functions import FunctionKind, ModelFunction, functio
 from derive.lowering.symbol_variables import symbol_variable
 from derive.lowering.terms import model_terms
 from derive.mechanics.equations import Equations
+from derive.mechanics.terms import SpatialPose
 
 Implementation = Callable[[Context, ModelFunction], Kernel]
 
@@ -86,15 +87,16 @@ def lower(
         parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in equations.parameters),
         constants=constants,
         kernels=(setup, *(_with_constants(kernel, names) for kernel in kernels)),
-        markers=tuple(Variable(m.name, m.doc, "m") for m in equations.markers),
+        markers=tuple(Variable(m.name, m.doc, "m", shown=m.shown) for m in equations.markers),
         zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", str(why)) for i, j, why in equations.mass_zeros),
         choice=choice,
         multipliers=tuple(Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in equations.constraints),
         splines=tuple(replace(s, name=table_name(equations.name, s.name)) for s in equations.splines),
         bodies=tuple(pose.name for pose in equations.poses),
-        inputs=tuple(Variable(given.name, given.doc, given.unit) for given in equations.inputs),
+        inputs=tuple(Variable(given.name, given.doc, given.unit, shown=given.shown) for given in equations.inputs),
         outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in equations.outputs),
         proximal=proximal,
+        in_space=any(isinstance(pose, SpatialPose) for pose in equations.poses),
         kkt=constraints.kkt(context) if scene else None,
         eliminated=tuple(Zero(out.what, out.reason) for out in equations.eliminated),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),

@@ -25,6 +25,14 @@ class ModalPoint:
     second: Array | None = None
 
 
+@dataclass(frozen=True)
+class ModalFrame:
+    """A marker frame: its point, and the rotation vectors (N, 3), rad/m, of the section there by unit amplitudes."""
+
+    point: ModalPoint
+    twists: Array
+
+
 @dataclass(frozen=True, eq=False)
 class ModalBody:
     """Mass, shape integrals c1 .. c8 of the appendix, stiffness and damping of a body with N modes, SI units.

@@ -217,9 +217,12 @@ def _where(given: ModalBody) -> str:
     return f"c is where {given.origin} lies in the floating frame." if given.origin else ""
 
 
-def _point(point: ModalPoint) -> MaterialPoint:
-    def exact(vector: Array) -> sp.ImmutableMatrix:
-        return sp.ImmutableMatrix([sp.Rational(float(x)) for x in vector])
+def exact_vector(vector: Array) -> sp.ImmutableMatrix:
+    """A vector of doubles as a column of exact numbers."""
+    return sp.ImmutableMatrix([sp.Rational(float(x)) for x in vector])
 
-    second = () if point.second is None else tuple(tuple(map(exact, row)) for row in point.second)
-    return MaterialPoint(point.name, point.doc, exact(point.position), tuple(map(exact, point.shapes)), second=second)
+
+def _point(point: ModalPoint) -> MaterialPoint:
+    second = () if point.second is None else tuple(tuple(map(exact_vector, row)) for row in point.second)
+    shapes = tuple(map(exact_vector, point.shapes))
+    return MaterialPoint(point.name, point.doc, exact_vector(point.position), shapes, second=second)

@@ -77,6 +77,11 @@ def modal_tables(given: ModalBody) -> tuple[CoefficientTable, ...]:
     return _tables(given.modes, kinds, docs)
 
 
+def rigid_tables(at_centre: str) -> tuple[CoefficientTable, ...]:
+    """The tables of a rigid body; at_centre: the reason why c1 vanishes, empty if it does not."""
+    return _tables(0, {Family.C1: (TableKind.ZERO, at_centre)} if at_centre else {})
+
+
 def full_table(family: Family) -> CoefficientTable:
     """The table of a family with all of its entries."""
     return CoefficientTable(family, TableKind.FULL, *SECOND_ORDER_DOCS[family])

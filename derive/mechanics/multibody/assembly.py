@@ -32,7 +32,7 @@ from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.outputs.output_type import OutputInstance
 from derive.mechanics.multibody.outputs.registry import output_type
 from derive.mechanics.multibody.parameters import parameters
-from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, fixed_point
+from derive.mechanics.multibody.point_motion import Derivatives, fixed_point
 from derive.mechanics.prescribed_motion import drive_motion
 from derive.mechanics.quantity import finite_function, time_derivatives
 from derive.mechanics.symbols import DOTS, Symbol, element, t
@@ -41,7 +41,7 @@ from derive.mechanics.time_functions import TimeOperation
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Parameter, Quantity
-from derive.spec.model.scene import NAMED, CustomJoint, Drive, Joint, Scene, SceneBody
+from derive.spec.model.scene import NAMED, CustomJoint, Drive, Scene, SceneBody
 from derive.spec.model.scene_functions import function_parameters
 from derive.spec.model.time_function import TimeFunction
 
@@ -51,7 +51,8 @@ def mechanism(scene: Scene) -> Mechanism:
 
     Raises SpecError with what does not go together, UnknownNameError for a body, joint or force that no registry knows.
     """
-    return _Assembly(scene).mechanism()
+    result: Mechanism = SceneAssembly(scene).mechanism()
+    return result
 
 
 def body_type(body: SceneBody) -> BodyType[Any]:
@@ -59,32 +60,39 @@ def body_type(body: SceneBody) -> BodyType[Any]:
     return BODIES[body.kind]
 
 
-class _Assembly:
-    """The state of joint elimination: a scene whose bodies receive their coordinates in turn."""
+class SceneAssembly:
+    """The state of joint elimination: a scene whose bodies receive their coordinates in turn.
 
-    def __init__(self, scene: Scene) -> None:
+    The methods that name planar types have others in space, see `space.assembly`.
+    """
+
+    def __init__(self, scene: Any) -> None:
         self.scene = scene
         self.bodies = {body.name: body for body in scene.bodies}
         self.constants: list[ModelConstant] = []
         self.gravity, _ = quantity.gravity(scene.gravity)
-        joints = [*scene.joints, *chain.from_iterable(body_type(b).joints(b) for b in scene.bodies)]
+        joints = [*scene.joints, *chain.from_iterable(self.type_of(b).joints(b) for b in scene.bodies)]
         self.joints = [replace(j, first=self._located(j.first), second=self._located(j.second)) for j in joints]
         self.joints = [self._with_constants(joint) for joint in self.joints]
         self.definitions: list[Intermediate] = []
         self.drives = {d.joint: PrescribedMotion(d.name, self._motion(d)) for d in scene.drives}
-        self.known: dict[str, Mapping[str, PointMotion]] = {GROUND: self._ground()}
+        self.known: dict[str, Mapping[str, Any]] = {GROUND: self._ground()}
         self.kinds = BodyKinds()
         self.instances: dict[str, BodyInstance] = {}
         self.eliminated = [Eliminated(GROUND, "it does not move: no coordinates")]
-        self.eliminated_joints: dict[str, EliminatedJoint] = {}
+        self.eliminated_joints: dict[str, Any] = {}
 
-    def mechanism(self) -> Mechanism:
+    def mechanism(self) -> Any:
         """Assign coordinates to all bodies; joints that eliminate none become constraints."""
         self._eliminate()
         components = {b.name: self._components(b) for b in self.scene.bodies}
         ordered = [self.instances[name] for names in components.values() for name in names]
         if not any(instance.moves for instance in ordered):
             raise SpecError((Problem("drives", "all motion is prescribed; nothing is left to be computed"),))
+        return self._mechanism(tuple(ordered))
+
+    def _mechanism(self, ordered: tuple[BodyInstance, ...]) -> Any:
+        """The mechanism of these instances."""
         joints = tuple(
             JointInstance(joint, JOINTS[joint.kind], self.drives.get(joint.name))
             for joint in self.joints
@@ -94,7 +102,7 @@ class _Assembly:
         return Mechanism(
             scene=self.scene,
             kinds=tuple(self.kinds.kinds),
-            instances=tuple(ordered),
+            instances=ordered,
             order=tuple(self.instances),
             ground=self.known[GROUND],
             joints=joints,
@@ -107,6 +115,10 @@ class _Assembly:
             definitions=tuple(self.definitions),
             eliminated=tuple(self.eliminated),
         )
+
+    def type_of(self, body: Any) -> BodyType[Any]:
+        """The type of a body."""
+        return body_type(body)
 
     # ---- bodies ----
 
@@ -123,9 +135,7 @@ class _Assembly:
             if body.name in self.instances or (step := self._supported(body, joint)) is None:
                 continue
             component, coordinates = step
-            own, known = self._ends(body, joint)
-            drive = self.drives.get(joint.name)
-            self.eliminated_joints[joint.name] = EliminatedJoint(joint, JOINTS[joint.kind], drive, own, known)
+            self.eliminated_joints[joint.name] = self._eliminated_joint(body, joint)
             self.eliminated.append(Eliminated(body.name, coordinates.reason))
             if coordinates.rows:
                 self._complete(body)
@@ -133,6 +143,11 @@ class _Assembly:
             if body.name in self.known:
                 for pair in by_other_end[body.name]:
                     heappush(ready, pair)
+
+    def _eliminated_joint(self, body: Any, joint: Any) -> Any:
+        """A joint that has eliminated coordinates of a body."""
+        own, known = self._ends(body, joint)
+        return EliminatedJoint(joint, JOINTS[joint.kind], self.drives.get(joint.name), own, known)
 
     def _by_other_end(self) -> dict[str, list[tuple[int, int]]]:
         """The numbers of bodies and of their joints, in order, by the body or the ground at the other end."""
@@ -145,14 +160,21 @@ class _Assembly:
                     result[other].append((numbers[own], of_joint))
         return {name: sorted(pairs) for name, pairs in result.items()}
 
-    def _supported(self, body: SceneBody, joint: Joint) -> tuple[Component, CoordinateMap] | None:
+    def _supported(self, body: Any, joint: Any) -> tuple[Component, CoordinateMap] | None:
         """The reduction of a body by a joint to a marker whose motion is known; None if it eliminates nothing."""
         own, other = self._ends(body, joint)
         if joint.name in self.eliminated_joints:
             return None
-        component = body_type(body).about(body, own.marker, self.gravity)
+        component = self.type_of(body).about(body, own.marker, self.gravity)
         if component is None:
             return None
+        coordinates = self._minimal(body, joint, component, own, other)
+        return None if coordinates is None else (component, coordinates)
+
+    def _minimal(
+        self, body: Any, joint: Any, component: Component, own: MarkerRef, other: MarkerRef
+    ) -> CoordinateMap | None:
+        """The coordinates of a rigid body behind the known marker `other`; None if the joint eliminates none."""
         support = Support(
             body=body.name,
             motion=component.body.motion,
@@ -161,38 +183,45 @@ class _Assembly:
             sign=1 if own == joint.second else -1,
             drive=self.drives.get(joint.name),
         )
-        coordinates = minimal_coordinates(JOINTS[joint.kind], joint, support)
-        return None if coordinates is None else (component, coordinates)
+        return minimal_coordinates(JOINTS[joint.kind], joint, support)
 
-    def _ends(self, body: SceneBody, joint: Joint) -> tuple[MarkerRef, MarkerRef]:
+    def _ends(self, body: Any, joint: Any) -> tuple[MarkerRef, MarkerRef]:
         """The marker of a joint on a body, and the other one."""
         is_second = joint.second.body == body.name
         return (joint.second, joint.first) if is_second else (joint.first, joint.second)
 
-    def _complete(self, body: SceneBody) -> None:
+    def _complete(self, body: Any) -> None:
         """Raise SpecError if a body that moves has no mass or inertia."""
-        if missing := body_type(body).missing(body):
+        if missing := self.type_of(body).missing(body):
             text = f"{body.name} has coordinates of its own and needs {' and '.join(missing)}"
             if getattr(body, "keep_coordinates", False):
                 text += "; give them, or leave keep_coordinates out if a drive prescribes its motion"
             raise SpecError((Problem(f"bodies.{body.name}", text),))
 
-    def _components(self, body: SceneBody) -> list[str]:
+    def _components(self, body: Any) -> list[str]:
         """The names of the components of a body; all coordinates are assigned unless a joint has eliminated some."""
         if body.name in self.instances:
             return [body.name]
         self._complete(body)
-        components = body_type(body).components(body, self.gravity)
+        components = self.type_of(body).components(body, self.gravity)
         for component in components:
-            self._add(component, free_coordinates(component.name, component.body.motion))
+            self._add(component, self._free(component))
         return [component.name for component in components]
+
+    def _free(self, component: Component) -> CoordinateMap:
+        """All coordinates of a component."""
+        return free_coordinates(component.name, component.body.motion)
 
     def _add(self, component: Component, coordinates: CoordinateMap) -> None:
         complete = bool(self.scene.outputs)
         instance = BodyInstance(component, self.kinds.number(component.body), coordinates, complete)
         self.instances[component.name] = instance
         if not instance.moves:
-            self.known[component.name] = point_motions(instance, self.kinds.kinds[instance.kind])
+            self.known[component.name] = self._motions(instance)
+
+    def _motions(self, instance: BodyInstance) -> Mapping[str, Any]:
+        """The motions of the markers of an instance."""
+        return point_motions(instance, self.kinds.kinds[instance.kind])
 
     # ---- joints, drives and forces ----
 
@@ -239,7 +268,7 @@ class _Assembly:
             result.append(OutputInstance(output.name, its_type, values))
         return tuple(result)
 
-    def _with_constants(self, joint: Joint) -> Joint:
+    def _with_constants(self, joint: Any) -> Any:
         """A joint of a custom kind with the values of its keys as expressions; parameters become constants."""
         if not isinstance(joint, CustomJoint):
             return joint
@@ -252,9 +281,9 @@ class _Assembly:
         body = self.bodies.get(marker.body)
         if body is None or marker.marker not in {m.name for m in body.markers}:
             return marker
-        return body_type(body).located(body, marker.marker)
+        return self.type_of(body).located(body, marker.marker)
 
-    def _ground(self) -> dict[str, PointMotion]:
+    def _ground(self) -> Mapping[str, Any]:
         doc = "point of the ground along e"
         positions = {
             p.name: [

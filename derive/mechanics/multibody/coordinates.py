@@ -24,7 +24,8 @@ class CoordinateMap:
     coordinates, rows: the coordinates and the equations of motion of the body in the mechanism. values: each
     coordinate, velocity and acceleration of the free body as an expression of them. weights: for each of `rows`, the
     factors of the equations of the free body, by name, whose sum it is. definitions: the quantities of a prescribed
-    motion. reason: why coordinates are eliminated.
+    motion. reason: why coordinates are eliminated. attitude: in space the rotation tensor of a body without quaternion,
+    which `definitions` define.
     """
 
     coordinates: tuple[Coordinate, ...]
@@ -33,6 +34,7 @@ class CoordinateMap:
     weights: tuple[Mapping[str, sp.Expr], ...]
     definitions: tuple[Intermediate, ...] = ()
     reason: str = ""
+    attitude: sp.ImmutableMatrix | None = None
 
 
 def free_coordinates(name: str, motion: Motion) -> CoordinateMap:
@@ -40,7 +42,7 @@ def free_coordinates(name: str, motion: Motion) -> CoordinateMap:
     coordinates, rows = [], []
     values: dict[sp.Basic, sp.Basic] = {}
     for coordinate, row in zip(motion.coordinates, motion.rows, strict=True):
-        new, new_row = _coordinate(owned(coordinate.q, name), f"{name}: {coordinate.doc}", coordinate.unit)
+        new, new_row = new_coordinate(owned(coordinate.q, name), f"{name}: {coordinate.doc}", coordinate.unit)
         coordinates.append(new)
         rows.append(new_row)
         values |= {coordinate.q: new.q, row.v: new_row.v, row.a: new_row.a}
@@ -64,7 +66,7 @@ def prescribed_motion(name: str, motion: Motion, at: PointMotion, rotation: Deri
 def rotation_only(name: str, motion: Motion, at: PointMotion, reason: str) -> CoordinateMap:
     """The map of a body whose only coordinate is its rotation; O follows a point `at` whose motion is prescribed."""
     values, definitions = _origin(name, motion, at)
-    coordinate, row = _coordinate(owned(quantity(Family.ANGLE), name), f"rotation of {name}", "rad")
+    coordinate, row = new_coordinate(owned(quantity(Family.ANGLE), name), f"rotation of {name}", "rad")
     values |= dict(zip(_symbols(motion, 2), (coordinate.q, row.v, row.a), strict=True))
     weights = {motion.rows[2].name: sp.S.One}
     return CoordinateMap((coordinate,), (row,), values, (weights,), tuple(definitions), reason)
@@ -77,7 +79,9 @@ def displacement_only(
 
     at: the point of the guide at s = 0. axis (2, 1): its direction. rotation: the constant rotation of the body (rad).
     """
-    coordinate, row = _coordinate(owned(quantity(Family.GUIDE), name), f"displacement of {name} along its guide", "m")
+    coordinate, row = new_coordinate(
+        owned(quantity(Family.GUIDE), name), f"displacement of {name} along its guide", "m"
+    )
     values: dict[sp.Basic, sp.Basic] = {}
     for k in range(2):
         q, v, a = _symbols(motion, k)
@@ -87,7 +91,7 @@ def displacement_only(
     return CoordinateMap((coordinate,), (row,), values, (weights,), (), reason)
 
 
-def _coordinate(q: Symbol, doc: str, unit: str) -> tuple[Coordinate, EquationOfMotion]:
+def new_coordinate(q: Symbol, doc: str, unit: str) -> tuple[Coordinate, EquationOfMotion]:
     """A coordinate, and the equation of motion of its virtual displacement."""
     name = q.name
     v, a = (Symbol(replace(q.identity, derivative=d)) for d in (1, 2))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any
 
 import sympy as sp
 
@@ -13,6 +14,7 @@ from derive.mechanics.motion.material_points import marker
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.kinds import KEPT, BodyInstance, BodyKind
 from derive.mechanics.multibody.point_motion import PointMotion, point_motion
+from derive.mechanics.multibody.space.frame_motion import FrameMotion, frame_motion
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, identity, owned
 from derive.mechanics.terms import (
@@ -25,16 +27,19 @@ from derive.mechanics.terms import (
     Term,
     Vanished,
 )
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import identifier, joined
 
 Symbols = dict[sp.Basic, sp.Basic]
+SPACE = 3
+"""The dimension of space, in which the markers of bodies are frames."""
 
 
 @dataclass(frozen=True)
 class InstanceEquations:
     """The contribution of an instance to the equations of a mechanism.
 
-    `points` are the motions of its markers, `origin` is c. `free_residual` are the rows of c1, c2 and phi of the free
+    `points` are the motions of its markers, in space `frames`, and `origin` is c; `rates` are the time derivatives of
+    the coordinates. `free_residual` are the rows of c1, c2 and phi of the free
     body: the force and the torque about c that move it as it moves, besides gravity (N, N m); only if it is `complete`.
     """
 
@@ -50,6 +55,8 @@ class InstanceEquations:
     angular: tuple[sp.Expr, ...]
     markers: tuple[MarkerEquations, ...]
     points: Mapping[str, PointMotion]
+    frames: Mapping[str, FrameMotion]
+    rates: tuple[sp.Expr, ...]
     origin: tuple[sp.Expr, ...]
     free_residual: tuple[sp.Expr, ...]
 
@@ -78,7 +85,7 @@ def _key(instance: BodyInstance, kind: BodyKind) -> Hashable:
         *(component.name, component.group, component.body, tuple(component.sections.items()), component.markers),
         *(component.specified, coordinates.coordinates, coordinates.rows, tuple(coordinates.values.items())),
         *(tuple(tuple(weights.items()) for weights in coordinates.weights), coordinates.definitions),
-        *(coordinates.reason, instance.complete, kind.body),
+        *(coordinates.reason, coordinates.attitude, instance.complete, kind.body),
     )
 
 
@@ -86,8 +93,9 @@ def _key(instance: BodyInstance, kind: BodyKind) -> Hashable:
 def _equations(request: _Request) -> InstanceEquations:
     instance, kind, repeated = request.instance, request.kind, request.repeated
     component, coordinates, equations = instance.component, instance.coordinates, kind.equations.expanded()
-    change, points = _moved(instance, kind)
+    change, motions = _moved(instance, kind)
     of_body = component.body.constants if instance.has_inertia else ()
+    in_space = kind.motion.rotation.rows == SPACE
     energies = (equations.kinetic_energy, equations.strain_energy, equations.weight_energy)
     return InstanceEquations(
         coordinates=coordinates.coordinates,
@@ -101,18 +109,33 @@ def _equations(request: _Request) -> InstanceEquations:
         linear=tuple(map(change, equations.linear_momentum)),
         angular=tuple(map(change, equations.angular_momentum)),
         markers=tuple(_marker(instance, kind, name, change) for name in component.markers) if instance.moves else (),
-        points=points,
-        origin=tuple(coordinates.values[c.q] for c in kind.motion.coordinates[:2]),
+        points={} if in_space else motions,
+        frames=motions if in_space else {},
+        rates=_rates(coordinates, kind, change),
+        origin=tuple(coordinates.values[c.q] for c in kind.motion.coordinates[: kind.motion.rotation.rows]),
         free_residual=tuple(change(equations.sum_of(row.name)) for row in kind.motion.rigid_rows)
         if instance.complete
         else (),
     )
 
 
-def point_motions(instance: BodyInstance, kind: BodyKind) -> Mapping[str, PointMotion]:
-    """The motions of the markers of an instance in the coordinates of the mechanism."""
+def point_motions(instance: BodyInstance, kind: BodyKind) -> Mapping[str, Any]:
+    """The motions of the markers of an instance in the coordinates of the mechanism; in space those of their frames."""
     _, points = _moved(instance, kind)
     return points
+
+
+def _rates(coordinates: CoordinateMap, kind: BodyKind, change: _Change) -> tuple[sp.Expr, ...]:
+    """The time derivatives of the coordinates: velocities, but those of a quaternion follow from the spin."""
+    own = {
+        coordinates.values.get(c.q): rate for c, rate in zip(kind.motion.coordinates, kind.motion.rates, strict=True)
+    }
+    rows = {row.v.identity: row.v for row in coordinates.rows}
+    result = []
+    for c in coordinates.coordinates:
+        rate = rows.get(replace(c.q.identity, derivative=1))
+        result.append(change(own[c.q]) if rate is None else rate)
+    return tuple(result)
 
 
 class _Change:
@@ -132,6 +155,10 @@ class _Change:
         changed = expr.xreplace(self.values)
         return changed if self._renames else sp.expand(changed)
 
+    def named(self, expr: sp.Expr) -> sp.Expr:
+        """An expression of the kind in symbols of the instance, not expanded."""
+        return expr.xreplace(self.values)
+
     def define(self, definitions: Iterable[Intermediate], point: str = "") -> None:
         """Add definitions of the kind, or of one of its points, under names of the instance."""
         for d in definitions:
@@ -147,15 +174,27 @@ class _Change:
             self.definitions.append(replace(d, symbol=symbol, expr=expr, section=f"{where} {d.section}"))
 
 
-def _moved(instance: BodyInstance, kind: BodyKind) -> tuple[_Change, Mapping[str, PointMotion]]:
+def _moved(instance: BodyInstance, kind: BodyKind) -> tuple[_Change, Mapping[str, Any]]:
     """The kinematics of an instance: what the symbols of its kind become, and the motions of its cross-sections."""
+    in_space = kind.motion.rotation.rows == SPACE
     component, coordinates = instance.component, instance.coordinates
     constants = (*component.body.constants, *component.point_constants)
     renamed = {c.symbol: owned(c.symbol, component.group) for c in constants if not _is_shared(c)}
     change = _Change(component.name, {**coordinates.values, **renamed}, coordinates.definitions)
-    change.define(kind.equations.expanded().definitions if instance.has_inertia else kind.motion.rotation_definitions)
-    points = {}
+    if coordinates.attitude is not None:
+        change.values |= dict(zip(kind.motion.rotation, coordinates.attitude, strict=True))
+    rotation = () if coordinates.attitude is not None else kind.motion.rotation_definitions
+    definitions = kind.equations.expanded().definitions if instance.has_inertia else rotation
+    entries = set() if coordinates.attitude is None else set(kind.motion.rotation)
+    change.define(d for d in definitions if d.symbol not in entries)
+    points: dict[str, Any] = {}
+    weights = [(row.name, of) for row, of in zip(coordinates.rows, coordinates.weights, strict=True)]
     for name, section in component.sections.items():
+        if in_space:
+            moving = frame_motion(kind.motion, section)
+            change.define(d for d in moving.definitions if d.symbol not in change.values)
+            points[name] = moving.replaced(change.named, weights)
+            continue
         motion = point_motion(kind.motion, section.point, section.rotations)
         change.define(motion.definitions)
         points[name] = motion.replaced(change.values)
@@ -222,11 +261,12 @@ def _marker(instance: BodyInstance, kind: BodyKind, name: str, change: _Change) 
     return replace(
         free,
         name=identifier(component.specified, name),
+        shown=joined(component.specified, name),
         doc=f"{free.doc} of {component.name}",
         definitions=tuple(own.definitions),
         position=free.position.applyfunc(own),
         velocity=free.velocity.applyfunc(own),
-        jacobian=sp.ImmutableMatrix([combined(free.jacobian[i, :]) for i in range(2)]),
+        jacobian=sp.ImmutableMatrix([combined(free.jacobian[i, :]) for i in range(free.jacobian.rows)]),
         force_definitions=tuple(of_force.definitions),
         load=tuple(combined(free.load)),
     )

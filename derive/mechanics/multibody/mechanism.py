@@ -43,6 +43,7 @@ from derive.mechanics.terms import (
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene import Redundant, Scene
 from derive.spec.model.scene_functions import splines, time_functions
+from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import TimeFunction
 
 Instances = Mapping[str, InstanceEquations]
@@ -190,9 +191,10 @@ def _gathered(mechanism: Mechanism, parts: SceneMechanics, definitions: tuple[In
     scene, instances, conditions, forces = parts.scene, parts.instances, parts.constraints, parts.generalised
     bodies, rows, coordinates = list(instances.values()), mechanism.rows, mechanism.coordinates
     inputs = input_symbols(scene)
-    moving = _moving(definitions, inputs)
+    moving = moving_symbols(definitions, inputs)
     outputs, of_outputs = output_equations(mechanism.outputs, parts)
-    coefficients = (*_coefficients(mechanism, bodies), *of_outputs)
+    own = (*(b.coefficients for b in bodies), *(damping.constants for damping in mechanism.dampings))
+    coefficients = (*constants_of_scene(mechanism.parameters, mechanism.constants, own), *of_outputs)
     refuse_equal_names(rows, conditions, coefficients, definitions)
 
     def summed(of: Iterable[sp.Expr]) -> sp.Expr:
@@ -223,34 +225,37 @@ def _gathered(mechanism: Mechanism, parts: SceneMechanics, definitions: tuple[In
         weight_energy=weight if scene.gravity else None,
         linear_momentum=tuple(summed(b.linear[k] for b in of_bodies) for k in range(2)),
         angular_momentum=(summed(b.angular[0] for b in of_bodies),),
-        markers=tuple(m for m in _markers(bodies) if not _depends(m.definitions, m.position, moving)),
+        markers=tuple(m for m in markers_of_scene(bodies) if not depends(m.definitions, m.position, moving)),
         constraints=conditions,
         inputs=inputs,
         outputs=outputs,
         poses=tuple(pose(name, instance) for name, instance in instances.items()),
-        eliminated=(*mechanism.eliminated, *_carried(instances, moving)),
+        eliminated=(*mechanism.eliminated, *carried(instances, moving)),
     )
 
 
-def functions_of_time(scene: Scene) -> Iterator[TimeFunction]:
+def functions_of_time(scene: AnyScene) -> Iterator[TimeFunction]:
     """The functions of time that the equations contain: those that are written, and the integrals of speeds."""
     yield from (function for _, function in time_functions(scene))
     yield from map(drive_motion, scene.drives)
 
 
-def _carried(instances: Instances, moving: frozenset[sp.Symbol]) -> list[Eliminated]:
+def carried(instances: Instances, moving: frozenset[sp.Symbol]) -> list[Eliminated]:
     """The bodies whose pose depends on a prescribed motion, which functions without the argument t cannot describe."""
     reason = "a drive carries it along, and these functions know no time"
     names = [name for name, instance in instances.items() if instance.rows and _of_time(instance, moving)]
     return [Eliminated(f"{name} in energy, momentum and markers", reason) for name in names]
 
 
-def _coefficients(mechanism: Mechanism, bodies: list[InstanceEquations]) -> tuple[ModelConstant, ...]:
+def constants_of_scene(
+    parameters: tuple[ParameterSymbol, ...],
+    constants: tuple[ModelConstant, ...],
+    of_bodies: Iterable[tuple[ModelConstant, ...]],
+) -> tuple[ModelConstant, ...]:
     """The constants of a mechanism, each once, where each parameter is one symbol whatever its assumptions."""
-    canonical = {p.symbol.name: p.symbol for p in mechanism.parameters}
+    canonical = {p.symbol.name: p.symbol for p in parameters}
     result: dict[sp.Symbol, ModelConstant] = {}
-    own = (b.coefficients for b in bodies), (damping.constants for damping in mechanism.dampings)
-    for c in chain(mechanism.constants, *chain(*own)):
+    for c in chain(constants, *of_bodies):
         known = {s: canonical[s.name] for s in c.value.free_symbols if s.name in canonical}
         result.setdefault(c.symbol, replace(c, value=c.value.xreplace(known)))
     return tuple(result.values())
@@ -280,7 +285,7 @@ def refuse_equal_names(
         raise SpecError((Problem("bodies", text),))
 
 
-def _moving(definitions: tuple[Intermediate, ...], inputs: tuple[InputSymbol, ...]) -> frozenset[sp.Symbol]:
+def moving_symbols(definitions: tuple[Intermediate, ...], inputs: tuple[InputSymbol, ...]) -> frozenset[sp.Symbol]:
     """The time, the inputs, and all symbols that depend on them."""
     moving = {t, *(given.symbol for given in inputs)}
     for d in definitions:
@@ -289,20 +294,21 @@ def _moving(definitions: tuple[Intermediate, ...], inputs: tuple[InputSymbol, ..
     return frozenset(moving)
 
 
-def _depends(definitions: tuple[Intermediate, ...], position: sp.ImmutableMatrix, moving: frozenset[sp.Symbol]) -> bool:
+def depends(definitions: tuple[Intermediate, ...], position: sp.ImmutableMatrix, moving: frozenset[sp.Symbol]) -> bool:
     """Whether a marker depends on the time, which functions of markers do not get as an argument."""
     every = (position.free_symbols, *(d.expr.free_symbols for d in definitions))
     return any(symbols & moving for symbols in every)
 
 
-def _markers(bodies: Iterable[InstanceEquations]) -> Iterator[MarkerEquations]:
+def markers_of_scene(bodies: Iterable[InstanceEquations]) -> Iterator[MarkerEquations]:
     """The markers of all bodies, with a column and a row for each coordinate of the scene."""
     bodies = tuple(bodies)
     own = [len(body.rows) for body in bodies]
     for k, body in enumerate(bodies):
         before, after = sum(own[:k]), sum(own[k + 1 :])
         for m in body.markers:
-            columns = sp.zeros(2, before), m.jacobian, sp.zeros(2, after)
+            size = m.jacobian.rows
+            columns = sp.zeros(size, before), m.jacobian, sp.zeros(size, after)
             load = (*[sp.S.Zero] * before, *m.load, *[sp.S.Zero] * after)
             yield replace(m, jacobian=sp.ImmutableMatrix.hstack(*columns), load=load)
 

@@ -44,10 +44,11 @@ def _notes_by_table(scene: Scene) -> Iterator[str]:
 def mechanism_doc(scene: Scene, coordinates: tuple[Coordinate, ...], conditions: tuple[Constraint, ...]) -> str:
     """A line that summarises what a mechanism consists of."""
     return (
-        f"scene of {_count(scene.bodies, 'planar bod', 'y', 'ies')}: {_count(coordinates, 'coordinate')}, "
-        f"{_count(conditions, 'constraint')}, {_count(coordinates[len(conditions) :], 'degree')} of freedom"
+        f"scene of {count_text(scene.bodies, 'planar bod', 'y', 'ies')}: {count_text(coordinates, 'coordinate')}, "
+        f"{count_text(conditions, 'constraint')}, {count_text(coordinates[len(conditions) :], 'degree')} of freedom"
     )
 
 
-def _count(things: Sequence[object], noun: str, singular: str = "", plural: str = "s") -> str:
+def count_text(things: Sequence[object], noun: str, singular: str = "", plural: str = "s") -> str:
+    """The number of things with their noun, which has one of two endings."""
     return f"{len(things)} {noun}{singular if len(things) == 1 else plural}"

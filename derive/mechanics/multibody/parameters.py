@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
 from typing import Any
 
@@ -12,20 +12,21 @@ from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import elements
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import output_type
+from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
+from derive.mechanics.multibody.space.rigid import frame_constants
 from derive.mechanics.terms import ParameterSymbol
 from derive.spec.model.keys import Key, KeyType, quantities
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, CustomJoint, Scene
 from derive.spec.model.scene_functions import function_parameters, time_functions
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 
 
 def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:
     """The run-time parameters of a scene, each symbol once, in the order of the specification."""
     constants = [
-        *(
-            Constant(component, f"acceleration of free fall along the inertial e{axis}")
-            for axis, component in enumerate(scene.gravity or (), 1)
-        ),
+        *_of_gravity(scene),
         *chain.from_iterable(BODIES[body.kind].constants(body) for body in scene.bodies),
     ]
     for point in scene.ground:
@@ -40,9 +41,37 @@ def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:
     for force, force_type in elements(scene):
         specified = force_type.specified(force)
         constants += _constants(NAMED[force_type.section], force.name, force_type.keys, specified)
+    constants += _of_functions(scene)
+    return _symbols(constants)
+
+
+def spatial_parameters(scene: SpatialScene) -> tuple[ParameterSymbol, ...]:
+    """The run-time parameters of a scene in space, each symbol once, in the order of the specification."""
+    constants = [
+        *_of_gravity(scene),
+        *chain.from_iterable(
+            SPATIAL_BODIES[body.kind].constants(body) for body in scene.bodies if body.kind in SPATIAL_BODIES
+        ),
+        *frame_constants("the ground", scene.ground),
+        *(Constant(drive.constant_speed, f"speed of drive {drive.name}") for drive in scene.drives),
+        *_of_functions(scene),
+    ]
+    return _symbols(constants)
+
+
+def _of_gravity(scene: AnyScene) -> Iterator[Constant]:
+    for axis, component in enumerate(scene.gravity or (), 1):
+        yield Constant(component, f"acceleration of free fall along the inertial e{axis}")
+
+
+def _of_functions(scene: AnyScene) -> Iterator[Constant]:
     for (section, name, key), function in time_functions(scene):
         doc = f"{key} of {NAMED[section]} {name}"
-        constants += [Constant(parameter, doc) for parameter in dict.fromkeys(function_parameters(function))]
+        yield from (Constant(parameter, doc) for parameter in dict.fromkeys(function_parameters(function)))
+
+
+def _symbols(constants: Iterable[Constant]) -> tuple[ParameterSymbol, ...]:
+    """The parameters among constants, each symbol once."""
     result: dict[str, ParameterSymbol] = {}
     for constant in constants:
         if isinstance(constant.value, Parameter):

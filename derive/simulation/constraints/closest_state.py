@@ -14,10 +14,10 @@ from derive.simulation.compiled_scene import (
     Constraints,
     Mask,
     constraint_matrix,
-    coordinates_with,
     mass_matrix,
     max_norm,
 )
+from derive.simulation.configurations import displaced, velocities_with
 from derive.simulation.constraints.scaling import SINGULAR, in_mass_metric, mass_factor, typical_row_norms
 
 CONSISTENT = 1e-11
@@ -54,30 +54,29 @@ def closest_state(
 ) -> ClosestState:
     """The configuration next to `guess` (nq,) that meets the constraints to rounding errors, if there is one.
 
-    free: mask (nq,) of the coordinates that may change. norms: `typical_row_norms`, if they are known. The method is a
-    Levenberg-Marquardt iteration in the metric of the mass matrix; near the solution its steps are Newton steps of
-    least norm. It stops when the violation no longer decreases; `ClosestState.converged` tells whether the constraints
-    are met then.
+    free: mask (nv,) of the velocities whose coordinates may change. norms: `typical_row_norms`, if they are known. The
+    method is a Levenberg-Marquardt iteration in the metric of the mass matrix; near the solution its steps are Newton
+    steps of least norm. It stops when the violation no longer decreases; `ClosestState.converged` tells whether the
+    constraints are met then.
     """
     R = mass_factor(mass_matrix(native, guess, k)[np.ix_(free, free)])
     q, g = guess.copy(), native.constraints(t, guess, k)
     G = constraint_matrix(native, t, q, k)[:, free]
     if norms is None:
         norms = typical_row_norms(native, k, t, guess, R, free)
-    angles = coordinates_with(native, Role.ROTATION)[free]
+    angles = velocities_with(native, Role.ROTATION)[free]
     damping = 0.0
     for _ in range(ITERATIONS):
         if not g.size or max_norm(g) == 0.0 or not np.isfinite(damping):
             break
         A = in_mass_metric(G, R) / norms[:, None]
         step = solve_triangular(R, damped_step(A, -g / norms, damping))
-        trial = q.copy()
-        trial[free] += step
+        trial = changed(native, q, free, step)
         g_trial = native.constraints(t, trial, k)
         before, after = np.linalg.norm(g / norms), np.linalg.norm(g_trial / norms)
         rotation = max_norm(step[angles])
         if rotation > LARGEST_ROTATION and not after < 0.01 * before:
-            trial[free] = q[free] + step * (LARGEST_ROTATION / rotation)
+            trial = changed(native, q, free, step * (LARGEST_ROTATION / rotation))
             g_trial = native.constraints(t, trial, k)
             after = np.linalg.norm(g_trial / norms)
         if after < before:  # also false for NaN
@@ -104,9 +103,16 @@ def damped_step(A: Matrix, r: Vector, damping: float) -> Vector:
 
 def perturbed(native: ConstrainedSystem, guess: Vector, angle: float, rigid: Mask) -> Vector:
     """The guess with each rotation changed by up to `angle` (rad), the same each time; positions follow."""
-    angles = coordinates_with(native, Role.ROTATION) & rigid
-    numbers = np.random.default_rng(0).uniform(-1.0, 1.0, len(guess))
-    return np.asarray(guess + angle * np.where(angles, numbers, 0.0))
+    angles = velocities_with(native, Role.ROTATION) & rigid
+    numbers = np.random.default_rng(0).uniform(-1.0, 1.0, native.nv)
+    return displaced(native, guess, angle * np.where(angles, numbers, 0.0))
+
+
+def changed(native: Constraints, q: Vector, free: Mask, step: Vector) -> Vector:
+    """The configuration q (nq,) after a change of those that are `free` (nv,), a step of as many elements."""
+    change = np.zeros(native.nv)
+    change[free] = step
+    return displaced(native, q, change)
 
 
 def unmet_constraints(native: ConstrainedSystem, values: Vector, met: float = 0.0) -> list[tuple[str, float]]:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.roles import Role
 from derive.runtime.native_call import Vector
-from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with, max_norm
+from derive.simulation.compiled_scene import ConstrainedSystem, max_norm
+from derive.simulation.configurations import displaced, normalised
 from derive.simulation.errors import DriftTooLarge
 
 NEWTON_STEPS = 6
@@ -42,7 +42,7 @@ def project(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector
     for _ in range(NEWTON_STEPS):
         if max_norm(g) <= ROUNDING * max(1.0, max_norm(q)):
             break
-        moved = q + native.project_velocity(t, q, k, -g)
+        moved = displaced(native, q, native.project_velocity(t, q, k, -g))
         g_moved = native.constraints(t, moved, k)
         if not max_norm(g_moved) < max_norm(g):
             break
@@ -51,14 +51,6 @@ def project(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector
         if stalled:
             break
     return q, v + native.project_velocity(t, q, k, -native.constraint_rates(t, q, v, k))
-
-
-def normalised(native: ConstrainedSystem, q: Vector) -> Vector:
-    """Coordinates (nq,) with a quaternion of length 1; those without one as they are."""
-    if native.nq == native.nv:
-        return q
-    quaternion = coordinates_with(native, Role.QUATERNION)
-    return np.where(quaternion, q / np.linalg.norm(q[quaternion]), q)
 
 
 def check_drift(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector, tolerance: float) -> Drift:

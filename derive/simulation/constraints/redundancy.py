@@ -10,7 +10,8 @@ from scipy.linalg import null_space, solve_triangular
 from derive.lowering.redundancy import dependences
 from derive.roles import Role
 from derive.runtime.native_call import Vector
-from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, coordinates_with, mass_matrix
+from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, mass_matrix
+from derive.simulation.configurations import velocities_with, velocity_names
 from derive.simulation.constraints.certificates import DEFINITE, independent, moves_mass
 from derive.simulation.constraints.neighbouring_states import neighbouring_states
 from derive.simulation.constraints.scaling import SINGULAR, Spectrum, mass_factor, spectrum
@@ -88,7 +89,7 @@ def _held_along_beams(native: ConstrainedSystem, k: Vector, t: float, q: Vector,
 
     Then the mechanism whose deformations are locked is no more singular in q than in all neighbouring states.
     """
-    rigid = ~coordinates_with(native, Role.AMPLITUDE)
+    rigid = ~velocities_with(native, Role.AMPLITUDE)
     if np.all(rigid):
         return False
     around = (
@@ -115,4 +116,5 @@ def _check_mass(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> No
     values, vectors = np.linalg.eigh(allowed.T @ (M / np.outer(size, size)) @ allowed)
     if values[0] < DEFINITE:
         motion = np.abs(allowed @ vectors[:, 0])
-        raise MasslessMotion([n for n, x in zip(native.coordinates, motion, strict=True) if x > 0.01 * motion.max()])
+        names = velocity_names(native)
+        raise MasslessMotion([n for n, x in zip(names, motion, strict=True) if x > 0.01 * motion.max()])

@@ -14,9 +14,9 @@ from derive.simulation.compiled_scene import (
     Constraints,
     Mask,
     constraint_matrix,
-    coordinates_with,
     mass_matrix,
 )
+from derive.simulation.configurations import displaced, velocities_with
 
 RANDOM_ORIENTATIONS = 7
 """The number of random orientations of all bodies in which the typical length of a constraint's row is measured."""
@@ -70,10 +70,12 @@ def typical_row_norms(
 
 def orientations(native: Constraints, q: Vector) -> tuple[Vector, ...]:
     """The configuration q (nq,), and those with random orientations of all bodies, the same each time."""
-    angles = coordinates_with(native, Role.ROTATION)
+    angles = velocities_with(native, Role.ROTATION)
     random = np.random.default_rng(0)
-    turned = (random.uniform(-np.pi, np.pi, native.nq) for _ in range(RANDOM_ORIENTATIONS))
-    return q, *(np.where(angles, rotations, q) for rotations in turned)
+    turned = (random.uniform(-np.pi, np.pi, native.nv) for _ in range(RANDOM_ORIENTATIONS))
+    if native.nq == native.nv:
+        return q, *(np.where(angles, rotations, q) for rotations in turned)
+    return q, *(displaced(native, q, np.where(angles, rotations, 0.0)) for rotations in turned)
 
 
 @dataclass(frozen=True)
@@ -107,9 +109,9 @@ class Spectrum:
 def spectrum(native: ConstrainedSystem, k: Vector, t: float, q: Vector, free: Mask | None = None) -> Spectrum:
     """The singular values of the scaled constraints in the configuration q (nq,) at t (s).
 
-    free: mask (nq,) of the coordinates that may change; the others are locked. All may change by default.
+    free: mask (nv,) of the velocities that may change; the others are locked. All may change by default.
     """
-    free = np.ones(native.nq, dtype=bool) if free is None else free
+    free = np.ones(native.nv, dtype=bool) if free is None else free
     R = mass_factor(mass_matrix(native, q, k)[np.ix_(free, free)])
     G = in_mass_metric(constraint_matrix(native, t, q, k)[:, free], R)
     norms = typical_row_norms(native, k, t, q, R, free)

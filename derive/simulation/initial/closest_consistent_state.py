@@ -38,7 +38,7 @@ def closest_consistent_state(
 ) -> InitialState:
     """The consistent state at t (s) closest to a guess (nq,), (nv,), without change of deformations if possible.
 
-    rigid: mask (nq,) of the coordinates of rigid-body motion. They alone change, unless the constraints cannot be met
+    rigid: mask (nv,) of the velocities of rigid-body motion. They alone change, unless the constraints cannot be met
     so. The distance is measured by the mass matrix.
 
     Raises InconsistentInitialState with the constraints that cannot be met; RedundantConstraints, SingularConfiguration

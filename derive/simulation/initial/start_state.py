@@ -18,12 +18,13 @@ from derive.derivation import derive, lower
 from derive.errors import TisserandError
 from derive.ir.interpreter import interpret
 from derive.ir.model import Model, StartState
+from derive.roles import Role
 from derive.runtime.interpreted_scene import InterpretedScene
-from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.initial.spatial_state import spatial_state
 from derive.simulation.inputs import with_functions
+from derive.simulation.scene_start import state_of
 from derive.spec.model.body import NodalBody
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 
 DIGITS = 10
 """Significant digits of the rounded state."""
@@ -42,13 +43,15 @@ CONTRADICTION = 1e-9
 """The part of the largest number of a state by which redundant constraints contradict each other, since the numbers of
 the specification are rounded."""
 ITERATIONS = 8
+COMPONENTS = 4
+"""The number of coordinates of a quaternion."""
 
 
 class NoStartState(TisserandError):
     """The rounded initial state does not come back to the constraints."""
 
 
-def start_state(spec: Scene | NodalBody, model: Model) -> StartState:
+def start_state(spec: AnyScene | NodalBody, model: Model) -> StartState:
     """The initial state of a scene or a body with the defaults of its parameters, exact to the last digit of a double.
 
     model: its kernels. Run-time inputs have their values at the start of a simulation, since a prescribed motion may be
@@ -61,7 +64,7 @@ def start_state(spec: Scene | NodalBody, model: Model) -> StartState:
         redundant = "resolve" if model.proximal else spec.redundant
         spec = replace(with_functions(spec, {}), outputs=(), redundant=redundant)
         model = lower(derive(spec))
-    state = initial_state(spec, InterpretedScene(model))
+    state = state_of(spec, InterpretedScene(model))
     with mpmath.workdps(WORKING_DIGITS):
         q, v = _projected(model, *([_rounded(float(x)) for x in part] for part in (state.q, state.v)))
         return StartState(tuple(float(x) + 0.0 for x in q), tuple(float(x) + 0.0 for x in v))
@@ -87,6 +90,7 @@ def _projected(model: Model, q_start: list[_Rounded], v_start: list[_Rounded]) -
     q, v = [x.value for x in q_start], [x.value for x in v_start]
     (k,) = _evaluated(model, "setup", [mpmath.mpf(x) for x in model.defaults])
     zero, before = mpmath.mpf(0), mpmath.inf
+    _normalise(model, q)
     for _ in range(ITERATIONS):
         (g,) = _evaluated(model, "constraints", zero, q, k)
         (rates,) = _evaluated(model, "constraint_rates", zero, q, v, k)
@@ -97,19 +101,24 @@ def _projected(model: Model, q_start: list[_Rounded], v_start: list[_Rounded]) -
         before = violation
         for residual, values, start in ((g, q, q_start), (rates, v, v_start)):
             change = _change(model, q, k, residual, start)
+            if values is q and len(q) != len(v):
+                (change,) = _evaluated(model, "rates", q, change, k)
             values[:] = [x + dx for x, dx in zip(values, change, strict=True)]
+            if values is q:
+                _normalise(model, q)
     raise NoStartState(f"{model.name}: the rounded initial state does not come back to the constraints")
 
 
 def _change(model: Model, q: list[Any], k: list[Any], residual: list[Any], start: list[_Rounded]) -> list[Any]:
     """The change of q or v with G change = -residual that has the smallest sum of weighted squares."""
     if all(x == 0 for x in residual):
-        return [mpmath.mpf(0)] * len(q)
+        return [mpmath.mpf(0)] * len(model.velocities)
     (values,) = _evaluated(model, "constraint_jacobian", mpmath.mpf(0), q, k)
-    G = mpmath.zeros(len(residual), len(q))
+    G = mpmath.zeros(len(residual), len(model.velocities))
     for (i, j), value in zip(model.pattern("constraint_jacobian", "G").entries, values, strict=True):
         G[i, j] = value
-    weighted = mpmath.diag([STIFFNESS if x.exact else 1 for x in start]) * G.T
+    exact = [x.exact for x in start] if len(start) == len(model.velocities) else [False] * len(model.velocities)
+    weighted = mpmath.diag([STIFFNESS if of else 1 for of in exact]) * G.T
     matrix = G * weighted
     if model.proximal:
         for i in range(len(residual)):
@@ -118,6 +127,16 @@ def _change(model: Model, q: list[Any], k: list[Any], residual: list[Any], start
         return list(weighted * mpmath.lu_solve(matrix, -mpmath.matrix(residual)))
     except ZeroDivisionError as error:
         raise NoStartState(f"{model.name}: the constraints do not determine the initial state") from error
+
+
+def _normalise(model: Model, q: list[Any]) -> None:
+    """Scale the quaternions among coordinates to length 1."""
+    places = [i for i, variable in enumerate(model.coordinates) if variable.role is Role.QUATERNION]
+    for start in range(0, len(places), COMPONENTS):
+        own = places[start : start + COMPONENTS]
+        length = mpmath.sqrt(sum(q[i] ** 2 for i in own))
+        for i in own:
+            q[i] /= length
 
 
 def _unchanged(values: list[Any], start: list[_Rounded]) -> list[Any]:

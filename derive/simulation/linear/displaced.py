@@ -17,7 +17,7 @@ from derive.simulation.linear.modes import Modes
 from derive.simulation.linear.run_time_inputs import scene_with_values
 from derive.simulation.observables.beams import axis_points, beam_bodies, piece_at, piece_names
 from derive.simulation.observables.marker_positions import marker_positions
-from derive.simulation.observables.motion import Array, SceneMotion, outline, transformed
+from derive.simulation.observables.motion import Array, SceneMotion, outline, planar, transformed
 from derive.simulation.simulated_scene import FreeBeam, beam_scene
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene
@@ -132,7 +132,7 @@ def scene_lines(motion: SceneMotion) -> list[Array]:
         for mass in beam.beam.masses:
             piece, place = piece_at(beam, mass.at)
             lines.append(axis_points(motion, beam, pieces[piece], np.array([place])))
-    for body in motion.scene.bodies:
+    for body in planar(motion.scene).bodies:
         if not isinstance(body, BeamBody) and (corners := outline(body)):
             points = [transformed(motion.pose(body.name), np.array(corner)) for corner in (*corners, corners[0])]
             lines.append(np.stack(points, axis=1))

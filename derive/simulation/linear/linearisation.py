@@ -13,6 +13,7 @@ motion T depends on time, but the states remain the same elements of zeta and dv
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ from scipy.linalg import lu_factor, lu_solve, qr
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
+from derive.simulation.configurations import rate_matrix, velocity_roles
 from derive.simulation.constraints.scaling import SINGULAR, mass_factor, spectrum
 from derive.simulation.linear.ports import inputs_of, outputs_of
 from derive.simulation.linear.steady_motion import rotating_axes
@@ -184,17 +186,15 @@ def independent_coordinates(
     return np.sort(dependent), np.setdiff1d(columns, dependent)
 
 
-def velocity_roles(native: NativeScene) -> tuple[Role, ...]:
-    """The role of the coordinate that belongs to each velocity (nv,); an angular velocity in space is a ROTATION."""
-    roles = [role for role in native.roles if role is not Role.QUATERNION]
-    first = native.roles.index(Role.QUATERNION) if Role.QUATERNION in native.roles else 0
-    return (*roles[:first], *[Role.ROTATION] * (native.nv - len(roles)), *roles[first:])
-
-
 def displacement_names(native: NativeScene) -> tuple[str, ...]:
-    """The names of the elements of zeta (nv,): those of the coordinates, but in space of a small rotation vector."""
+    """The names of the elements of zeta (nv,): those of the coordinates, but in space of a small rotation vector.
+
+    In a scene in space they are those of the velocities whose small displacements they are.
+    """
     if native.nq == native.nv:
         return native.coordinates
+    if native.dae:
+        return tuple(f"{name}_displacement" for name in native.velocities)
     names = iter(name for name, role in zip(native.coordinates, native.roles, strict=True) if role != Role.QUATERNION)
     rotations = iter(("rotation1", "rotation2", "rotation3"))
     return tuple(next(rotations if role is Role.ROTATION else names) for role in velocity_roles(native))
@@ -203,25 +203,43 @@ def displacement_names(native: NativeScene) -> tuple[str, ...]:
 def _of_scene(
     native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector, lam: Vector
 ) -> _Derivatives:
-    """The derivatives from the iteration matrices of index 1 and of the stabilised form; qdot = v."""
-    n, size = native.nq, 2 * native.nq
-    none = np.zeros(native.nlambda)
-    y, ydot = np.concatenate([q, v, lam]), np.concatenate([v, vdot, none])
+    """The derivatives from the iteration matrices of index 1 and of the stabilised form; in the plane qdot = v."""
+    n, size = native.nq, native.nq + native.nv
+    none, qdot = np.zeros(native.nlambda), native.rates(q, v, k)
+    y, ydot = np.concatenate([q, v, lam]), np.concatenate([qdot, vdot, none])
     form, stabilised = native.dae["index1"], native.dae["ggl"]
-    J = form.pattern.dense(form.jacobian(t, y, ydot, 0.0, k))
-    y, ydot = np.concatenate([y, none]), np.concatenate([ydot, none])
-    rates = stabilised.pattern.dense(stabilised.jacobian(t, y, ydot, 0.0, k))
+
+    def derivatives(y: Vector) -> Matrix:
+        return form.pattern.dense(form.jacobian(t, y, ydot, 0.0, k))
+
+    J = derivatives(y)
+    Z, W = np.eye(n), np.zeros((n, n))
+    if native.nq != native.nv:
+        Z = rate_matrix(native, q, k)
+        W = _of_moving_axes(Z, J[:n, :n], qdot, lambda unit: derivatives(np.concatenate([q, unit, lam]))[:n, :n])
+    y, ydot_of_both = np.concatenate([y, none]), np.concatenate([ydot, none])
+    rates = stabilised.pattern.dense(stabilised.jacobian(t, y, ydot_of_both, 0.0, k))
     return _Derivatives(
-        Z=np.eye(n),
-        W=np.zeros((n, n)),
+        Z=Z,
+        W=W,
         M=native.mass_pattern.dense(native.mass(q, k)),
-        K=J[n:size, :n],
+        K=J[n:size, :n] @ Z,
         H=J[n:size, n:size],
         G=native.constraint_pattern.dense(native.constraint_jacobian(t, q, k)),
-        rates=rates[size : size + native.nlambda, :n],
-        a_q=J[size:, :n],
+        rates=rates[size : size + native.nlambda, :n] @ Z,
+        a_q=J[size:, :n] @ Z,
         a_v=J[size:, n:size],
     )
+
+
+def _of_moving_axes(Z: Matrix, by_q: Matrix, qdot: Vector, by_q_at: Callable[[Vector], Matrix]) -> Matrix:
+    """The matrix W (nv, nv) of zetadot = dv + W zeta.
+
+    It follows from d(Z v)/dq Z zeta + Z dv = Z zetadot + Zdot zeta. by_q: -d(Z v)/dq; by_q_at: the same at other
+    velocities (nv,), in which it is linear.
+    """
+    Zdot = np.column_stack([-by_q_at(unit) @ qdot for unit in np.eye(Z.shape[1])])
+    return np.asarray(np.linalg.pinv(Z) @ (-by_q @ Z - Zdot))
 
 
 def _in_rotating_axes(d: _Derivatives, W: Matrix) -> _Derivatives:
@@ -235,7 +253,7 @@ def _in_rotating_axes(d: _Derivatives, W: Matrix) -> _Derivatives:
 def _of_body(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector) -> _Derivatives:
     """The derivatives from the iteration matrix of a body.
 
-    With a quaternion Z depends on q, and dqdot = d(Z v)/dq Z zeta + Z dv = Z zetadot + Zdot zeta.
+    With a quaternion Z depends on q, see `_of_moving_axes`.
     """
     n, qdot = native.nq, native.rates(q, v, k)
     none = np.zeros((0, native.nv))
@@ -246,10 +264,9 @@ def _of_body(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, vdo
 
     J = derivatives(v)
     Z = -J[:n, n:]
-    Zdot = np.column_stack([-derivatives(unit)[:n, :n] @ qdot for unit in np.eye(native.nv)])
     return _Derivatives(
         Z=Z,
-        W=np.linalg.pinv(Z) @ (-J[:n, :n] @ Z - Zdot),
+        W=_of_moving_axes(Z, J[:n, :n], qdot, lambda unit: derivatives(unit)[:n, :n]),
         M=native.mass_pattern.dense(native.mass(q, k)),
         K=J[n:, :n] @ Z,
         H=J[n:, n:],

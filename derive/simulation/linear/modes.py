@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,6 @@ from derive.simulation.compiled_scene import max_norm
 from derive.simulation.constraints.redundancy import check_constraints
 from derive.simulation.equilibrium import Equilibrium
 from derive.simulation.errors import MovingDrives, NoEquilibrium, SimulationError
-from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.solution import Progress
 from derive.simulation.linear.eigenmodes import Mode, eigenmodes
 from derive.simulation.linear.linearisation import Linearisation, linearise
@@ -26,9 +26,12 @@ from derive.simulation.linear.run_time_inputs import constants, scene_with_value
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.redundant_joints import with_redundant_joints
+from derive.simulation.scene_start import state_of
 from derive.simulation.simulate import with_simulation
-from derive.spec.model.scene import EQUILIBRIUM, Scene, Specification
+from derive.spec.model.scene import EQUILIBRIUM, Scene
 from derive.spec.model.scene_functions import input_functions, time_functions
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.model.time_function import depends_on_time
 
 ADVICE = "The option --at 0, in Python at=0, takes the initial state instead."
@@ -83,7 +86,7 @@ class Modes:
     @property
     def functions_of_time(self) -> tuple[str, ...]:
         """The keys of the functions of a scene that change with time; modes have their values at the state's time."""
-        if not isinstance(self.spec, Scene):
+        if not isinstance(self.spec, (Scene, SpatialScene)):
             return ()
         functions = (*time_functions(self.spec), *input_functions(self.spec))
         changing = (path for path, function in functions if function.kind != "input" and depends_on_time(function))
@@ -112,7 +115,7 @@ def modes(spec: Specification, *, at: float | None = None, progress: Progress | 
 
     Raises SpecError, CompilerError, ModelError, SimulationError.
     """
-    if isinstance(spec, Scene):
+    if isinstance(spec, (Scene, SpatialScene)):
         state = with_redundant_joints(spec, lambda scene: _of_scene(scene, at, progress))
     else:
         state = _of_body(spec, at)
@@ -131,7 +134,7 @@ def _of_body(spec: Specification, at: float | None) -> _State:
     return _State(native, native.setup(), 0.0, q, np.zeros(native.nv))
 
 
-def _motion(scene: Scene, at: float, progress: Progress | None) -> SceneMotion:
+def _motion(scene: AnyScene, at: float, progress: Progress | None) -> SceneMotion:
     """The motion of a scene up to a time (s). Raises SpecError, which names the option if the time is the reason."""
     rows = ROWS if scene.simulation is None else min(ROWS, max(1.0, at / scene.simulation.output))
     try:
@@ -144,7 +147,7 @@ def _motion(scene: Scene, at: float, progress: Progress | None) -> SceneMotion:
     return run.motion
 
 
-def _of_scene(scene: Scene, at: float | None, progress: Progress | None) -> _State:
+def _of_scene(scene: AnyScene, at: float | None, progress: Progress | None) -> _State:
     """A scene in its state at a time (s), or in its equilibrium, with the values of its run-time inputs there."""
     if at is not None and at > 0.0:
         motion = _motion(scene_with_values(scene), at, progress)
@@ -156,10 +159,11 @@ def _of_scene(scene: Scene, at: float | None, progress: Progress | None) -> _Sta
     native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))
     k = constants(scene, native, 0.0)
     if at is not None:
-        start = initial_state(scene, native, k)
+        start = state_of(scene, native, k)
         return _State(native, k, start.t, start.q, start.v)
     try:
-        balance = initial_state(replace(scene, start=EQUILIBRIUM), native, k).equilibrium
+        changed: Any = scene
+        balance = state_of(replace(changed, start=EQUILIBRIUM), native, k).equilibrium
     except MovingDrives as error:
         raise SimulationError(
             f"a scene whose drives move at t = 0 has no static equilibrium: {enumeration(error.drives)}. {ADVICE}"

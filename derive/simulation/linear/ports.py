@@ -14,6 +14,7 @@ import numpy as np
 
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
+from derive.simulation.configurations import rate_matrix
 
 STEP = 1e-3
 """The step of differences with respect to inputs, relative to those above 1. Most equations are linear in them."""
@@ -59,7 +60,8 @@ def inputs_of(
         forces = tuple(f"{marker}_F{i}" for marker, i in names)
         return InputDerivatives(forces, -jacobian.T, none, none, none)
     form = native.dae["index1"]
-    y, ydot = np.concatenate([q, v, lam]), np.concatenate([v, vdot, np.zeros(len(lam))])
+    qdot = native.rates(q, v, k)
+    y, ydot = np.concatenate([q, v, lam]), np.concatenate([qdot, vdot, np.zeros(len(lam))])
     residual = _by_inputs(native, k, lambda k: form.residual(t, y, ydot, k))
     return InputDerivatives(
         names=native.inputs,
@@ -85,7 +87,8 @@ def outputs_of(
     assert native.outputs_pattern is not None
     J = native.outputs_pattern.dense(native.outputs_jacobian(t, q, v, vdot, lam, k))
     ends = np.cumsum([native.nq, nv, nv, native.nlambda])
-    return OutputDerivatives(native.outputs, *np.split(J, ends, axis=1))
+    by_q, *others = np.split(J, ends, axis=1)
+    return OutputDerivatives(native.outputs, by_q @ rate_matrix(native, q, k), *others)
 
 
 def _by_inputs(native: NativeScene, k: Vector, function: Callable[[Vector], Vector]) -> Matrix:

@@ -16,10 +16,11 @@ from derive.mechanics.symbols import amplitude, owned
 from derive.simulation.observables.motion import Array, SceneMotion, si_value, transformed
 from derive.spec.model.beam_parts import AssumedDeflection
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody
+from derive.spec.model.specification import AnyScene
 
 
-def beam_bodies(scene: Scene) -> tuple[BeamBody, ...]:
+def beam_bodies(scene: AnyScene) -> tuple[BeamBody, ...]:
     """The flexible bodies of a scene."""
     return tuple(body for body in scene.bodies if isinstance(body, BeamBody))
 
@@ -74,7 +75,7 @@ def amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
 
 def field_amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
     """All amplitudes of a piece (n, fields), m."""
-    names = [owned(amplitude(i + 1), piece).name for i in range(len(fields_of(beam)))]
+    names = [owned(amplitude(i + 1), piece).identity.shown for i in range(len(fields_of(beam)))]
     values: Array = motion.q[:, [motion.native.coordinates.index(name) for name in names]]
     return values
 

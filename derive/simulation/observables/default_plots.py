@@ -14,7 +14,7 @@ from derive.simulation.trajectory import energy_names
 from derive.spec.model.instances import identifier, joined
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 
 PLANAR = {
     "angles": (Role.ROTATION,),
@@ -35,7 +35,7 @@ MANY_CURVES, SELECTED = 60, 12
 """A plot of more coordinates than the first shows as many as the second, evenly spaced ones."""
 
 
-def default_plots(scene: Scene, model: Model) -> tuple[Plot, ...]:
+def default_plots(scene: AnyScene, model: Model) -> tuple[Plot, ...]:
     """One plot over the time for each output that no plot shows; without outputs and plots, those of coordinates and,
     of a body in space alone, of its angular velocity and energies."""
     if scene.outputs or scene.plots:
@@ -43,7 +43,7 @@ def default_plots(scene: Scene, model: Model) -> tuple[Plot, ...]:
     return tuple(_plot(name, _selected(columns)) for name, columns in _quantities(scene, model).items())
 
 
-def plots_note(scene: Scene, model: Model) -> tuple[str, ...]:
+def plots_note(scene: AnyScene, model: Model) -> tuple[str, ...]:
     """A line on what default plots leave out, if they do."""
     if scene.outputs or scene.plots:
         return ()
@@ -62,20 +62,26 @@ def _selected(columns: Sequence[str]) -> list[str]:
     return [columns[len(columns) - 1 - step * i] for i in reversed(range(SELECTED))]
 
 
-def _quantities(scene: Scene, model: Model) -> dict[str, list[str]]:
+def _quantities(scene: AnyScene, model: Model) -> dict[str, list[str]]:
     """The names of the columns that are plotted, by the names of the default plots."""
     spatial = any(c.role is Role.QUATERNION for c in model.coordinates)
-    quantities = {
-        name: [x for c in model.coordinates if c.role in roles for x in c.columns]
-        for name, roles in (SPATIAL if spatial else PLANAR).items()
-    }
-    if spatial:
+    every = SPATIAL if spatial or model.in_space else PLANAR
+    quantities = {name: quantities_of(model, *roles) for name, roles in every.items()}
+    if scene.bodies and (spatial or model.in_space):
+        quantities |= {"joints": quantities_of(model, Role.ROTATION, Role.DISPLACEMENT)}
+        quantities["angular_velocity"] = [x.name for x in model.velocities if x.unit == "rad/s"]
+    elif spatial:
         quantities["angular_velocity"] = [x.name for x in model.velocities[3:6]]
     quantities["energy"] = [*energy_names(scene, model)]
     return {name: columns for name, columns in quantities.items() if columns}
 
 
-def _unplotted(scene: Scene) -> list[SceneOutput]:
+def quantities_of(model: Model, *roles: Role) -> list[str]:
+    """The names of the columns of coordinates with some roles."""
+    return [x for c in model.coordinates if c.role in roles for x in c.columns]
+
+
+def _unplotted(scene: AnyScene) -> list[SceneOutput]:
     """The outputs that no plot shows, by their columns or as the same deflection."""
     quantities = [plot.quantity for plot in scene.plots]
     columns = {y for quantity in quantities if isinstance(quantity, ColumnCurves) for y in quantity.y}
@@ -91,7 +97,7 @@ def _deflection(output: SceneOutput) -> Deflection | None:
     return Deflection(values[MARKER.name], values[CHORD.name], None if divisor is None else float(divisor))
 
 
-def _free_name(output: SceneOutput, scene: Scene) -> str:
+def _free_name(output: SceneOutput, scene: AnyScene) -> str:
     """The name of an output's plot: its own, or one like it if a plot of something else has that, in any case."""
     names = [plot.name for plot in scene.plots] + [other.name for other in scene.outputs if other != output]
     taken = {name.lower() for name in names}

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.prescribed_motion import drive_motion
 from derive.runtime.native_scene import NativeScene
 from derive.spec.files.splines import cubic_spline
@@ -17,6 +18,8 @@ from derive.spec.model.markers import GROUND, MarkerRef, PointMarker
 from derive.spec.model.plots import ReferenceCurve
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, CustomBody, Drive, RigidBody, Scene
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import TimeFunction, value_at
 
 Array = NDArray[np.float64]
@@ -29,7 +32,7 @@ class SceneMotion:
     outputs (n, nout): those of the compiled scene, where they are known.
     """
 
-    scene: Scene
+    scene: AnyScene
     native: NativeScene
     k: Array
     t: Array
@@ -39,7 +42,7 @@ class SceneMotion:
 
     @cached_property
     def poses(self) -> Array:
-        """The poses (n, bodies, 3): position (m) and rotation (rad) of each body frame in `native.bodies`."""
+        """The poses of each body frame in `native.bodies`, (n, bodies, 3) or in space (n, bodies, 12)."""
         states = zip(self.t, self.q, strict=True)
         return np.array([self.native.poses(float(t), q, self.k) for t, q in states])
 
@@ -47,6 +50,12 @@ class SceneMotion:
         """The position and rotation (n, 3) of the frame of a body, or of a piece of a beam."""
         pose: Array = self.poses[:, self.native.bodies.index(body)]
         return pose
+
+
+def planar(scene: AnyScene) -> Scene:
+    """A scene that is in the plane."""
+    assert isinstance(scene, Scene), "this is computed of planar scenes alone"
+    return scene
 
 
 def si_value(quantity: Quantity) -> float:
@@ -110,10 +119,10 @@ def simulated_drive(native: NativeScene, drive: Drive, t: Array) -> Array:
     return np.array([native.inputs_at(float(time))[index] for time in t])
 
 
-def drive_unit(scene: Scene, drive: Drive) -> str:
+def drive_unit(scene: AnyScene, drive: Drive) -> str:
     """The unit of a drive: rad of a rotation, m of a displacement."""
     kind = next(joint.kind for joint in scene.joints if joint.name == drive.joint)
-    driven = JOINTS[kind].driven
+    driven = (SPATIAL_JOINTS if isinstance(scene, SpatialScene) else JOINTS)[kind].driven
     assert driven is not None, "the specification refuses other drives"
     return driven.unit
 

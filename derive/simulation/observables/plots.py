@@ -13,7 +13,7 @@ from derive.simulation.observables.marker_positions import deflection
 from derive.simulation.observables.motion import Array, SceneMotion, deviation, drive_unit, simulated_drive
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +91,7 @@ class PlotText:
     x_unit: str
 
 
-def plot_text(plot: Plot, scene: Scene, units: Mapping[str, str]) -> PlotText:
+def plot_text(plot: Plot, scene: AnyScene, units: Mapping[str, str]) -> PlotText:
     """The texts of a plot; `units` are those of the columns of the motion."""
     quantity = plot.quantity
     match quantity:
@@ -114,14 +114,14 @@ def with_unit(name: str, unit: str) -> str:
     return f"{name}, {unit}" if unit else name
 
 
-def _drive_label(scene: Scene, plot: Plot) -> str:
+def _drive_label(scene: AnyScene, plot: Plot) -> str:
     """The quantity of the x axis of a deflection: time, or the motion of a drive."""
     if plot.over is None:
         return "time"
     return f"{'angle' if _drive_unit(scene, plot) == 'rad' else 'displacement'} of {plot.over}"
 
 
-def _drive_unit(scene: Scene, plot: Plot) -> str:
+def _drive_unit(scene: AnyScene, plot: Plot) -> str:
     """The unit of the x axis of a deflection: s, rad or m."""
     drive = next((d for d in scene.drives if d.name == plot.over), None)
     return "s" if drive is None else drive_unit(scene, drive)

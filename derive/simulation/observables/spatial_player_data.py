@@ -1,8 +1,10 @@
-"""The data of the player of a body in space: nodes, edges, modes and motion, as plain data in whole steps."""
+"""The data of the player of bodies in space: surfaces, modes and motion, as plain data in whole steps."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -10,102 +12,198 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from derive.reduction.body import prepare
+from derive.simulation.observables.body_surface import Surface, surface
+from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import Array
-from derive.simulation.observables.player_data import RESOLUTION, Plain, channel, frames, rounded, speeds
+from derive.simulation.observables.player_data import (
+    RESOLUTION,
+    Plain,
+    channel,
+    clock_data,
+    curves_data,
+    frames,
+    rounded,
+    speeds,
+)
 from derive.spec.model.body import NodalBody
 
-MAX_NODES = 400
-"""A body with more nodes is drawn as the box around them."""
+MAX_NODES = 1000
+"""A body whose surface has more nodes is drawn as the box around it."""
 
-NEIGHBOURS = 26
-"""The number of nearest nodes to which edges are considered."""
+BOX_FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
+BOX_EDGES = tuple((i, i | 1 << axis) for i in range(8) for axis in range(3) if not i >> axis & 1)
+"""Faces and edges of a box by its corners, whose three binary digits say which end of each axis they are at."""
 
 
 @dataclass(frozen=True, eq=False)
 class DrawnBody:
-    """The drawing of a body: points x (n, 3), m, in its frame, the modes there, phi (N, n, 3), and edges (pairs).
+    """The drawing of a body: points x (n, 3), m, in its frame, the modes there, phi (N, n, 3), and its surface.
 
-    radius: of the body about the origin of its frame, m. markers: the names and the nodes of markers.
+    radius: of the body about the origin of its frame, m. markers: the names and the points of markers. links: pairs of
+    points that a thick line connects, such as the markers of a rigid body.
     """
 
+    name: str
     x: Array
     phi: Array
-    edges: list[list[int]]
+    surface: Surface
     radius: float
-    markers: list[Plain]
+    markers: tuple[tuple[str, int], ...] = ()
+    links: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class BodyPath:
+    """The motion of the frame of a body: positions c (n, 3), m, unit quaternions (n, 4), and amplitudes (n, N), m."""
+
+    position: Array
+    quaternion: Array
+    amplitudes: Array
+
+
+def path_of(q: Array) -> BodyPath:
+    """The motion of a body whose coordinates (n, nq) are its own: position, quaternion, amplitudes."""
+    return BodyPath(q[:, :3], q[:, 3:7], q[:, 7:])
 
 
 def drawn_body(body: NodalBody) -> DrawnBody:
-    """The nodes of a body with edges between neighbours; if there are more than MAX_NODES, the box around them, whose
-    corners move as the nearest nodes."""
+    """The surface of a body of nodes with its markers; if it has more than MAX_NODES, the box around it, whose corners
+    move as the nearest nodes."""
     shapes = prepare(body).shapes
     radius = float(np.linalg.norm(shapes.x, axis=1).max()) or 1.0
-    if len(shapes.x) > MAX_NODES:
-        return DrawnBody(*_box(shapes.x, shapes.phi), radius, [])
-    markers: list[Plain] = [{"name": marker.name, "node": marker.node} for marker in body.markers]
-    return DrawnBody(shapes.x, shapes.phi, neighbours(shapes.x), radius, markers)
+    whole = surface(shapes.x)
+    marked = [marker.node for marker in body.markers]
+    if len(whole.nodes) > MAX_NODES:
+        corners = _box(shapes.x.min(axis=0), shapes.x.max(axis=0))
+        shown = [*cKDTree(shapes.x).query(corners)[1], *marked]
+        x, drawn = np.concatenate([corners, shapes.x[marked]]), Surface(BOX_FACES, BOX_EDGES)
+    else:
+        shown = [*(whole.nodes or range(len(shapes.x))), *marked]
+        x, number = shapes.x[shown], {node: i for i, node in enumerate(whole.nodes)}
+        faces = tuple(tuple(number[node] for node in face) for face in whole.faces)
+        drawn = Surface(faces, tuple((number[i], number[j]) for i, j in whole.edges))
+    first = len(shown) - len(marked)
+    markers = tuple((marker.name, first + i) for i, marker in enumerate(body.markers))
+    return DrawnBody(body.name, x, shapes.phi[:, shown], drawn, radius, markers)
 
 
-def spatial_player_data(body: NodalBody, t: Array, q: Array) -> Plain:
-    """The content of the page of the motion q (n, nq) of a body at the times t (n,): lengths in m, times in s."""
-    drawn = drawn_body(body)
-    return {"name": body.name, **body_data(drawn), **body_motion_data(drawn, t, q)}
+def rigid_drawing(
+    name: str, mass: float, centre: Array, inertia: Array, markers: Sequence[tuple[str, Array]]
+) -> DrawnBody:
+    """A rigid body as the homogeneous box of its mass (kg) and inertia tensor (3, 3) about its centre, kg m^2, with
+    lines from its centre (3,), m, to its markers (3,); without mass the lines alone."""
+    points = np.array([x for _, x in markers]).reshape(-1, 3)
+    if mass > 0:
+        moments, axes = np.linalg.eigh(inertia)
+        half = np.sqrt(np.maximum(moments.sum() - 2 * moments, 0) * 1.5 / mass)
+        x = np.concatenate([centre + _box(-half, half) @ axes.T, [centre], points])
+        drawn, first = Surface(BOX_FACES, BOX_EDGES), 9
+        links = tuple((8, first + i) for i in range(len(points)))
+    else:
+        x, drawn, first = points, Surface((), ()), 0
+        links = tuple(pairwise(range(len(points))))
+    radius = float(np.linalg.norm(x, axis=1).max()) if len(x) else 0.0
+    named = tuple((marker, first + i) for i, (marker, _) in enumerate(markers))
+    return DrawnBody(name, x, np.zeros((0, len(x), 3)), drawn, radius or 1.0, named, links)
 
 
-def body_data(drawn: DrawnBody) -> Plain:
-    """The part of the content of a page that does not depend on the motion."""
+def spatial_player_data(body: NodalBody, t: Array, q: Array, curves: Sequence[Column] = ()) -> Plain:
+    """The content of the page of the motion q (n, nq) of a body at the times t (n,): lengths in m, times in s.
+
+    curves: columns with a value for each instant, which the page draws over time.
+    """
+    drawn, paths = [drawn_body(body)], [path_of(q)]
     return {
-        "nodes": _rounded(drawn.x),
-        "shapes": [_rounded(mode) for mode in drawn.phi],
-        "edges": drawn.edges,
-        "markers": drawn.markers,
-        "radius": rounded(drawn.radius),
+        "name": body.name,
+        **bodies_data(drawn),
+        **bodies_motion_data(drawn, t, paths),
+        "curves": curves_data(curves, shown_frames(t, paths)),
     }
 
 
-def body_motion_data(drawn: DrawnBody, t: Array, q: Array) -> Plain:
-    """The part of the content of a page that is the motion q (n, nq) at the times t (n,), s."""
-    chosen = frames(len(t), 1 + q.shape[1])
-    t, q = t[chosen], q[chosen]
-    middle = (q[:, :3].min(axis=0) + q[:, :3].max(axis=0)) / 2
-    reach = drawn.radius + float(np.linalg.norm(q[:, :3] - middle, axis=1).max())
-    step = rounded(RESOLUTION * reach)
+def bodies_data(bodies: Sequence[DrawnBody], ground: Sequence[tuple[str, Array]] = ()) -> Plain:
+    """The part of the content of a page that does not depend on the motion.
+
+    ground: names and places (3,), m, of the markers of the ground.
+    """
     return {
-        "time": channel(t, 1e-6 * float(t[-1] - t[0]) or 1.0),
-        "position": [channel(c, step) for c in q[:, :3].T],
-        "quaternion": [channel(e, RESOLUTION) for e in q[:, 3:7].T],
-        "amplitudes": [channel(a, 1e-5 * float(np.abs(a).max())) for a in q[:, 7:].T],
+        "bodies": [
+            {
+                "name": body.name,
+                "nodes": _rounded(body.x),
+                "shapes": [_rounded(mode) for mode in body.phi],
+                "faces": body.surface.faces,
+                "edges": body.surface.edges,
+                "links": body.links,
+                "markers": [{"name": name, "node": node} for name, node in body.markers],
+            }
+            for body in bodies
+        ],
+        "ground": [{"name": name, "at": _rounded(at)} for name, at in ground],
+        "radius": rounded(max(body.radius for body in bodies)),
+    }
+
+
+def bodies_motion_data(
+    bodies: Sequence[DrawnBody], t: Array, paths: Sequence[BodyPath], measured: bool = True
+) -> Plain:
+    """The part of the content of a page that is the motion of bodies at the times t (n,), s.
+
+    measured: whether amplitudes have a meaning, so that the page states the largest displacement by deformation.
+    """
+    chosen = shown_frames(t, paths)
+    t = t[chosen]
+    shown = [BodyPath(p.position[chosen], p.quaternion[chosen], p.amplitudes[chosen]) for p in paths]
+    points = np.concatenate([_points(body, path) for body, path in zip(bodies, shown, strict=True)])
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    reach = float(np.linalg.norm(points - middle, axis=1).max()) or 1.0
+    largest = max(_largest_displacement(body, path) for body, path in zip(bodies, shown, strict=True))
+    return {
+        "time": clock_data(t),
+        "paths": [_path_data(path, rounded(RESOLUTION * reach)) for path in shown],
         "reach": rounded(reach),
         "centre": _rounded(middle),
+        "displacement": rounded(largest),
+        "measured": measured,
         "speeds": speeds(float(t[-1] - t[0])),
     }
 
 
-def neighbours(x: Array) -> list[list[int]]:
-    """The edges of the Gabriel graph of nodes (n, 3): pairs with no other node in the sphere between them, or on it.
-
-    For a grid these are the edges of its cells. Only the nearest nodes are considered.
-    """
-    if len(x) < 2:
-        return []
-    tree = cKDTree(x)
-    distances, indices = tree.query(x, k=min(NEIGHBOURS + 1, len(x)))
-    edges: list[list[int]] = []
-    for i, (lengths, others) in enumerate(zip(distances, indices, strict=True)):
-        for length, j in zip(lengths, others, strict=True):
-            if i < j and length and len(tree.query_ball_point((x[i] + x[j]) / 2, length / 2 * (1 + 1e-6))) == 2:
-                edges.append([i, int(j)])
-    return edges
+def shown_frames(t: Array, paths: Sequence[BodyPath]) -> NDArray[np.intp]:
+    """The instants of the times t (n,) that a page shows."""
+    return frames(len(t), 1 + sum(7 + path.amplitudes.shape[1] for path in paths))
 
 
-def _box(x: Array, phi: Array) -> tuple[Array, Array, list[list[int]]]:
-    """The corners of the box around nodes, the modes there, and the edges of the box."""
-    low, high = x.min(axis=0), x.max(axis=0)
-    bits = np.array([[(corner >> axis) & 1 for axis in range(3)] for corner in range(8)])
+def _path_data(path: BodyPath, step: float) -> Plain:
+    return {
+        "position": [channel(c, step) for c in path.position.T],
+        "quaternion": [channel(e, RESOLUTION) for e in path.quaternion.T],
+        "amplitudes": [channel(a, 1e-5 * float(np.abs(a).max())) for a in path.amplitudes.T],
+    }
+
+
+def _points(body: DrawnBody, path: BodyPath) -> Array:
+    """The places (places, 3), m, of the points of a body and of the origin of its frame, in all instants."""
+    x = np.concatenate([body.x, np.zeros((1, 3))])
+    e0, e = path.quaternion[:, None, :1], path.quaternion[:, None, 1:]
+    turned = x + 2 * np.cross(e, np.cross(e, x) + e0 * x)
+    placed: Array = (path.position[:, None] + turned).reshape(-1, 3)
+    return placed
+
+
+def _largest_displacement(body: DrawnBody, path: BodyPath) -> float:
+    """The largest displacement by deformation, m, of the points of a body in all instants."""
+    if not path.amplitudes.shape[1] or not len(body.x):
+        return 0.0
+    moved = np.tensordot(path.amplitudes, body.phi, axes=1)
+    return float(np.linalg.norm(moved, axis=2).max())
+
+
+def _box(low: Array, high: Array) -> Array:
+    """The corners (8, 3) of a box, in the order of BOX_FACES."""
+    bits = np.array([bits[::-1] for bits in product((0, 1), repeat=3)])
     corners: Array = np.where(bits, high, low)
-    nearest: NDArray[np.intp] = cKDTree(x).query(corners)[1]
-    edges = [[i, i | 1 << axis] for i in range(8) for axis in range(3) if not i >> axis & 1]
-    return corners, phi[:, nearest], edges
+    return corners
 
 
 def _rounded(values: Array) -> Any:

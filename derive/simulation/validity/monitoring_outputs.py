@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -13,7 +14,11 @@ from derive.simulation.validity.loaded_sections import loaded_markers, sections,
 from derive.spec.model.instances import identifier
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
+
+S = TypeVar("S", bound=AnyScene)
 
 MOMENT_GAP, SHEAR_GAP = "moment_gap", "shear_gap"
 """The outputs of sections."""
@@ -30,7 +35,7 @@ class MonitoredPiece:
     outputs: tuple[SceneOutput, ...]
 
 
-def monitored_pieces(scene: Scene) -> tuple[MonitoredPiece, ...]:
+def monitored_pieces(scene: AnyScene) -> tuple[MonitoredPiece, ...]:
     """The pieces whose axial force is monitored; their outputs have names that the scene does not use."""
     taken, result = {output.name for output in scene.outputs}, []
     for beam in beam_bodies(scene):
@@ -41,14 +46,16 @@ def monitored_pieces(scene: Scene) -> tuple[MonitoredPiece, ...]:
     return tuple(result)
 
 
-def monitored_sections(scene: Scene) -> dict[tuple[str, Fraction, str], SceneOutput]:
+def monitored_sections(scene: AnyScene) -> dict[tuple[str, Fraction, str], SceneOutput]:
     """The outputs of the moment and the shear force that the shapes miss, by beam, place and kind.
 
     Moments at the ends that are clamped against rotation, and where something acts within the beam; shear forces at the
     ends that something acts on.
     """
     taken = {output.name for output in scene.outputs}
-    result = {}
+    result: dict[tuple[str, Fraction, str], SceneOutput] = {}
+    if isinstance(scene, SpatialScene) or not beam_bodies(scene):
+        return result
     every, turned = loaded_markers(scene), turned_markers(scene)
     for beam in beam_bodies(scene):
         loaded = sections(beam, every)
@@ -67,12 +74,12 @@ MOST_BEAMS = 30
 """Beams of a scene that are monitored: the vibrations of each involve all bodies, and so does each of its forms."""
 
 
-def is_monitored(scene: Scene) -> bool:
+def is_monitored(scene: AnyScene) -> bool:
     """Whether the beams of a scene are monitored: there are few enough of them."""
     return len(beam_bodies(scene)) <= MOST_BEAMS
 
 
-def monitoring_note(scene: Scene) -> tuple[str, ...]:
+def monitoring_note(scene: AnyScene) -> tuple[str, ...]:
     """A line on beams that are not monitored, if there are any."""
     if is_monitored(scene):
         return ()
@@ -80,7 +87,7 @@ def monitoring_note(scene: Scene) -> tuple[str, ...]:
     return (f"validity: {many}: it takes time with their third power, and at most {MOST_BEAMS} are",)
 
 
-def monitoring_outputs(scene: Scene) -> tuple[SceneOutput, ...]:
+def monitoring_outputs(scene: AnyScene) -> tuple[SceneOutput, ...]:
     """All outputs that are monitored, each with one component."""
     if not is_monitored(scene):
         return ()
@@ -88,9 +95,11 @@ def monitoring_outputs(scene: Scene) -> tuple[SceneOutput, ...]:
     return (*of_pieces, *monitored_sections(scene).values())
 
 
-def with_monitors(scene: Scene) -> Scene:
+def with_monitors(scene: S) -> S:
     """The scene with the outputs that are monitored behind its own; a scene without beams as it is."""
-    return replace(scene, outputs=(*scene.outputs, *monitoring_outputs(scene)))
+    changed: Any = scene
+    result: S = replace(changed, outputs=(*scene.outputs, *monitoring_outputs(scene)))
+    return result
 
 
 def _name(name: str, taken: set[str]) -> str:

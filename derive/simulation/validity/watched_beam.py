@@ -17,6 +17,7 @@ from derive.runtime.integrators.watch import Watch, Watched
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.observables.beams import beam_bodies, piece_names
+from derive.simulation.observables.motion import planar
 from derive.simulation.validity.beam_line import PLACES, deflections_along, places
 from derive.simulation.validity.held_beam import HeldMode, StaticResponse, held_modes
 from derive.simulation.validity.known_gaps import known_gaps
@@ -26,6 +27,7 @@ from derive.simulation.validity.monitoring_outputs import is_monitored, monitore
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.simulation.validity.watched_forms import WatchedForms
 from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.specification import AnyScene
 
 SLOPE = 1e-9
 """Shapes with smaller slopes at an end, per amplitude over the length, do not rotate it."""
@@ -107,14 +109,14 @@ class SceneWatch:
         return self.watch.of_rows(t, np.hstack([q, v, outputs]), native.nq)
 
 
-def scene_watch(scene: Scene, native: NativeScene, k: Vector, t: float, q: Vector) -> SceneWatch:
+def scene_watch(scene: AnyScene, native: NativeScene, k: Vector, t: float, q: Vector) -> SceneWatch:
     """The watch of a scene that was compiled with the outputs of `with_monitors`; q (nq,): a state at t (s)."""
     forms = WatchedForms(native)
     beams = []
     for beam in beam_bodies(scene) if is_monitored(scene) else ():
         shapes = PieceShapes(beam)
         modes = held_modes(shapes, native, k, t, q)
-        beams.append(_BeamForms(scene, forms, shapes, modes, StaticResponse(native, k, t, q)).watched())
+        beams.append(_BeamForms(planar(scene), forms, shapes, modes, StaticResponse(native, k, t, q)).watched())
     return SceneWatch(native, k, tuple(beams), Watch(tuple(forms.quantities)))
 
 

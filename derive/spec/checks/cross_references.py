@@ -27,22 +27,24 @@ def scene_faults(data: Raw) -> list[Fault]:
     if isinstance(bodies, Mapping) and not bodies:
         return [Fault(("bodies",), "a scene needs bodies; write one, such as [bodies.rod]")]
     view = SceneData(data)
-    faults = [*_ground(view), *name_faults(view), *parameter_faults(view), *_shapes(view)]
+    faults = [*ground_faults(view), *name_faults(view), *parameter_faults(view), *_shapes(view)]
     if view.complete:
-        faults += [*_markers(view), *_joints(view), *_drives(view), *_weightless(view), *_actions(view), *_plots(view)]
+        faults += [*marker_faults(view), *_joints(view), *_drives(view), *_weightless(view)]
+        faults += [*_actions(view), *_plots(view)]
         faults += [*_chords(view), *joint_start_faults(view)]
-        faults += [*_inputs(view), *_outputs(view), *column_faults(view)]
+        faults += [*input_faults(view), *_outputs(view), *column_faults(view)]
     return faults
 
 
-def _ground(view: SceneData) -> Iterator[Fault]:
+def ground_faults(view: SceneData) -> Iterator[Fault]:
+    """Faults of bodies with the name of the inertial frame."""
     for name in view.names_of_bodies:
         if name.lower() == GROUND:
             text = f"{quoted(name)} is the name of the inertial frame, whose markers are in [ground.markers]"
             yield Fault(("bodies", name), f"{text}; choose another name")
 
 
-def _markers(view: SceneData) -> Iterator[Fault]:
+def marker_faults(view: SceneData) -> Iterator[Fault]:
     """Faults of references to markers that do not exist."""
     for path, marker in view.marker_refs():
         if marker.body != GROUND and marker.body not in view.names_of_bodies:
@@ -59,7 +61,7 @@ def _no_marker(view: SceneData, marker: MarkerRef, markers: list[str]) -> str:
     who = "the ground" if marker.body == GROUND else f"the body {marker.body}"
     text = f"{who} has no marker {quoted(marker.marker)}"
     if not markers:
-        such = "-1" if view.is_beam(marker.body) else "[0, 0]"
+        such = "-1" if view.is_beam(marker.body) else "[0, 0, 0]" if view.in_space else "[0, 0]"
         table = "[ground.markers]" if marker.body == GROUND else f"[bodies.{marker.body}.markers]"
         return f"{text}, and no others; write {table} with {marker.marker} = {such}"
     known_names = f"it has the marker{'s' * (len(markers) > 1)} {', '.join(markers)}"
@@ -159,7 +161,7 @@ def _actions(view: SceneData) -> Iterator[Fault]:
             yield Fault(("springs", name, "between"), "a spring is between two markers, and these are the same")
 
 
-def _inputs(view: SceneData) -> Iterator[Fault]:
+def input_faults(view: SceneData) -> Iterator[Fault]:
     """Faults of inputs that are used but do not exist, or that exist but are not used."""
     known, used = view.tables["inputs"], set()
     for path, name in view.input_refs():

@@ -12,8 +12,8 @@ from derive.spec.checks.scene_parameters import scene_constants
 from derive.spec.files.reference_curves import curve
 from derive.spec.files.splines import cubic_spline
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
+from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import Spline, TimeFunction, parts
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, Faults, readable
@@ -47,7 +47,7 @@ def known_functions(data: Mapping[str, object], folder: Path) -> tuple[Known, Fa
     return Known(names, splines), faults
 
 
-def function_faults(scene: Scene, data: Mapping[str, object]) -> Iterator[Fault]:
+def function_faults(scene: AnyScene, data: Mapping[str, object]) -> Iterator[Fault]:
     """Faults of parameters and tables that no function uses, and of tables that end before the simulation does."""
     functions = [*time_functions(scene), *input_functions(scene)]
     used = {p.symbol for _, function in functions for p in function_parameters(function)}

@@ -14,7 +14,7 @@ from derive.spec.parsing.values import kind_of
 from derive.spec.tables.beam import BEAM, BEAM_BODY, BEAM_KEYS
 from derive.spec.tables.body import NODAL, SYMBOLIC
 from derive.spec.tables.scene_bodies import RIGID
-from derive.spec.tables.shared import Example
+from derive.spec.tables.shared import Example, TomlTable
 from derive.spec.tables.simulation import SIMULATION
 from derive.spec.tables.specification import GROUND_TABLE, SCENE, SCENE_TABLE, specification_table
 
@@ -22,11 +22,14 @@ MAX_FAULTS = 100
 
 
 def key_faults(
-    error: ValidationError, data: Mapping[str, object], written: Callable[[KeyPath], KeyPath] = lambda path: path
+    error: ValidationError,
+    data: Mapping[str, object],
+    written: Callable[[KeyPath], KeyPath] = lambda path: path,
+    table: type[TomlTable] | None = None,
 ) -> list[Fault]:
     """The faults of single keys; of very many faults only the first are given.
 
-    written: the path as it is written, for the path of a key of an instance.
+    written: the path as it is written, for the path of a key of an instance. table: that of the whole specification.
     """
     faults: list[Fault] = []
     paths: set[KeyPath] = set()
@@ -40,7 +43,7 @@ def key_faults(
         paths.add(location)
         alike = location, detail["type"], str(detail.get("ctx", {}).get("error")), kind_of(detail["input"])
         if alike not in known:
-            known[alike] = _fault(detail, data)
+            known[alike] = _fault(detail, data, table or specification_table())
         fault = known[alike]
         in_instance = location != detail["loc"]
         faults.append(fault._replace(path=(*detail["loc"][:2], *fault.path[2:])) if in_instance else fault)
@@ -49,15 +52,15 @@ def key_faults(
     return faults
 
 
-def _fault(error: ErrorDetails, data: Mapping[str, object]) -> Fault:
-    at = place(specification_table(), error["loc"])
+def _fault(error: ErrorDetails, data: Mapping[str, object], table: type[TomlTable]) -> Fault:
+    at = place(table, error["loc"])
     match error["type"]:
         case "value_error":
             return Fault(at.path, str(error["ctx"]["error"]))
         case "missing":
             return Fault(at.path, f"this key is missing; write {_example(at, data)}")
         case "extra_forbidden":
-            return Fault(at.path, _unknown_key(at, error["loc"], data))
+            return Fault(at.path, _unknown_key(at, error["loc"], data, table))
         case "model_type":
             example = _example_of(at)
             such = f", such as {example.value}" if example and example.value else ""
@@ -100,7 +103,7 @@ def _example(at: TablePlace, data: Mapping[str, object]) -> str:
     return example.text
 
 
-def _unknown_key(at: TablePlace, location: KeyPath, data: Mapping[str, object]) -> str:
+def _unknown_key(at: TablePlace, location: KeyPath, data: Mapping[str, object], whole: type[TomlTable]) -> str:
     path, key, table = at.path, str(at.path[-1]), at.table
     if len(path) == 1:
         tables = {"beam": (BEAM.model,), "body": (NODAL.model, SYMBOLIC.model)}
@@ -115,7 +118,7 @@ def _unknown_key(at: TablePlace, location: KeyPath, data: Mapping[str, object]) 
         return "a symbolic body has no such key: its numbers are run-time parameters; leave this or `integrals` out"
     # A drive has keys of its own for how it begins.
     if "start" in table.model_fields and path[0] != "drives":
-        start = place(specification_table(), (*location[:-1], "start"))
+        start = place(whole, (*location[:-1], "start"))
         if start.value and key in start.value.model_fields:
             return f"this key belongs in the table [{path_text(start.path)}]"
     if table in (RIGID.model, BEAM_BODY.model):

@@ -12,9 +12,10 @@ from derive.errors import quoted
 from derive.mechanics.multibody.forces.registry import kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.mechanics.multibody.space.rows import DISTANCE, RELATIVE_MOTIONS
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.beam_parts import DEFAULT_ANSATZ
-from derive.spec.model.instances import identifier, joined
+from derive.spec.model.instances import identifier, joined, rate_name
 from derive.spec.model.keys import quantities
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import NAMED
@@ -24,7 +25,12 @@ from derive.spec.parsing.names import element_name_problem, name_problem
 from derive.spec.tables.value_types import MAX_SHAPES
 
 RESERVED = {"t": "it is the time", "pi": "it is the number pi"}
-GRAVITY = dict.fromkeys(("g_1", "g_2"), "it is a component of gravity")
+GRAVITY = dict.fromkeys(("g_1", "g_2", "g_3"), "it is a component of gravity")
+SPATIAL_COORDINATES = (
+    *("c1", "c2", "c3", "e0", "e1", "e2", "e3", "omega1", "omega2", "omega3", "pi1", "pi2", "pi3"),
+    *(f"{stem}{axis}" for stem in ("phi", "s") for axis in ("", 1, 2, 3)),
+)
+"""The ends of the names of coordinates and velocities of a body in space."""
 OWN_MARKERS = ("base", "cut_left", "cut_right")
 """The names of points of bodies that the derivation adds."""
 RATES = ("", "dot", "ddot")
@@ -42,6 +48,11 @@ def _labels(kind: str) -> tuple[str, ...]:
     else:
         labels_of_types = ((*quantities(force.keys), *force.intermediates) for force in kinds(kind).values())
     return tuple(dict.fromkeys(f"_{label}" for labels in labels_of_types for label in labels))
+
+
+def _spatial_labels() -> tuple[str, ...]:
+    """The suffixes of the names of multipliers of joints in space."""
+    return tuple(f"_{label}" for label in (*RELATIVE_MOTIONS, DISTANCE.label))
 
 
 Made = tuple[KeyPath, str, str]
@@ -99,6 +110,9 @@ def made_names(view: SceneData) -> Iterator[Made]:
     """All names that a scene makes."""
     for name, body in _named(view, "bodies"):
         path: KeyPath = ("bodies", name)
+        if view.in_space:
+            yield from _spatial_coordinates(path, name)
+            continue
         if not view.is_beam(name):
             yield from _coordinates(path, name, 0, f"the body {name}")
             continue
@@ -119,9 +133,10 @@ def made_names(view: SceneData) -> Iterator[Made]:
                     )
     for name, _ in _named(view, "inputs"):
         for rate in RATES:
-            yield ("inputs", name), f"u_{name}{rate}", f"the input {name}{' or its rate' if rate else ''}"
+            made = identifier(f"u_{rate_name(name, rate)}")
+            yield ("inputs", name), made, f"the input {name}{' or its rate' if rate else ''}"
     for kind in ("joints", "forces", "torques", "springs", "drives"):
-        labels = _labels(kind)
+        labels = _spatial_labels() if view.in_space and kind == "joints" else _labels(kind)
         for name, _ in _named(view, kind):
             what = "the multiplier" if kind == "drives" else "a name"
             for end in labels:
@@ -139,6 +154,12 @@ def _coordinates(path: KeyPath, name: str, shapes: int, of: str) -> Iterator[Mad
     for coordinate in map(identifier, coordinate_names(name, shapes)):
         for rate in RATES:
             yield path, f"{coordinate}{rate}", f"a {'rate' if rate else 'coordinate'} of {of}"
+
+
+def _spatial_coordinates(path: KeyPath, name: str) -> Iterator[Made]:
+    for end in SPATIAL_COORDINATES:
+        for rate in RATES:
+            yield path, f"{identifier(name, end)}{rate}", f"a {'rate' if rate else 'coordinate'} of the body {name}"
 
 
 def coordinate_names(body: str, shapes: int) -> list[str]:

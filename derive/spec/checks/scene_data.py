@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.spec.checks.dimensions import is_in_space
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.plots import Deflection
@@ -18,6 +19,7 @@ from derive.spec.parsing.faults import KeyPath, readable
 from derive.spec.tables.scene_bodies import kind_of_scene_body
 from derive.spec.tables.scene_elements import ELEMENTS
 from derive.spec.tables.shared import MAX_MARKERS, MAX_NAMED
+from derive.spec.tables.spatial import kind_of_spatial_body
 
 Raw = Mapping[str, object]
 MARKERS = (KeyType.MARKER, KeyType.BEAM_MARKER, KeyType.MARKER_PAIR)
@@ -57,8 +59,15 @@ class SceneData:
         sections = [self.data.get(kind, {}) for kind in NAMED]
         return all(isinstance(item, Mapping) and len(item) <= MAX_NAMED for item in sections)
 
+    @cached_property
+    def in_space(self) -> bool:
+        """Whether the scene is one in space."""
+        return is_in_space(self.data)
+
     def kind(self, body: str) -> str:
         """The kind of a body."""
+        if self.in_space:
+            return kind_of_spatial_body(self.bodies.get(body))
         return kind_of_scene_body(self.bodies.get(body))
 
     def is_beam(self, body: str) -> bool:

@@ -12,7 +12,7 @@ from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
 from derive.spec.model.beam import BEAM_QUANTITIES
-from derive.spec.model.beam_parts import DEFAULT_LENGTH, AttachedMass, AxialDeformation, BeamDamping
+from derive.spec.model.beam_parts import DEFAULT_LENGTH, INERTIA_UNIT, AttachedMass, AxialDeformation, BeamDamping
 from derive.spec.model.body import ACCELERATION_UNIT
 from derive.spec.model.keys import Key, declared_keys, quantities
 from derive.spec.model.markers import GROUND
@@ -105,9 +105,12 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
             yield from beam_constants(("bodies", name), body, f" {of}")
             continue
         kind = view.kind(name)
+        if kind == "flexible":
+            continue
         for key, unit in _units(declared_keys(RigidBody) if kind == "rigid" else BODIES[kind].keys).items():
             yield SceneConstant(("bodies", name, key), body.get(key), f"{key} {of}", unit)
         yield from _components(("bodies", name, "centre"), body.get("centre"), f"the centre {of}", DEFAULT_LENGTH.unit)
+        yield from _components(("bodies", name, "inertia"), body.get("inertia"), f"the inertia {of}", INERTIA_UNIT)
         yield from _markers(("bodies", name, "markers"), body.get("markers"), of)
     ground = view.data.get(GROUND)
     if isinstance(ground, Mapping):
@@ -167,10 +170,13 @@ def _force(section: str, name: str, table: Mapping[str, object], kind: str) -> I
 
 
 def _components(path: KeyPath, value: object, what: str, unit: str) -> Iterator[SceneConstant]:
-    for i, component in enumerate(value[:2] if isinstance(value, (list, tuple)) else ()):
+    for i, component in enumerate(value[:6] if isinstance(value, (list, tuple)) else ()):
         yield SceneConstant((*path, i), component, f"component {i + 1} of {what}", unit)
 
 
 def _markers(path: KeyPath, markers: object, of: str) -> Iterator[SceneConstant]:
     for name, at in markers.items() if isinstance(markers, Mapping) else ():
+        if isinstance(at, Mapping):
+            what = f"the marker {name} {of}"
+            yield from _components((*path, str(name), "at"), at.get("at"), what, DEFAULT_LENGTH.unit)
         yield from _components((*path, str(name)), at, f"the marker {name} {of}", DEFAULT_LENGTH.unit)

@@ -14,19 +14,25 @@ from pydantic import ValidationError
 from derive.errors import Problem, SpecError, quoted
 from derive.spec.checks.body_checks import shape_faults
 from derive.spec.checks.cross_references import scene_faults
+from derive.spec.checks.dimensions import dimension_faults, is_in_space
+from derive.spec.checks.flexible_nodes import flexible_nodes
 from derive.spec.checks.known_functions import function_faults, known_functions
 from derive.spec.checks.messages import key_faults
 from derive.spec.checks.plotted_columns import column_faults
 from derive.spec.checks.scene_parameters import beam_constants
+from derive.spec.checks.spatial_references import spatial_scene_faults
 from derive.spec.files.reference_curves import Rows, references
 from derive.spec.model.beam import BEAM_QUANTITIES, PlanarBeam
 from derive.spec.model.body import NodeData, SymbolicBody
-from derive.spec.model.scene import Scene, Specification
+from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import Specification
 from derive.spec.parsing.faults import Fault, KeyPath, line_of, path_text
 from derive.spec.parsing.names import name_problem
 from derive.spec.tables.body import kind_of_body, nodal_body
 from derive.spec.tables.instance_tables import instance_tables
 from derive.spec.tables.shared import MAX_MARKERS, TomlTable
+from derive.spec.tables.spatial import spatial_scene, spatial_specification_table
 from derive.spec.tables.specification import SCENE, plots, scene, specification_table
 
 Curves = Mapping[str, Rows]
@@ -64,10 +70,12 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves, columns: b
     data = instances.data
     names, faults_of_names = known_functions(data, folder)
     faults: list[Fault] = []
+    in_space = is_in_space(data)
+    table = spatial_specification_table() if in_space else specification_table()
     try:
-        specification = specification_table().model_validate(data, context=names)
+        specification = table.model_validate(data, context=names)
     except ValidationError as error:
-        faults = key_faults(error, data, instances.written)
+        faults = key_faults(error, data, instances.written, table)
     kinds = _kinds(data)
     if len(kinds) > 1:
         return [_mixed(kinds)]  # what else there is follows from this
@@ -78,16 +86,19 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves, columns: b
     faults += _names_of_integrals(data)
     faults += shape_faults(("beam",), data.get("beam"))
     nodes, node_faults = _nodes(data, specification, folder)
+    of_bodies, faults_of_bodies = flexible_nodes(data, specification, folder) if in_space else ({}, [])
+    node_faults = [*node_faults, *faults_of_bodies]
     curves, curve_faults = references(data, folder, known)
     faults += node_faults + curve_faults + faults_of_names
     if any(key in data for key in SCENE) and instances.counts_are_known:
-        faults += scene_faults(data)
+        mixed = list(dimension_faults(data))
+        faults = mixed or [*faults, *(spatial_scene_faults(data) if in_space else scene_faults(data))]
     faults += [*_simulated_without_numbers(data), *_plots_of_a_body(data)]
     faults = instances.merged(faults)
     if specification is None or faults:
         return faults
-    result = _specified(specification, nodes, curves)
-    faults += function_faults(result, data) if isinstance(result, Scene) else ()
+    result = _specified(specification, nodes, curves, of_bodies)
+    faults += function_faults(result, data) if isinstance(result, (Scene, SpatialScene)) else ()
     faults += column_faults(result) if columns else ()
     return instances.merged(faults) or result
 
@@ -124,10 +135,13 @@ def _mixed(kinds: list[str]) -> Fault:
     return Fault((kinds[-1],), f"a file specifies {what}, and here are {tables}; leave one of them out")
 
 
-def _specified(table: Any, nodes: NodeData | None, curves: Mapping[str, Rows]) -> Specification:
+def _specified(
+    table: Any, nodes: NodeData | None, curves: Mapping[str, Rows], of_bodies: Mapping[str, NodeData]
+) -> Specification:
     """The specification that a table without faults describes."""
     if table.bodies is not None:
-        return scene(table, curves)
+        in_space = isinstance(table, spatial_specification_table())
+        return spatial_scene(table, curves, of_bodies) if in_space else scene(table, curves)
     if isinstance(table.body, SymbolicBody):
         return replace(table.body, name=table.name)
     others = {"name": table.name, "simulation": table.simulation, "plots": plots(table, curves)}

@@ -48,7 +48,7 @@ class KeyType(Enum):
     UNIT = "a unit"
     CONDITION = "a comparison of columns"
     COLUMNS = "columns, one or several"
-    SHAPE = "a polynomial in xi"
+    DEFLECTION = "a polynomial in xi"
     PIECE_COUNT = "a number of pieces of a beam"
     PIECE_COUNTS = "several numbers of pieces of a beam"
     SHAPES = "polynomials in xi"
@@ -60,6 +60,12 @@ class KeyType(Enum):
     COUNTS = "whole numbers"
     MODE_COUNT = "a number of modes"
     COORDINATES = "two coordinates, numbers or run-time parameters"
+    COORDINATE_TRIPLE = "three coordinates, numbers or run-time parameters"
+    INERTIA_TENSOR = "six entries of a tensor of inertia, numbers or run-time parameters"
+    FRAMES = "marker frames by their names, with three coordinates each and a rotation"
+    NODE_FRAMES = "markers of a finite-element body by their names: nodes, or sets of nodes"
+    WEIGHTS = "weights, positive numbers"
+    RELATIVE_MOTIONS = "relative motions of two marker frames, by their names"
     PLANAR_ACCELERATION = "two components, numbers or run-time parameters"
     ACCELERATION = "three components, numbers or run-time parameters"
     POINTS = "points by their names, with two coordinates each"
@@ -99,7 +105,7 @@ class Key:
     @property
     def has_names(self) -> bool:
         """Whether the value is a table of elements by their names."""
-        points = (KeyType.POINTS, KeyType.BEAM_POINTS, KeyType.NODE_POINTS)
+        points = (KeyType.POINTS, KeyType.BEAM_POINTS, KeyType.NODE_POINTS, KeyType.FRAMES, KeyType.NODE_FRAMES)
         return self.type in points or (isinstance(self.type, type) and has_name(self.type))
 
 

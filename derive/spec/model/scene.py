@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, Literal
 
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import DEFAULT_LENGTH, DEFAULT_MASS, INERTIA_UNIT, Marker, Polynomial
-from derive.spec.model.body import GRAVITY, NodalBody, SymbolicBody
+from derive.spec.model.body import GRAVITY
 from derive.spec.model.forces import BETWEEN, Bushing, CustomForce, Force, ForceFrame, Spring, Torque
 from derive.spec.model.keys import KeyType, key
 from derive.spec.model.markers import MarkerRef, PointMarker
@@ -303,13 +303,3 @@ class Scene:
             choice_of="the lowering of a scene",
         ),
     ] = "auto"
-
-
-Specification = PlanarBeam | NodalBody | SymbolicBody | Scene
-"""The types that `read` returns and `derive` takes: a body alone, or a scene of bodies."""
-
-
-def check_specification(spec: object) -> None:
-    """Raise TypeError if the argument is not a specification, for example the path of a file."""
-    if not isinstance(spec, Specification):
-        raise TypeError(f"a specification is needed, not {type(spec).__name__}; read a file with derive.read(...)")

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody
+from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import Spline, TimeFunction, break_times, parts
+
+S = TypeVar("S", bound=AnyScene)
 
 SECTIONS = ("joints", "drives", "forces", "torques", "springs")
 """The tables of a scene whose elements may have functions of time."""
@@ -17,7 +20,7 @@ FunctionPath = tuple[str, str, str]
 """The section, the element and the key of a function."""
 
 
-def time_functions(scene: Scene) -> Iterator[tuple[FunctionPath, TimeFunction]]:
+def time_functions(scene: AnyScene) -> Iterator[tuple[FunctionPath, TimeFunction]]:
     """The functions of time in the equations of a scene, with their section, element and key."""
     for body in scene.bodies:
         for load in body.loads if isinstance(body, BeamBody) else ():
@@ -30,7 +33,7 @@ def time_functions(scene: Scene) -> Iterator[tuple[FunctionPath, TimeFunction]]:
                         yield (section, element.name, key), part
 
 
-def with_changed_functions(scene: Scene, change: Callable[[TimeFunction], TimeFunction]) -> Scene:
+def with_changed_functions(scene: S, change: Callable[[TimeFunction], TimeFunction]) -> S:
     """A scene whose functions of time in its equations are replaced by the results of `change`."""
 
     def changed(value: Any) -> Any:
@@ -45,10 +48,12 @@ def with_changed_functions(scene: Scene, change: Callable[[TimeFunction], TimeFu
 
     bodies = (replace(b, loads=tuple(map(element, b.loads))) if isinstance(b, BeamBody) else b for b in scene.bodies)
     sections: dict[str, Any] = {section: tuple(map(element, getattr(scene, section))) for section in SECTIONS}
-    return replace(scene, bodies=tuple(bodies), **sections)
+    of_scene: Any = scene
+    result: S = replace(of_scene, bodies=tuple(bodies), **sections)
+    return result
 
 
-def input_functions(scene: Scene) -> Iterator[tuple[FunctionPath, TimeFunction]]:
+def input_functions(scene: AnyScene) -> Iterator[tuple[FunctionPath, TimeFunction]]:
     """The functions that define run-time inputs in simulations; the generated code does not contain them."""
     for given in scene.inputs:
         if given.function is not None:
@@ -68,7 +73,7 @@ def splines(functions: Iterable[TimeFunction]) -> tuple[Spline, ...]:
     return tuple(dict.fromkeys(spline for spline in every if spline is not None))
 
 
-def breaks(scene: Scene, parameters: Mapping[str, float] | None = None) -> tuple[float, ...]:
+def breaks(scene: AnyScene, parameters: Mapping[str, float] | None = None) -> tuple[float, ...]:
     """The times (s) at which functions of the scene, or one of their first three derivatives, jump, in order.
 
     An integrator with steps of high order stops at them and starts anew. `parameters` are those, by symbol, that are

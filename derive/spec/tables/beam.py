@@ -159,7 +159,7 @@ AXIAL: TypeAdapter[AxialDeformation] = TypeAdapter(_axial.value)
 """The reader of the table of the stretching of a beam, other keys of which may be faulty."""
 
 declare(BeamDamping, "BeamDampingTable", make=damping(BeamDamping))
-declare(Damping, "DampingTable", make=damping(Damping))
+DAMPING = declare(Damping, "DampingTable", make=damping(Damping))
 declare(AttachedMass, "AttachedMassTable")
 declare(DistributedLoad, "LoadTable", check=_check_load)
 

@@ -12,7 +12,8 @@ from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.simulation import SpatialStart
 from derive.spec.parsing import choices
 from derive.spec.parsing.values import WrongValueError
-from derive.spec.tables.declared_tables import declare
+from derive.spec.tables.beam import DAMPING
+from derive.spec.tables.declared_tables import TABLES, declare
 from derive.spec.tables.shared import TomlTable, one_of
 
 _POINT = (
@@ -52,7 +53,7 @@ _keys = {key.name: key for key in declared_keys(NodalBody)}
 _first = tuple(_keys.pop(name) for name in ("nodes", "units", "modes", "frame", "orthonormal", "order"))
 _last = tuple(_keys.pop(name) for name in ("markers", "start"))
 NODAL_KEYS = (*_first, *_keys.values(), *_last)
-NODAL = declare(NodalBody, "NodalTable", keys=NODAL_KEYS)
+NODAL = declare(NodalBody, "NodalTable", keys=NODAL_KEYS, tables={**TABLES, Damping: DAMPING})
 _integrals = key(
     KeyType.CHOICE,
     "Makes mass, shape integrals and stiffness run-time parameters.",
@@ -66,12 +67,18 @@ SYMBOLIC = declare(SymbolicBody, "SymbolicTable", keys=(_integrals, *declared_ke
 def nodal_body(table: TomlTable, data: NodeData, **others: Any) -> NodalBody:
     """The body of the nodes whose data have been read; `others` are its name, its simulation and its plots."""
     given = {key.field: getattr(table, key.name) for key in NODAL_KEYS if key.name not in ("nodes", "units")}
-    second_order = data.has_geometric_stiffness and given["order"] != 1
-    if given["orthonormal"] is None:
-        given["orthonormal"] = given["frame"].kind == "mean" or data.modes is None
-    given["order"] = DisplacementOrder.TRUNCATED if second_order else DisplacementOrder.FIRST_ORDER
-    given["damping"] = given["damping"] or Damping()
-    return NodalBody(data=data, **given, **others)
+    return NodalBody(data=data, **nodal_keys(given, data, {}), **others)
+
+
+def nodal_keys(given: Mapping[str, Any], data: NodeData, others: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a body of nodes from the values of its keys, whose defaults depend on the data."""
+    result = {**given, **others}
+    second_order = data.has_geometric_stiffness and result["order"] != 1
+    if result["orthonormal"] is None:
+        result["orthonormal"] = result["frame"].kind == "mean" or data.modes is None
+    result["order"] = DisplacementOrder.TRUNCATED if second_order else DisplacementOrder.FIRST_ORDER
+    result["damping"] = result["damping"] or Damping()
+    return result
 
 
 def kind_of_body(value: Any) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, FORCES, kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.spec.model.forces import Force, SceneForce, Spring, Torque
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
@@ -38,13 +39,16 @@ def _drive(motion: Any = None, speed: Any = None, **given: Any) -> Drive:
 
 declare(JointInitialValues, "JointStartTable")
 declare(Drive, "DriveTable", make=_drive, keys=(*declared_keys(Drive), COUNT))
-declare(SceneInput, "InputTable", check=_check_input)
+declare(SceneInput, "InputTable", check=_check_input, keys=(*declared_keys(SceneInput), COUNT))
 
 
 def speed_unit(kind: str) -> str | None:
     """The unit of the speed of a drive of a joint of some kind; None if there is no such drive."""
     joint_type = JOINTS.get(kind)
-    return joint_type.driven.speed_unit if joint_type and joint_type.driven else None
+    if joint_type is None:
+        spatial = SPATIAL_JOINTS.get(kind)
+        return f"{spatial.driven.unit}/s" if spatial and spatial.driven else None
+    return joint_type.driven.speed_unit if joint_type.driven else None
 
 
 def with_speed_unit(drive: Drive, joints: tuple[Joint, ...]) -> Drive:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
@@ -70,7 +69,7 @@ VALUES_TABLE = keyed_model(
 )
 
 
-_OTHERS = {
+OTHER_SECTIONS = {
     "parameters": Annotated[
         by_name(FUNCTION_PARAMETER, "parameters", "[parameters.amplitude]"),
         Field(description="Run-time parameters that functions of time call by name."),
@@ -95,7 +94,7 @@ class SpecificationKeys(TomlTable):
 
     name: Annotated[Name, Field(description="Name of the model and its files, and prefix of all its functions.")]
     beam: BEAM.value | None = None  # type: ignore[name-defined]  # made of the declared keys
-    body: BodyInput | None = None
+    body: BodyInput | None = None  # type: ignore[valid-type]  # made of the declared keys
 
 
 def specification_table() -> type[TomlTable]:
@@ -126,8 +125,8 @@ def _specification_table(
                 return bodies_field(dict(bodies)) | None, None
             case "simulation":
                 return SIMULATION.value | None, None
-            case _ if name in _OTHERS:
-                return _OTHERS[name], {}
+            case _ if name in OTHER_SECTIONS:
+                return OTHER_SECTIONS[name], {}
             case _:
                 return key_field(_OF_SCENE[name], False, tables)
 
@@ -161,21 +160,3 @@ def scene(table: Any, references: Mapping[str, Rows]) -> Scene:
         simulation=table.simulation,
         **sections,
     )
-
-
-def json_schema() -> str:
-    """The JSON schema of a specification, with which editors complete and check TOML files."""
-    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **specification_table().model_json_schema()}
-    return json.dumps(_plain(schema), indent=2, ensure_ascii=False) + "\n"
-
-
-def _plain(node: Any) -> Any:
-    """A schema without the titles that pydantic adds and without null for optional keys."""
-    if isinstance(node, list):
-        return [_plain(item) for item in node]
-    if isinstance(node, dict):
-        kept = {k: v for k, v in node.items() if k not in ("title", "anyOf") and not (k == "default" and v is None)}
-        options = [option for option in node.get("anyOf", []) if option != {"type": "null"}]
-        several = {"anyOf": options} if len(options) > 1 else dict(*options)
-        return {key: _plain(value) for key, value in {**several, **kept}.items()}
-    return node

@@ -8,7 +8,8 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, PlainValidator, ValidationInfo, WithJsonSchema
 
-from derive.spec.model.beam_parts import DEFAULT_LENGTH, Marker, Polynomial
+from derive.mechanics.multibody.space.rows import RELATIVE_MOTIONS
+from derive.spec.model.beam_parts import DEFAULT_LENGTH, INERTIA_UNIT, Marker, Polynomial
 from derive.spec.model.body import ACCELERATION_UNIT, NodeMarker
 from derive.spec.model.keys import KeyType
 from derive.spec.model.markers import MarkerRef, PointMarker
@@ -18,7 +19,7 @@ from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.parser import MAX_LENGTH
 from derive.spec.tables.quantities import NotNegativeQuantity, Number, PositiveQuantity, SignedQuantity, Unit, quantity
 from derive.spec.tables.rotation import Rotation, Triple
-from derive.spec.tables.shared import MAX_MARKERS, Name, SchemaExtra, components, few, number_schema
+from derive.spec.tables.shared import MAX_MARKERS, Name, SchemaExtra, choice_type, components, few, number_schema
 from derive.spec.tables.speeds import Speed
 from derive.spec.tables.units import Nodes, UnitNames
 
@@ -51,7 +52,7 @@ def _several(of: Any, least: int, most: int, noun: str, needed: str) -> Any:
     return Annotated[tuple[of, ...], BeforeValidator(check)]
 
 
-def _markers(place: Any, noun: str, marker: Callable[[str, Any], object]) -> Any:
+def markers_type(place: Any, noun: str, marker: Callable[[str, Any], object]) -> Any:
     """The type of a limited number of markers by their names; `noun` names their places in messages."""
 
     def check(value: object) -> object:
@@ -133,6 +134,10 @@ _position = _read(Fraction, values.beam_position, number_schema(minimum=-1, maxi
 _coordinates = _quantities(("0.15", "0"), DEFAULT_LENGTH.unit, "coordinates")
 _count = _read(int, values.whole, _COUNT)
 
+COORDINATE_TRIPLE = _quantities(("0.1", "0", "0"), DEFAULT_LENGTH.unit, "coordinates")
+"""The type of three coordinates, m."""
+_relative_motion = choice_type(RELATIVE_MOTIONS, "a relative motion")
+
 VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.TRUTH: _read(bool, values.truth, {"type": "boolean"}),
     KeyType.FLOAT: _float,
@@ -150,6 +155,18 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.NOT_NEGATIVE: _read(Fraction, values.not_negative, number_schema(minimum=0)),
     KeyType.POSITION: _position,
     KeyType.DIRECTION: Annotated[_pair(Number, ("1", "0"), "numbers"), AfterValidator(scene_values.axis)],
+    KeyType.COORDINATE_TRIPLE: COORDINATE_TRIPLE,
+    KeyType.INERTIA_TENSOR: _quantities(("0.01", "0.02", "0.02", "0", "0", "0"), INERTIA_UNIT, "entries"),
+    KeyType.WEIGHTS: _several(
+        _read(Fraction, values.positive, number_schema(exclusiveMinimum=0)),
+        1,
+        MAX_AROUND,
+        "weights",
+        "weights is needed, such as [1, 1, 2]",
+    ),
+    KeyType.RELATIVE_MOTIONS: _several(
+        _relative_motion, 1, len(RELATIVE_MOTIONS), "relative motions", 'words is needed, such as ["x", "y"]'
+    ),
     KeyType.POSITIVE_QUANTITY: PositiveQuantity,
     KeyType.NOT_NEGATIVE_QUANTITY: NotNegativeQuantity,
     KeyType.QUANTITY: SignedQuantity,
@@ -159,7 +176,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.SPEED: Speed,
     KeyType.FUNCTION: _time,
     KeyType.FUNCTION_PAIR: _pair(_time, ("0", '"-10*sin(t)"'), "components"),
-    KeyType.SHAPE: _shape,
+    KeyType.DEFLECTION: _read(Polynomial, values.deflection, _FORMULA),
     KeyType.SHAPES: Annotated[
         _several(
             _shape,
@@ -190,9 +207,9 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.MARKER: _marker,
     KeyType.BEAM_MARKER: _marker,
     KeyType.MARKER_PAIR: _pair(_marker, ('"ground.bearing"', '"crank.hub"'), "markers"),
-    KeyType.POINTS: _markers(_coordinates, "coordinates", lambda name, at: PointMarker(name, *at)),
-    KeyType.BEAM_POINTS: _markers(_position, "places", Marker),
-    KeyType.NODE_POINTS: _markers(_count, "nodes", NodeMarker),
+    KeyType.POINTS: markers_type(_coordinates, "coordinates", lambda name, at: PointMarker(name, *at)),
+    KeyType.BEAM_POINTS: markers_type(_position, "places", Marker),
+    KeyType.NODE_POINTS: markers_type(_count, "nodes", NodeMarker),
     KeyType.NODES: Nodes,
     KeyType.UNITS: UnitNames,
     KeyType.JOINT: _name_of,

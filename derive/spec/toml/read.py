@@ -12,7 +12,7 @@ from typing import Any
 from derive.errors import Problem, SpecError, printable, problem_text
 from derive.spec.files.file_content import regular_file_start, why_unreadable
 from derive.spec.model.instances import COUNT, COUNTED
-from derive.spec.model.scene import Specification
+from derive.spec.model.specification import Specification
 from derive.spec.parsing.faults import Fault, line_of, path_text
 from derive.spec.parsing.values import TomlFloat
 from derive.spec.tables.instance_tables import instance_tables
@@ -50,8 +50,16 @@ def read_with_counts(path: str | os.PathLike[str], counts: Mapping[str, str]) ->
             key = path_text((section, name, COUNT.name))
             if key in counts and isinstance(table, dict) and isinstance(table.get(COUNT.name), int):
                 replaced[key] = table[COUNT.name]
-                table[COUNT.name] = int(counts[key]) if re.fullmatch(r"-?\d+", counts[key]) else counts[key]
+                table[COUNT.name] = _count(counts[key])
     return _validated(data, text, source), replaced
+
+
+def _count(text: str) -> object:
+    """The number of a text, for the check of counts; other texts are left."""
+    try:
+        return int(text) if re.fullmatch(r"-?\d+", text) else float(text)
+    except ValueError:
+        return text
 
 
 def parse(text: str, source: str | None = None) -> Specification:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from derive.errors import TisserandError
-from derive.spec.model.scene import Specification
+from derive.spec.model.specification import Specification
 from derive.study.sweep.executors import KILLS, chunk_size, outcomes
 from derive.study.sweep.plan import Plan, RunOptions, make_plan
 from derive.study.sweep.result import SweepResult

@@ -17,14 +17,24 @@ from derive.spec.model.keys import Key
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.scene import Joint, SceneBody
+from derive.spec.model.spatial_scene import SpatialBody
+
+NO_ROTATION = sp.ImmutableMatrix(sp.eye(3))
+"""The axes of a marker frame that is not rotated against its body."""
 
 
 @dataclass(frozen=True)
 class CrossSection:
-    """A cross-section of a body: its material point, and its rotation by each assumed mode (none in a rigid body)."""
+    """A cross-section of a body: its material point, and its rotation by each assumed mode (none in a rigid body).
+
+    In space it is the frame of a marker, with the axes of this frame in that of the undeformed body as columns of
+    `axes`, and its rotation vectors by unit amplitudes of the modes, `twists`.
+    """
 
     point: MaterialPoint
     rotations: tuple[ModelConstant, ...] = ()
+    axes: sp.ImmutableMatrix = NO_ROTATION
+    twists: tuple[sp.ImmutableMatrix, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -62,7 +72,7 @@ class ComponentDamping:
     constants: tuple[ModelConstant, ...]
 
 
-B = TypeVar("B", bound=SceneBody)
+B = TypeVar("B", bound=SceneBody | SpatialBody)
 
 
 @dataclass(frozen=True)

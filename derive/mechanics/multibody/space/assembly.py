@@ -1,0 +1,101 @@
+"""The assembly of a mechanism in space from a scene: bodies in minimal coordinates, joints, drives and forces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+
+from derive.mechanics.motion.rotations import matrix_of
+from derive.mechanics.multibody.assembly import SceneAssembly
+from derive.mechanics.multibody.bodies.body_type import BodyType, Component
+from derive.mechanics.multibody.coordinates import CoordinateMap
+from derive.mechanics.multibody.kinds import BodyInstance
+from derive.mechanics.multibody.parameters import spatial_parameters
+from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
+from derive.mechanics.multibody.space.coordinates import free_spatial_coordinates
+from derive.mechanics.multibody.space.flexible import Flexible, ReducedBody
+from derive.mechanics.multibody.space.frame_motion import FrameMotion, fixed_frame
+from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, minimal_spatial_coordinates
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.mechanics.multibody.space.mechanism import SpatialEliminatedJoint, SpatialJointInstance, SpatialMechanism
+from derive.mechanics.symbols import element
+from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.spatial_scene import SpatialScene
+
+
+def spatial_mechanism(scene: SpatialScene, reduced: Mapping[str, ReducedBody]) -> SpatialMechanism:
+    """The mechanism of a scene in space, with equations once for each kind of body.
+
+    reduced: the finite-element bodies as numbers, by their names.
+
+    Raises SpecError with what does not go together, UnknownNameError for a body or joint that no registry knows.
+    """
+    result: SpatialMechanism = _SpatialAssembly(scene, reduced).mechanism()
+    return result
+
+
+class _SpatialAssembly(SceneAssembly):
+    """The state of joint elimination of a scene in space."""
+
+    def __init__(self, scene: SpatialScene, reduced: Mapping[str, ReducedBody]) -> None:
+        self.reduced = reduced
+        super().__init__(scene)
+
+    def _mechanism(self, ordered: tuple[BodyInstance, ...]) -> SpatialMechanism:
+        return SpatialMechanism(
+            scene=self.scene,
+            kinds=tuple(self.kinds.kinds),
+            instances=ordered,
+            order=tuple(self.instances),
+            ground=self.known[GROUND],
+            joints=tuple(
+                SpatialJointInstance(joint, SPATIAL_JOINTS[joint.kind], self.drives.get(joint.name))
+                for joint in self.joints
+                if joint.name not in self.eliminated_joints
+            ),
+            eliminated_joints=tuple(self.eliminated_joints.values()),
+            parameters=spatial_parameters(self.scene),
+            constants=tuple(self.constants),
+            definitions=tuple(self.definitions),
+            eliminated=tuple(self.eliminated),
+        )
+
+    def type_of(self, body: Any) -> BodyType[Any]:
+        """The type of a body."""
+        return Flexible(self.reduced[body.name]) if body.name in self.reduced else SPATIAL_BODIES[body.kind]
+
+    def _eliminated_joint(self, body: Any, joint: Any) -> SpatialEliminatedJoint:
+        own, known = self._ends(body, joint)
+        return SpatialEliminatedJoint(joint, SPATIAL_JOINTS[joint.kind], self.drives.get(joint.name), own, known)
+
+    def _minimal(
+        self, body: Any, joint: Any, component: Component, own: MarkerRef, other: MarkerRef
+    ) -> CoordinateMap | None:
+        support = SpatialSupport(
+            body=body.name,
+            motion=component.body.motion,
+            own_axes=component.sections[own.marker].axes,
+            known=self.known[other.body][other.marker],
+            attached_to="the ground" if other.body == GROUND else other.body,
+            sign=1 if own == joint.second else -1,
+            drive=self.drives.get(joint.name),
+        )
+        return minimal_spatial_coordinates(SPATIAL_JOINTS[joint.kind], joint, support)
+
+    def _free(self, component: Component) -> CoordinateMap:
+        return free_spatial_coordinates(component.name, component.body.motion)
+
+    def _with_constants(self, joint: Any) -> Any:
+        return joint
+
+    def _ground(self) -> Mapping[str, FrameMotion]:
+        doc = "point of the ground along e"
+        frames = {}
+        for m in self.scene.ground:
+            position = [
+                self._constant(element(GROUND, m.name, k), x, f"{doc}{k}", "m") for k, x in enumerate(m.position, 1)
+            ]
+            frames[m.name] = fixed_frame(sp.Matrix(position), matrix_of(m.rotation))
+        return frames

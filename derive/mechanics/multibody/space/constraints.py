@@ -1,0 +1,91 @@
+"""The constraints g = 0 of a joint in space and of its drive, with their Jacobian and bias."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import reduce
+
+import sympy as sp
+
+from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
+from derive.mechanics.multibody.space.frame_motion import FrameMotion
+from derive.mechanics.multibody.space.joints import SpatialJointType
+from derive.mechanics.multibody.space.rows import COS, FIRST, LENGTH, MOTION, SECOND, SIN, RelativeFunction, derived
+from derive.mechanics.quantity import rounded
+from derive.mechanics.terms import Constraint, EquationOfMotion
+from derive.spec.model.instances import identifier, joined
+from derive.spec.model.spatial_scene import SpatialJoint
+
+
+def spatial_constraints(
+    joint: SpatialJoint,
+    joint_type: SpatialJointType,
+    first: FrameMotion,
+    second: FrameMotion,
+    drive: PrescribedMotion | None,
+    rows: tuple[EquationOfMotion, ...],
+) -> tuple[Constraint, ...]:
+    """The constraints of a joint and of its drive; `rows` are those of the whole mechanism."""
+    texts = {"markers": f"{joint.first} and {joint.second}", "second": joint.second.body, "joint": joint.name}
+    result = []
+    for row in joint_type.rows(joint):
+        doc = row.doc.format(**texts)
+        result.append(_constraint(joint, joined(joint.name, row.label), doc, row, first, second, None, rows))
+    if drive:
+        assert joint_type.driven is not None, "the specification refuses other drives"
+        row = joint_type.driven.row
+        doc = row.doc.format(drive=drive.name, **texts)
+        result.append(_constraint(joint, drive.name, doc, row, first, second, drive, rows))
+    return tuple(result)
+
+
+def row_values(
+    joint: SpatialJoint, first: FrameMotion, second: FrameMotion, drive: PrescribedMotion | None
+) -> dict[sp.Symbol, sp.Expr]:
+    """The values of the variables of rows for the frames of a joint."""
+    values = FIRST.values(first) | SECOND.values(second)
+    if joint.distance is not None:
+        values[LENGTH] = sp.Rational(joint.distance)
+    if drive:
+        motion = drive.motion
+        values |= dict(zip(MOTION, motion, strict=True))
+        values |= {COS: rounded(sp.cos(motion[0])), SIN: rounded(sp.sin(motion[0]))}
+    return values
+
+
+def _constraint(
+    joint: SpatialJoint,
+    shown: str,
+    doc: str,
+    row: RelativeFunction,
+    first: FrameMotion,
+    second: FrameMotion,
+    drive: PrescribedMotion | None,
+    rows: tuple[EquationOfMotion, ...],
+) -> Constraint:
+    values, of = row_values(joint, first, second, drive), derived(row)
+    still = {r.a: sp.S.Zero for r in rows}
+    f1, m1, f2, m2 = (vector.xreplace(values) for vector in (of.f1, of.m1, of.f2, of.m2))
+    bias = of.bias.xreplace(values)
+    for frame, force, torque in ((first, f1, m1), (second, f2, m2)):
+        pairs = ((force, frame.acceleration), (torque, frame.angular_acceleration))
+        for factors, acceleration in pairs:
+            bias += sp.Add(*(f * a.xreplace(still) for f, a in zip(factors, acceleration, strict=True)))
+    works = (dict(first.work(f1, m1)), dict(second.work(f2, m2)))
+    factors = reduce(_sum, works)
+    return Constraint(
+        name=identifier(shown),
+        shown=shown,
+        of=joint.name,
+        doc=doc,
+        unit=row.unit,
+        force_unit=row.force_unit,
+        position=row.g.xreplace(values),
+        rate=of.rate.xreplace(values),
+        bias=bias,
+        jacobian=tuple((r.name, factors[r.name]) for r in rows if factors.get(r.name, 0) != 0),
+    )
+
+
+def _sum(a: Mapping[str, sp.Expr], b: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
+    return {name: a.get(name, sp.S.Zero) + b.get(name, sp.S.Zero) for name in {**a, **b}}

@@ -1,0 +1,72 @@
+"""The finite-element body of a mechanism in space: its modal body, and marker frames that deform with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import sympy as sp
+
+from derive.mechanics.bodies.modal_body import ModalBody, ModalFrame
+from derive.mechanics.bodies.spatial_body import NumberValues, exact_vector, modal_body
+from derive.mechanics.body import Body, ExactValues
+from derive.mechanics.motion.material_points import MaterialPoint
+from derive.mechanics.motion.rotations import matrix_of
+from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
+from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
+from derive.mechanics.terms import ModelConstant
+from derive.spec.model.spatial_scene import FlexibleBody
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedBody:
+    """A finite-element body as numbers: its shape integrals, and the frames of its markers."""
+
+    body: ModalBody
+    frames: tuple[ModalFrame, ...]
+
+
+class Flexible(BodyType[FlexibleBody]):
+    """The type of a finite-element body, which keeps all coordinates; `reduced` is the body as numbers."""
+
+    doc = "finite-element body"
+
+    def __init__(self, reduced: ReducedBody) -> None:
+        self.reduced = reduced
+
+    def components(self, body: FlexibleBody, gravity: tuple[ModelConstant, ...]) -> tuple[Component, ...]:
+        """The body with its floating frame."""
+        of = _with_exact_values(self.reduced.body, gravity)
+        axes = {m.name: matrix_of(m.rotation) for m in body.markers}
+        sections = {frame.point.name: _section(frame, axes[frame.point.name]) for frame in self.reduced.frames}
+        still = sp.ImmutableMatrix([0, 0, 0])
+        origin = MaterialPoint(BODY_FRAME, "origin of the floating frame", still, (still,) * self.reduced.body.modes)
+        sections[BODY_FRAME] = CrossSection(origin, twists=(still,) * self.reduced.body.modes)
+        return (Component(body.name, body.name, of, sections, tuple(axes), body.name),)
+
+    def constants(self, body: FlexibleBody) -> Iterator[Constant]:
+        """No constants: all numbers are those of the files."""
+        yield from ()
+
+
+def _with_exact_values(given: ModalBody, gravity: tuple[ModelConstant, ...]) -> Body:
+    """The body of the equations of motion, with the numbers of its tables as constants, each known individually."""
+    numbers = NumberValues(given)
+    body = modal_body(given)
+    every = tuple(c for table in body.tables for c in numbers.constants(table))
+    return replace(body, values=ExactValues(every), points=(), gravity=gravity)
+
+
+def _section(frame: ModalFrame, axes: sp.ImmutableMatrix) -> CrossSection:
+    point = frame.point
+    second = () if point.second is None else tuple(tuple(map(exact_vector, row)) for row in point.second)
+    size = float(np.abs(frame.twists).max(initial=0.0))
+    twists = tuple(exact_vector(np.where(np.abs(t) > ROUNDING * size, t, 0.0)) for t in frame.twists)
+    shapes = tuple(map(exact_vector, point.shapes))
+    material = MaterialPoint(point.name, point.doc, exact_vector(point.position), shapes, second=second)
+    return CrossSection(material, axes=axes, twists=twists)
+
+
+ROUNDING = 1e-13
+"""Rotations by deformation below this part of the largest one are rounding errors of zero."""

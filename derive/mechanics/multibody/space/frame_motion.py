@@ -1,0 +1,251 @@
+"""The motion of a marker frame in space, and the virtual work of a force and a torque there.
+
+Expressions are polynomials in c, the rotation tensor Q, alpha and their derivatives, in inertial components; the levers
+and velocities of a marker have names of their own, so that what follows from them stays short.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import sympy as sp
+
+from derive.mechanics.motion.body_motion import Motion
+from derive.mechanics.motion.material_points import (
+    MaterialPoint,
+    acceleration_of_rates,
+    radius_and_rate,
+    tangent_vectors,
+)
+from derive.mechanics.motion.rotations import RATE, SCALE, THETA, section_rotation
+from derive.mechanics.multibody.bodies.body_type import CrossSection
+from derive.mechanics.symbols import Family, Identity, Symbol
+from derive.mechanics.terms import EquationOfMotion, Intermediate
+
+AXES = (1, 2, 3)
+KEPT = 256
+"""The number of marker frames whose motion is kept."""
+STILL = sp.ImmutableMatrix([0, 0, 0])
+FIXED_AXES = sp.ImmutableMatrix(sp.eye(3))
+
+
+@dataclass(frozen=True)
+class VirtualMotion:
+    """The motion of a frame by a unit virtual displacement of a row.
+
+    The point moves by translation + rotation x (lever) in the inertial frame, and by deformation in that of the body;
+    the frame turns by rotation, inertial, and by the tangent operator times `twist` in the frame of the body.
+    """
+
+    row: str
+    translation: sp.ImmutableMatrix = STILL
+    rotation: sp.ImmutableMatrix = STILL
+    deformation: sp.ImmutableMatrix = STILL
+    twist: sp.ImmutableMatrix = STILL
+
+
+@dataclass(frozen=True)
+class FrameMotion:
+    """The motion of a marker frame: columns of 3 in the inertial frame; `axes` has the axes of the frame as columns.
+
+    `lever` is the vector from the origin O of the body to the marker, `frame` the rotation tensor Q of the body, and
+    `tangent` turns the rate of the rotation vector of a flexible body at the marker into an angular velocity.
+    `virtual` are the motions by unit virtual displacements, which are the factors of the accelerations as well.
+    """
+
+    definitions: tuple[Intermediate, ...]
+    position: sp.ImmutableMatrix
+    velocity: sp.ImmutableMatrix
+    acceleration: sp.ImmutableMatrix
+    axes: sp.ImmutableMatrix
+    angular_velocity: sp.ImmutableMatrix
+    angular_acceleration: sp.ImmutableMatrix
+    lever: sp.ImmutableMatrix = STILL
+    frame: sp.ImmutableMatrix = FIXED_AXES
+    tangent: sp.ImmutableMatrix = FIXED_AXES
+    virtual: tuple[VirtualMotion, ...] = ()
+
+    @property
+    def is_still(self) -> bool:
+        """Whether the frame does not move."""
+        moving = (self.velocity, self.acceleration, self.angular_velocity, self.angular_acceleration)
+        return not any(entry for vector in moving for entry in vector)
+
+    def work(self, force: sp.Matrix, torque: sp.Matrix) -> Iterator[tuple[str, sp.Expr]]:
+        """The virtual work of a force at the point and a torque on the frame, both inertial: a factor for each row."""
+        moment = cross(self.lever, force) + sp.Matrix(torque)
+        in_body = [self.frame.T * sp.Matrix(vector) for vector in (force, torque)]
+        of_twist = self.tangent.T * in_body[1]
+        for v in self.virtual:
+            pairs = ((v.translation, force), (v.rotation, moment), (v.deformation, in_body[0]), (v.twist, of_twist))
+            total = sp.Add(*(dot(a, b) for a, b in pairs))
+            if total != 0:
+                yield v.row, total
+
+    def replaced(
+        self, change: Callable[[sp.Expr], sp.Expr], weights: Sequence[tuple[str, Mapping[str, sp.Expr]]]
+    ) -> FrameMotion:
+        """The motion in other symbols; weights: the rows of the free body whose sum each new row is, with factors."""
+        free = {v.row: v for v in self.virtual}
+
+        def changed(matrix: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
+            return sp.ImmutableMatrix(matrix.applyfunc(change))
+
+        def combined(row: str, factors: Mapping[str, sp.Expr]) -> VirtualMotion:
+            names = ("translation", "rotation", "deformation", "twist")
+            sums = {
+                name: sum((factor * getattr(free[old], name) for old, factor in factors.items()), sp.zeros(3, 1))
+                for name in names
+            }
+            return VirtualMotion(row, **{name: changed(sp.ImmutableMatrix(total)) for name, total in sums.items()})
+
+        vectors = ("position", "velocity", "acceleration", "angular_velocity", "angular_acceleration")
+        matrices = ("axes", "lever", "frame", "tangent")
+        return replace(
+            self,
+            **{name: changed(getattr(self, name)) for name in (*vectors, *matrices)},
+            virtual=tuple(combined(row, factors) for row, factors in weights),
+        )
+
+
+def cross(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Matrix:
+    """The product a x b, not expanded."""
+    return sp.Matrix([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
+    """The product a . b, not expanded."""
+    return sp.Add(*(x * y for x, y in zip(a, b, strict=True)))
+
+
+def fixed_frame(position: sp.Matrix, axes: sp.Matrix) -> FrameMotion:
+    """A marker frame of the ground."""
+    return FrameMotion((), sp.ImmutableMatrix(position), STILL, STILL, sp.ImmutableMatrix(axes), STILL, STILL)
+
+
+class _Definitions:
+    """Names for vectors of a marker, with their definitions; numbers stay as they are."""
+
+    def __init__(self, point: str) -> None:
+        self.point = point
+        self.made: list[Intermediate] = []
+
+    def __call__(self, family: Family, values: Sequence[sp.Expr], doc: str, derivative: int = 0) -> sp.Matrix:
+        """The names of the components of a vector."""
+        return sp.Matrix(
+            [self.one(family, x, f"{doc}, along {k}", k, derivative) for k, x in zip(AXES, values, strict=True)]
+        )
+
+    def one(
+        self, family: Family, value: sp.Expr, doc: str, k: int | tuple[int, ...] = (), derivative: int = 0
+    ) -> sp.Expr:
+        """The name of a scalar."""
+        value = sp.sympify(value)
+        if value.is_Rational or value.is_Symbol:
+            return value
+        components = (k,) if isinstance(k, int) else k
+        symbol = Symbol(Identity(family, components=components, derivative=derivative, point=self.point))
+        self.made.append(Intermediate(symbol, value, self.point or "w", "(1)", doc))
+        return symbol
+
+
+@lru_cache(KEPT)
+def frame_motion(motion: Motion, section: CrossSection) -> FrameMotion:
+    """The motion of a marker frame of a free body from (1) and (5), in the symbols of its kind."""
+    point, Q = section.point, motion.rotation
+    of_body, named = _Definitions(""), _Definitions(point.name)
+    c, cdot, cddot = (sp.Matrix([*of]) for of in _origin(motion))
+    omega, omegadot = sp.Matrix(motion.frame.omega), sp.Matrix(motion.frame.omegadot)
+    w = of_body(Family.INERTIAL_OMEGA, Q * omega, "angular velocity in the inertial frame")
+    r, rdot, rddot = _radius(motion, point, named)
+    lever = named(Family.LEVER, Q * r, f"Q r at {point.name}")
+    relative = named(Family.SECTION_VELOCITY, Q * rdot, f"Q rdot at {point.name}")
+    sdot = named(Family.LEVER, cross(w, lever) + relative, f"time derivative of Q r at {point.name}", 1)
+    wdot = Q * omegadot
+    acceleration = cddot + cross(wdot, lever) + cross(w, sdot + relative) + Q * rddot
+    turned = _turned(motion, section, named)
+    axes = Q * turned.matrix * section.axes
+    if section.axes != FIXED_AXES or turned.deforms:
+        axes = sp.Matrix(
+            3, 3, lambda i, j: named.one(Family.FRAME_AXES, axes[i, j], f"axes of {point.name}", (i + 1, j + 1))
+        )
+    spin = named(Family.SECTION_SPIN, Q * turned.spin, f"angular velocity of {point.name} against its body")
+    angular_acceleration = wdot + cross(w, spin) + Q * turned.acceleration
+    return FrameMotion(
+        definitions=(*of_body.made, *named.made),
+        position=sp.ImmutableMatrix(c + lever),
+        velocity=sp.ImmutableMatrix(cdot + sdot),
+        acceleration=sp.ImmutableMatrix(acceleration),
+        axes=sp.ImmutableMatrix(axes),
+        angular_velocity=sp.ImmutableMatrix(w + spin),
+        angular_acceleration=sp.ImmutableMatrix(angular_acceleration),
+        lever=sp.ImmutableMatrix(lever),
+        frame=sp.ImmutableMatrix(Q),
+        tangent=sp.ImmutableMatrix(turned.tangent),
+        virtual=tuple(_virtual(motion, point, turned)),
+    )
+
+
+def _origin(motion: Motion) -> tuple[tuple[sp.Expr, ...], ...]:
+    rows: tuple[EquationOfMotion, ...] = motion.rows[:3]
+    return tuple(c.q for c in motion.coordinates[:3]), tuple(row.v for row in rows), tuple(row.a for row in rows)
+
+
+def _radius(motion: Motion, point: MaterialPoint, named: _Definitions) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
+    """r, rdot and rddot of a point in the body frame; the first two with names where the body deforms."""
+    if not motion.alpha:
+        vanishing = {c.symbol: sp.S.Zero for c in point.coefficients if c.zero}
+        return sp.Matrix(point.position.xreplace(vanishing)), sp.zeros(3, 1), sp.zeros(3, 1)
+    tangents = tangent_vectors(
+        motion, point, lambda i, k: Symbol(Identity(Family.TANGENT, (i,), (k,), point=point.name))
+    )
+    named.made += [Intermediate(symbol, value, point.name, "(6)", doc) for symbol, value, doc in tangents.definitions]
+    at, rate = radius_and_rate(motion, point, tangents.vectors)
+    r = named(Family.RADIUS, at, f"r = X + u at {point.name}")
+    rdot = named(Family.RADIUS, rate, f"time derivative of r at {point.name}", 1)
+    rddot = sum((v * a for v, a in zip(tangents.vectors, motion.alphaddot, strict=True)), sp.zeros(3, 1))
+    return r, rdot, rddot + acceleration_of_rates(motion, point)
+
+
+@dataclass(frozen=True)
+class _Turned:
+    """The rotation of a section by deformation: matrix, tangent operator, spin and angular acceleration in the body."""
+
+    matrix: sp.Matrix
+    tangent: sp.Matrix
+    spin: sp.Matrix
+    acceleration: sp.Matrix
+    twists: tuple[sp.ImmutableMatrix, ...]
+    deforms: bool
+
+
+def _turned(motion: Motion, section: CrossSection, named: _Definitions) -> _Turned:
+    twists = section.twists
+    if not any(entry for twist in twists for entry in twist):
+        none = sp.zeros(3, 1)
+        return _Turned(sp.eye(3), sp.eye(3), none, none, (STILL,) * len(motion.alpha), False)
+
+    def total(factors: Sequence[sp.Expr]) -> sp.Matrix:
+        return sum((sp.Matrix(twist) * f for twist, f in zip(twists, factors, strict=True)), sp.zeros(3, 1))
+
+    name = section.point.name
+    theta = named(Family.SECTION_VECTOR, total(motion.alpha), f"rotation vector of {name} by deformation")
+    rate = named(Family.SECTION_VECTOR, total(motion.alphadot), f"rate of the rotation vector of {name}", 1)
+    scale = named.one(Family.SECTION_SCALE, 1 / (1 + dot(theta, theta) / 4), f"scale of the rotation of {name}")
+    values = {**dict(zip(THETA, theta, strict=True)), **dict(zip(RATE, rate, strict=True)), SCALE: scale}
+    matrix, tangent, bias = (of.xreplace(values) for of in section_rotation())
+    return _Turned(matrix, tangent, tangent * rate, bias + tangent * total(motion.alphaddot), twists, True)
+
+
+def _virtual(motion: Motion, point: MaterialPoint, turned: _Turned) -> Iterator[VirtualMotion]:
+    for k, row in enumerate(motion.rows[:3]):
+        yield VirtualMotion(row.name, translation=sp.ImmutableMatrix(sp.eye(3)[:, k]))
+    for k, row in enumerate(motion.rows[3:6]):
+        yield VirtualMotion(row.name, rotation=sp.ImmutableMatrix(motion.rotation[:, k]))
+    tangents = tangent_vectors(
+        motion, point, lambda i, k: Symbol(Identity(Family.TANGENT, (i,), (k,), point=point.name))
+    )
+    for row, shape, twist in zip(motion.mode_rows, tangents.vectors, turned.twists, strict=True):
+        yield VirtualMotion(row.name, deformation=sp.ImmutableMatrix(shape), twist=twist)

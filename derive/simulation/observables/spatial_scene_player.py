@@ -1,0 +1,91 @@
+"""The data of the player of a scene in space: rigid and finite-element bodies with their markers and their motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from derive.mechanics.symbols import amplitude, owned
+from derive.reduction.frame_points import modal_frames
+from derive.simulation.configurations import quaternion_of
+from derive.simulation.observables.csv_writer import Column
+from derive.simulation.observables.motion import Array, SceneMotion, si_value
+from derive.simulation.observables.player_data import Plain, curves_data
+from derive.simulation.observables.spatial_player_data import (
+    BodyPath,
+    DrawnBody,
+    bodies_data,
+    bodies_motion_data,
+    drawn_body,
+    rigid_drawing,
+    shown_frames,
+)
+from derive.spec.model.quantity import Quantity
+from derive.spec.model.spatial_scene import FlexibleBody, SpatialBody, SpatialRigidBody, SpatialScene
+
+
+def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion, curves: Sequence[Column] = ()) -> Plain:
+    """The content of the page of a motion: lengths in m, times in s.
+
+    curves: columns with a value for each instant, which the page draws over time below the scene.
+    """
+    drawn, ground = drawn_bodies(scene), [(m.name, _vector(m.position)) for m in scene.ground]
+    paths = body_paths(drawn, motion)
+    content = bodies_motion_data(drawn, motion.t, paths)
+    shown = curves_data(curves, shown_frames(motion.t, paths))
+    return {"name": scene.name, **bodies_data(drawn, ground), **content, "curves": shown}
+
+
+def drawn_bodies(scene: SpatialScene) -> list[DrawnBody]:
+    """The drawings of all bodies of a scene."""
+    return [_drawn(body) for body in scene.bodies]
+
+
+def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath]:
+    """The motions of the frames of bodies, with their amplitudes."""
+    paths = []
+    for body in drawn:
+        pose = motion.pose(body.name)
+        names = (owned(amplitude(i), body.name).name for i in range(1, len(body.phi) + 1))
+        places = [motion.native.coordinates.index(name) for name in names]
+        paths.append(BodyPath(pose[:, :3], _quaternions(pose[:, 3:]), motion.q[:, places]))
+    return paths
+
+
+def _drawn(body: SpatialBody) -> DrawnBody:
+    if isinstance(body, FlexibleBody):
+        return _with_markers(drawn_body(replace(body.body, name=body.name, markers=())), body)
+    mass = 0.0 if body.mass is None or body.inertia is None else si_value(body.mass)
+    named = [(m.name, _vector(m.position)) for m in body.markers]
+    return rigid_drawing(body.name, mass, _vector(body.centre), _inertia(body), named)
+
+
+def _with_markers(drawn: DrawnBody, body: FlexibleBody) -> DrawnBody:
+    """The drawing of a body with its markers, which move as the mean of their nodes."""
+    points = [frame.point for frame in modal_frames(body)]
+    if not points:
+        return drawn
+    x = np.concatenate([drawn.x, [point.position for point in points]])
+    phi = np.concatenate([drawn.phi, *(point.shapes[:, None] for point in points)], axis=1)
+    markers = tuple((point.name, len(drawn.x) + i) for i, point in enumerate(points))
+    return replace(drawn, x=x, phi=phi, markers=markers)
+
+
+def _inertia(body: SpatialRigidBody) -> Array:
+    """The tensor of inertia (3, 3); zero where none is given."""
+    xx, yy, zz, xy, xz, yz = (si_value(x) for x in body.inertia) if body.inertia else (0.0,) * 6
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _vector(position: Sequence[Quantity]) -> Array:
+    return np.array([si_value(x) for x in position])
+
+
+def _quaternions(rotations: Array) -> Array:
+    """The quaternions (n, 4) of rotation tensors by rows (n, 9), next to each other without jumps of the sign."""
+    result = np.array([quaternion_of(Q.reshape(3, 3)) for Q in rotations])
+    signs = np.cumprod([1.0, *(-1.0 if a @ b < 0 else 1.0 for a, b in pairwise(result))])
+    return np.asarray(result * signs[:, None])

@@ -1,0 +1,127 @@
+"""The initial state of a scene in space: its initial values made consistent with its joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from derive.errors import Problem, SpecError
+from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.compiled_scene import max_norm
+from derive.simulation.configurations import normalised
+from derive.simulation.constraints.closest_state import CONSISTENT, RATES_CONSISTENT, unmet_constraints
+from derive.simulation.constraints.redundancy import check_accelerations, check_constraints
+from derive.simulation.drive_jumps import check_start
+from derive.simulation.equilibrium import equilibrium
+from derive.simulation.errors import InconsistentInitialState
+from derive.simulation.initial.initial_state import InitialState, check_rest
+from derive.simulation.initial.targets import Strength
+from derive.simulation.observables.motion import si_value
+from derive.simulation.space.assembly import SpatialAssembler, assembled
+from derive.simulation.space.attitudes import check_attitudes, open_joints
+from derive.simulation.space.guess import guessed_configuration
+from derive.simulation.space.marker_frames import own_frame
+from derive.simulation.space.targets import SpatialTarget, spatial_targets
+from derive.simulation.space.velocities import spatial_velocities
+from derive.spec.model.spatial_scene import SpatialRigidBody, SpatialScene
+
+KEPT = 1e-8
+"""Given values that are missed by more than this (rad; parts of the size of the scene or of the velocities) contradict
+the joints or each other."""
+
+
+def spatial_scene_state(scene: SpatialScene, native: NativeScene, k: Vector | None = None) -> InitialState:
+    """The initial state of a scene in space at t = 0: it meets joints and drives and keeps the values that are given.
+
+    Positions that are not given come as near as possible to guesses; velocities that are not given have the least
+    kinetic energy. native: the compiled scene. k: the constants (nk,) of `native.setup`.
+
+    Raises SpecError with given values that contradict the joints or each other; SimulationError with the joints that
+    cannot be met, and with joints that are met the wrong way round.
+    """
+    check_start(scene)
+    constants = native.setup() if k is None else k
+    assembler = SpatialAssembler(native, constants, 0.0, spatial_scene_size(scene))
+    targets = spatial_targets(scene, native)
+    positions = [target for target in targets if not target.rate]
+    guess = guessed_configuration(scene, native, constants, assembler.size)
+    assembly = assembled(assembler, guess, positions)
+    state = assembly.state
+    if not state.converged:
+        unmet = unmet_constraints(native, state.g, CONSISTENT)
+        raise InconsistentInitialState("positions", unmet, 0.0, open_joints(scene, assembler.poses(state.q)))
+    q = normalised(native, state.q)
+    check_attitudes(scene, assembler.poses(q))
+    balance = None
+    if scene.start is not None:
+        check_rest(scene, native, constants)
+        balance = equilibrium(native, constants, q)
+        q = normalised(native, balance.q)
+    else:
+        _refuse_missed(assembler, positions, q, None)
+    rates = [target for target in targets if target.rate]
+    v = spatial_velocities(assembler, q, rates, _momentum(scene, assembler, q))
+    error = max_norm(native.constraint_rates(0.0, q, v, constants))
+    if error > RATES_CONSISTENT * max(1.0, max_norm(v)):
+        check_constraints(native, constants, 0.0, q)
+        unmet = unmet_constraints(native, native.constraint_rates(0.0, q, v, constants))
+        raise InconsistentInitialState("velocities", unmet, 0.0)
+    _refuse_missed(assembler, rates, q, v)
+    check_constraints(native, constants, 0.0, q)
+    check_accelerations(native, constants, 0.0, q, v)
+    met = max_norm(native.constraints(0.0, q, constants))
+    return InitialState(0.0, q, v, met, error, assembly.deformed, False, equilibrium=balance)
+
+
+def spatial_scene_size(scene: SpatialScene) -> float:
+    """The diagonal (m) of the box around all markers, with bodies where they start; 1 of a point."""
+    points = [np.array([si_value(x) for x in m.position]) for m in scene.ground]
+    for body in scene.bodies:
+        at = np.array(body.start.position or (0.0, 0.0, 0.0))
+        points.append(at)
+        points += [at + own_frame(m, body).position for m in body.markers]
+    return float(np.linalg.norm(np.ptp(np.array(points), axis=0))) or 1.0
+
+
+def _refuse_missed(assembler: SpatialAssembler, targets: Sequence[SpatialTarget], q: Vector, v: Vector | None) -> None:
+    """Raise SpecError with the given values that a state misses."""
+    problems = []
+    scale = 1.0 if v is None else max(1.0, max_norm(v))
+    poses = assembler.poses(q)
+    for target in targets:
+        if target.strength is not Strength.GIVEN:
+            continue
+        r, J, _ = target.linearised(poses)
+        missed = r if v is None else r + J @ v
+        unit = 1.0 if target.angular else assembler.size
+        if max_norm(missed) > KEPT * unit * scale:
+            text = (
+                f"this contradicts the joints, the drives or other given values: the nearest state misses it by "
+                f"{max_norm(missed):.6g} {target.unit}. Correct or leave out one of them, or write guess = true in "
+                f"[{target.table}] to make it a first guess"
+            )
+            problems.append(Problem(target.path, text))
+    if problems:
+        raise SpecError(tuple(problems))
+
+
+def _momentum(scene: SpatialScene, assembler: SpatialAssembler, q: Vector) -> Vector:
+    """The generalised momentum (nv,) of rigid bodies that drives carry along, at v = 0."""
+    result = np.zeros(assembler.native.nv)
+    if not scene.drives:
+        return result
+    poses = assembler.poses(q)
+    for body in scene.bodies:
+        if not isinstance(body, SpatialRigidBody) or body.mass is None or body.inertia is None:
+            continue
+        twist, drift = poses.twist(body.name)
+        Q, centre = poses.rotation(body.name), np.array([si_value(x) for x in body.centre])
+        lever = np.cross(np.eye(3), centre).T  # lever w = w x centre
+        velocity = twist[:3] + Q @ lever @ twist[3:]
+        carried = drift[:3] + Q @ lever @ drift[3:]
+        xx, yy, zz, xy, xz, yz = (si_value(x) for x in body.inertia)
+        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        result += si_value(body.mass) * velocity.T @ carried + twist[3:].T @ inertia @ drift[3:]
+    return result

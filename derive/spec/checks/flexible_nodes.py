@@ -1,0 +1,53 @@
+"""The files of the finite-element bodies of a scene in space, with the faults of their data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from derive.spec.model.body import NodeData
+from derive.spec.parsing.faults import Fault, KeyPath
+from derive.spec.tables.shared import TomlTable
+from derive.spec.tables.spatial import kind_of_spatial_body
+
+
+def flexible_nodes(
+    data: Mapping[str, object], specification: TomlTable | None, folder: Path
+) -> tuple[dict[str, NodeData], list[Fault]]:
+    """The data of finite-element bodies by their names, with files relative to `folder`, and their faults."""
+    bodies = data.get("bodies")
+    result: dict[str, NodeData] = {}
+    faults: list[Fault] = []
+    for name, body in bodies.items() if isinstance(bodies, Mapping) else ():
+        if not isinstance(body, Mapping) or kind_of_spatial_body(body) != "flexible":
+            continue
+        from derive.spec.checks.node_checks import nodes_of  # NumPy is not for specifications without arrays
+
+        tables: Any = getattr(specification, "bodies", None) or {}
+        nodes, of_body = nodes_of(body, tables.get(name), folder)
+        faults += [fault._replace(path=_in_scene(str(name), fault.path)) for fault in of_body]
+        if nodes is not None:
+            result[str(name)] = nodes
+            faults += _missing_nodes(str(name), body.get("markers"), len(nodes.positions))
+    return result, faults
+
+
+def _in_scene(name: str, path: KeyPath) -> KeyPath:
+    """The path of a key of a body in a scene, for that of a body alone."""
+    return ("bodies", name, *path[1:])
+
+
+def _missing_nodes(name: str, markers: object, count: int) -> Iterator[Fault]:
+    """Faults of sets of nodes with nodes that do not exist; single nodes are looked at with the data."""
+    for marker, value in markers.items() if isinstance(markers, Mapping) else ():
+        if not isinstance(value, Mapping):
+            continue
+        numbers = [("node", value.get("node"))]
+        nodes = value.get("nodes")
+        numbers += [("nodes", node) for node in nodes] if isinstance(nodes, (list, tuple)) else []
+        for key, node in numbers:
+            if isinstance(node, int) and node >= count:
+                text = f"there is no node {node}: the nodes are 0 to {count - 1}"
+                yield Fault(("bodies", name, "markers", str(marker), key), text)
+                break

@@ -1,0 +1,133 @@
+"""Faults between the tables of a scene in space: unknown names, and joints and drives that are impossible."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from derive.errors import quoted
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialJointType
+from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
+from derive.spec.checks.cross_references import ground_faults, input_faults, marker_faults
+from derive.spec.checks.name_clashes import name_faults
+from derive.spec.checks.scene_data import Raw, SceneData
+from derive.spec.checks.scene_parameters import parameter_faults
+from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
+
+
+def spatial_scene_faults(data: Raw) -> list[Fault]:
+    """All faults of a scene in space that concern more than a single key."""
+    bodies = data.get("bodies", {})
+    if isinstance(bodies, Mapping) and not bodies:
+        return [Fault(("bodies",), "a scene needs bodies; write one, such as [bodies.rod]")]
+    view = SceneData(data)
+    faults = [*ground_faults(view), *name_faults(view), *parameter_faults(view)]
+    if view.complete:
+        faults += [*marker_faults(view), *_joints(view), *_drives(view), *_starts(view), *_weightless(view)]
+        faults += input_faults(view)
+    return faults
+
+
+def _type(joint: Raw) -> SpatialJointType | None:
+    """The type of a joint, or None if its kind is unknown."""
+    return SPATIAL_JOINTS.get(str(joint.get("kind")))
+
+
+def _joints(view: SceneData) -> Iterator[Fault]:
+    for name, joint in view.tables["joints"].items():
+        markers = view.pair("joints", name)
+        path: KeyPath = ("joints", name, "between")
+        if markers is not None:
+            first, second = (marker.body for marker in markers)
+            if first == second == GROUND:
+                yield Fault(path, "both markers are on the ground, which does not move; one of them must be on a body")
+            elif first == second and first in view.names_of_bodies:
+                text = f"both markers are on the body {first}; a joint is between two bodies, or ground and body"
+                yield Fault(path, text)
+        joint_type = _type(joint)
+        if joint_type and markers is not None:
+            yield from _without_rotation(view, path, joint_type, joint, markers)
+        if joint_type and joint_type.keeps_distance and "distance" not in joint:
+            text = "a joint that keeps a distance needs the key `distance`, such as distance = 0.3"
+            yield Fault(("joints", name), text)
+
+
+def _without_rotation(
+    view: SceneData, path: KeyPath, joint_type: SpatialJointType, joint: Raw, markers: tuple[MarkerRef, MarkerRef]
+) -> Iterator[Fault]:
+    """Faults of joints whose rotations or axes are those of a marker at a single node, which has none."""
+    removes = joint.get("removes") if joint_type.removes is None else joint_type.removes
+    removed = {str(name) for name in removes} if isinstance(removes, (list, tuple)) else set[str]()
+    for i, marker in enumerate(markers):
+        body = view.bodies.get(marker.body)
+        at = body.get("markers") if isinstance(body, Mapping) else None
+        value = at.get(marker.marker) if isinstance(at, Mapping) else None
+        is_node = isinstance(value, int) or (isinstance(value, Mapping) and "node" in value)
+        turns = removed & ROTATIONS.keys() or (
+            i == 0 and removed & DISPLACEMENTS.keys() not in ({}, DISPLACEMENTS.keys())
+        )
+        if view.kind(marker.body) == "flexible" and is_node and turns:
+            text = (
+                f"the marker {marker} is a node, which has no rotation, and a {joint.get('kind')} joint acts on the "
+                "rotation of its markers; take a set of nodes around it, { nodes = [..] }, or a spherical joint"
+            )
+            yield Fault((*path, i), text)
+
+
+def _drives(view: SceneData) -> Iterator[Fault]:
+    joints, driven = view.tables["joints"], dict[str, str]()
+    for name, drive in view.tables["drives"].items():
+        joint = drive.get("joint")
+        if not isinstance(joint, str):
+            continue
+        path: KeyPath = ("drives", name, "joint")
+        if joint not in joints:
+            known = f"the joints are {names_text(joints)}" if joints else "write one, such as [joints.bearing]"
+            yield Fault(path, f"there is no joint {quoted(joint)}{did_you_mean(joint, joints, known)}")
+            continue
+        joint_type, kind = _type(joints[joint]), joints[joint].get("kind")
+        if joint_type and not joint_type.driven:
+            kinds = " or a ".join(kind for kind, of in SPATIAL_JOINTS.items() if of.driven)
+            yield Fault(path, f"no drive can prescribe the motion of the {kind} joint {joint}; drive a {kinds} one")
+        other = driven.setdefault(joint, name)
+        if other != name:
+            yield Fault(path, f"the joint {joint} is driven by {other} already; leave one of the drives out")
+
+
+def _starts(view: SceneData) -> Iterator[Fault]:
+    """Faults of initial values of joints that have no such relative motion."""
+    for name, joint in view.tables["joints"].items():
+        yield from _start(("joints", name, "start"), joint, joint.get("start"), name)
+    for name, drive in view.tables["drives"].items():
+        of = view.tables["joints"].get(str(drive.get("joint")), {})
+        yield from _start(("drives", name, "start"), of, drive.get("start"), str(drive.get("joint")))
+
+
+def _start(path: KeyPath, joint: Raw, start: object, name: str) -> Iterator[Fault]:
+    joint_type = _type(joint)
+    if not isinstance(start, Mapping) or joint_type is None:
+        return
+    keys = {None: (), "rad": ("angle", "speed"), "m": ("displacement", "speed")}
+    allowed = keys[joint_type.driven.unit if joint_type.driven else None]
+    for key in ("angle", "displacement", "speed"):
+        if key in start and key not in allowed:
+            text = f"the {joint.get('kind')} joint {name} has no {key}; give initial values of its bodies instead"
+            yield Fault((*path, key), text)
+
+
+def _weightless(view: SceneData) -> Iterator[Fault]:
+    """Faults of bodies without mass or inertia whose motion no drive and no fixed joint can prescribe."""
+    prescribed: set[str] = set()
+    driven = {str(drive.get("joint")) for drive in view.tables["drives"].values()}
+    unreadable = any(view.pair("joints", name) is None for name in view.tables["joints"])
+    for name, joint in view.tables["joints"].items():
+        if name in driven or joint.get("kind") == "fixed":
+            prescribed |= {marker.body for marker in view.pair("joints", name) or ()}
+    for name, body in view.bodies.items():
+        missing = [key for key in ("mass", "inertia") if key not in body]
+        if view.kind(name) == "rigid" and missing and name not in prescribed and not unreadable:
+            examples = {"mass": "mass = 1.0", "inertia": "inertia = [0.01, 0.01, 0.01, 0, 0, 0]"}
+            such = " and ".join(examples[key] for key in missing)
+            needed = " and ".join(missing)
+            text = f"no drive prescribes the motion of this body, so that it needs {needed}; write {such}"
+            yield Fault(("bodies", name), text)

@@ -1,0 +1,64 @@
+"""The rigid slider-crank in space: its start, its motion, and what its coordinates and constraints are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import derive
+from conftest import ROOT
+from derive.roles import Role
+from derive.simulation.linear.modes import modes
+from derive.simulation.trajectory import Trajectory
+
+SCENE = derive.read(ROOT / "examples" / "spatial_crank_slider_rigid.toml")
+
+
+@pytest.fixture(scope="module")
+def run() -> Trajectory:
+    return derive.simulate(SCENE)
+
+
+def test_start_is_that_of_the_benchmark(run: Trajectory) -> None:
+    assert run["slider_s"][0] == pytest.approx(0.2, abs=1e-12)
+    assert run["slider_sdot"][0] == pytest.approx(0.24, abs=1e-12)
+    assert run["crank_phidot"][0] == pytest.approx(6.0, abs=1e-12)
+
+
+def test_one_degree_of_freedom_is_left(run: Trajectory) -> None:
+    native = run.motion.native
+    assert (native.nq, native.nv, native.nlambda) == (9, 8, 7)
+
+
+def test_the_rod_keeps_its_length_and_its_quaternion(run: Trajectory) -> None:
+    x = [run.motion.native.marker_positions(f"rod_{end}", run.q, run.v, run.motion.k) for end in ("ball", "yoke")]
+    assert np.linalg.norm(x[1] - x[0], axis=1) == pytest.approx(0.3, abs=1e-12)
+    quaternion = [i for i, role in enumerate(run.motion.native.roles) if role is Role.QUATERNION]
+    assert np.linalg.norm(run.q[:, quaternion], axis=1) == pytest.approx(1.0, abs=1e-15)
+    assert np.abs(run.solution.drift).max() < 1e-12
+
+
+def test_energy_is_conserved(run: Trajectory) -> None:
+    native, k = run.motion.native, run.motion.k
+    energies = np.array([native.energy(q, v, k) for q, v in zip(run.q, run.v, strict=True)])
+    assert np.ptp(energies.sum(axis=1)) < 1e-8 * np.ptp(energies[:, 0])
+
+
+def test_frequency_about_the_equilibrium_is_that_of_a_small_motion() -> None:
+    result = modes(SCENE)
+    (frequency,) = result.frequencies
+    native, k, q = result.native, result.k, result.linear.q
+    # along the motion that the constraints allow, the force of a small displacement is -(2 pi f)^2 of its inertia
+    amplitude = 1e-6
+    change = (
+        amplitude
+        * np.linalg.pinv(np.column_stack([native.rates(q, e, k) for e in np.eye(native.nv)]))
+        @ (result.modes[0].shape.real)
+    )
+    from derive.simulation.configurations import displaced
+    from derive.simulation.constraints.projection import project
+
+    moved, _ = project(native, k, 0.0, displaced(native, q, change), np.zeros(native.nv))
+    vdot = native.accel(0.0, moved, np.zeros(native.nv), k)
+    ratio = vdot @ change / (change @ change)
+    assert np.sqrt(-ratio) / (2 * np.pi) == pytest.approx(frequency, rel=1e-4)
