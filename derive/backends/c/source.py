@@ -182,10 +182,11 @@ def _shared_function(model: Model, kernel: Kernel, whole: Kernel) -> list[Source
 def _function(
     kernel: Kernel, head: Sequence[str], before: Mapping[int, Sequence[str]] | None = None
 ) -> list[SourceLine]:
-    """The function of a kernel; `before`: lines before its sections, by the numbers of these. Elements of arguments are loaded where they are needed first.
+    """The function of a kernel. Elements of arguments are loaded where they are needed first.
 
-    Compilers keep values in the order of the text: what is loaded before a call, such as that of a sine far from 0, or
-    long before its use, goes to the stack in between.
+    head: its signature; before: lines before its sections, by the numbers of these. Compilers keep values in the order
+    of the text: what is loaded before a call, such as that of a sine far from 0, or long before its use, goes to the
+    stack in between.
     """
     named = _arguments(kernel)
     lines = plain(*head, "{", *named)
