@@ -26,7 +26,7 @@ KINDS = (
 )
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
 SEQUENCES = ("xyz", "xzy", "yzx", "yxz", "zxy", "zyx", "xyx", "xzx", "yzy", "yxy", "zxz", "zyz")
-PARTS = frozenset({"drives"})
+PARTS = frozenset({"drives", "flexible"})
 """The parts of a scene besides rigid bodies, joints and gravity."""
 
 
@@ -34,7 +34,7 @@ class Writer:
     """The lines of a scene from random numbers."""
 
     def __init__(self, seed: int, parts: frozenset[str]) -> None:
-        self.random, self.parts = Random(f"spatial scene {seed}"), parts
+        self.seed, self.random, self.parts = seed, Random(f"spatial scene {seed}"), parts
         self.lines = [f'name = "space_{seed}"']
         self.markers: list[str] = []
         self.turning: set[str] = set()
@@ -134,9 +134,9 @@ class Writer:
         self.lines.append(f"markers.tip = {nodes[0]}")
         self._known(f"{name}.tip", turning=False)
         face = f"nodes = {nodes[1:]}, weights = {[self.positive(1, 3) for _ in range(4)]}"
-        self.lines.append(f'markers.face = {{ {face}, motion = "mean", rotation = {self.rotation()} }}')
+        self.lines.append(f"markers.face = {{ {face}, rotation = {self.rotation()} }}")
         self._known(f"{name}.face")
-        self.lines.append(f'markers.edge = {{ nodes = {nodes[:3]}, motion = "mean" }}')
+        self.lines.append(f"markers.edge = {{ nodes = {nodes[:3]} }}")
         self._known(f"{name}.edge")
 
     def pair(self, markers: Sequence[str]) -> list[str]:
@@ -177,7 +177,8 @@ class Writer:
         return "[" + ", ".join(self.function() for _ in range(3)) + "]"
 
     def actions(self, moving: Sequence[str]) -> None:
-        """Forces, torques and springs at markers."""
+        """Forces, torques and springs at markers; the rest of the scene does not depend on them."""
+        self.random = Random(f"actions {self.seed}")
         turning = [m for m in moving if m in self.turning]
         if "forces" in self.parts:
             self.lines += ["[forces.push]", f'at = "{self.random.choice(moving)}"', f"force = {self.functions()}"]
