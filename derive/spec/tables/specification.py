@@ -94,7 +94,7 @@ class SpecificationKeys(TomlTable):
 
     name: Annotated[Name, Field(description="Name of the model and its files, and prefix of all its functions.")]
     beam: BEAM.value | None = None  # type: ignore[name-defined]  # made of the declared keys
-    body: BodyInput | None = None
+    body: BodyInput | None = None  # type: ignore[valid-type]  # made of the declared keys
 
 
 def specification_table() -> type[TomlTable]:
