@@ -26,7 +26,7 @@ KINDS = (
 )
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
 SEQUENCES = ("xyz", "xzy", "yzx", "yxz", "zxy", "zyx", "xyx", "xzx", "yzy", "yxy", "zxz", "zyz")
-PARTS = frozenset({"drives", "flexible"})
+PARTS = frozenset({"drives", "flexible", "forces", "torques", "springs"})
 """The parts of a scene besides rigid bodies, joints and gravity."""
 
 
@@ -191,12 +191,16 @@ class Writer:
             if self.chance(0.5):
                 self.lines.append(f'against = "{self.random.choice(others)}"')
         if "springs" in self.parts:
-            self.lines += ["[springs.strut]", f"between = {self.pair(self.markers)}"]
-            self.lines += [
-                f"stiffness = {self.positive(1, 20)}",
-                f"damping = {self.positive()}",
-                f"rest = {self.positive()}",
-            ]
+            pair = self.pair(self.markers)
+            kinds = ("linear", "rotational", "bushing") if {*pair} <= self.turning else ("linear",)
+            kind = self.random.choice(kinds)
+            self.lines += ["[springs.strut]", f'kind = "{kind}"', f"between = {pair}"]
+            if kind == "bushing":
+                self.lines.append(f"stiffness = {[self.positive(1, 20) for _ in range(6)]}")
+                self.lines.append(f"damping = {[self.positive(0, 1) for _ in range(6)]}")
+            else:
+                self.lines.append(f"stiffness = {self.positive(1, 20)}\ndamping = {self.positive()}")
+                self.lines.append(f"rest = {self.positive()}")
 
     def write(self, folder: Path) -> Path:
         """The scene and its files in a folder; the path of the scene."""
@@ -239,5 +243,6 @@ def random_scene(seed: int, folder: Path, parts: frozenset[str] = PARTS) -> Path
         writer.joint(f"joint{k}", pair)
     if not writer.moves:
         writer.rigid("loose")
-    writer.actions(actions)
+    if parts & {"forces", "torques", "springs"}:
+        writer.actions(actions)
     return writer.write(folder)
