@@ -22,7 +22,7 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, BeamBody, CustomBody, CustomJoint, Joint, Scene
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
-from derive.spec.model.spatial_scene import NO_ROTATION, FrameMarker, SpatialJoint, SpatialScene
+from derive.spec.model.spatial_scene import NO_ROTATION, FrameMarker, SpatialJoint, SpatialScene, SpatialSpring
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.model.time_function import TimeFunction
 
@@ -176,6 +176,7 @@ _SPECIAL: Mapping[type, Callable[[Any], Any]] = {
     CustomBody: lambda body: {**as_table(body.values), **_declared(body)},
     FrameMarker: _frame_marker,
     SpatialJoint: _of_kind,
+    SpatialSpring: lambda s: {"kind": s.kind, "between": [str(s.first), str(s.second)], **as_table(s.values)},
     Joint: _of_kind,
     CustomJoint: _of_kind,
     Spring: _of_kind,

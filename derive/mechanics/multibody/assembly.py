@@ -248,7 +248,10 @@ class SceneAssembly:
                 return self._constant(element(name, key.name), value, doc, key.unit)
             case KeyType.FUNCTION:
                 return self._function(value, f"{section}.{name}.{key.name}")
-            case KeyType.FUNCTION_PAIR:
+            case KeyType.SIX_QUANTITIES:
+                doc = f"{key.name} of {NAMED[section]} {name}"
+                return tuple(self._constant(element(name, key.name, i), of, doc, "") for i, of in enumerate(value, 1))
+            case KeyType.FUNCTION_PAIR | KeyType.FUNCTION_TRIPLE:
                 return sp.Matrix([self._function(of, f"{section}.{name}.{key.name}") for of in value])
             case KeyType.MARKER | KeyType.BEAM_MARKER:
                 return self._located(value)

@@ -13,6 +13,7 @@ from derive.mechanics.multibody.forces.registry import elements
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import output_type
 from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
+from derive.mechanics.multibody.space.forces import spring_type
 from derive.mechanics.multibody.space.rigid import frame_constants
 from derive.mechanics.terms import ParameterSymbol
 from derive.spec.model.keys import Key, KeyType, quantities
@@ -53,6 +54,9 @@ def spatial_parameters(scene: SpatialScene) -> tuple[ParameterSymbol, ...]:
             SPATIAL_BODIES[body.kind].constants(body) for body in scene.bodies if body.kind in SPATIAL_BODIES
         ),
         *frame_constants("the ground", scene.ground),
+        *chain.from_iterable(
+            _constants("spring", spring.name, spring_type(spring.kind).keys, spring.values) for spring in scene.springs
+        ),
         *(Constant(drive.constant_speed, f"speed of drive {drive.name}") for drive in scene.drives),
         *_of_functions(scene),
     ]

@@ -9,11 +9,13 @@ from derive.ir.model import Model
 from derive.mechanics.multibody.outputs.deflection import CHORD, DIVIDED_BY, ChordDeflection
 from derive.mechanics.multibody.outputs.marker_motion import MARKER
 from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS, output_type
+from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.roles import Role
 from derive.simulation.trajectory import energy_names
 from derive.spec.model.instances import identifier, joined
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.ports import SceneOutput
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
 PLANAR = {
@@ -39,7 +41,9 @@ def default_plots(scene: AnyScene, model: Model) -> tuple[Plot, ...]:
     """One plot over the time for each output that no plot shows; without outputs and plots, those of coordinates and,
     of a body in space alone, of its angular velocity and energies."""
     if scene.outputs or scene.plots:
-        return tuple(_plot(_free_name(output, scene), output_columns(output)) for output in _unplotted(scene))
+        return tuple(
+            _plot(_free_name(output, scene), output_columns(output, _in_space(scene))) for output in _unplotted(scene)
+        )
     return tuple(_plot(name, _selected(columns)) for name, columns in _quantities(scene, model).items())
 
 
@@ -84,8 +88,17 @@ def quantities_of(model: Model, *roles: Role) -> list[str]:
 def _unplotted(scene: AnyScene) -> list[SceneOutput]:
     """The outputs that no plot shows, by their columns or as the same deflection."""
     quantities = [plot.quantity for plot in scene.plots]
+    in_space = _in_space(scene)
     columns = {y for quantity in quantities if isinstance(quantity, ColumnCurves) for y in quantity.y}
-    return [o for o in scene.outputs if not columns & {*output_columns(o)} and _deflection(o) not in quantities]
+    return [
+        o
+        for o in scene.outputs
+        if not columns & {*output_columns(o, in_space)} and (in_space or _deflection(o) not in quantities)
+    ]
+
+
+def _in_space(scene: AnyScene) -> bool:
+    return isinstance(scene, SpatialScene)
 
 
 def _deflection(output: SceneOutput) -> Deflection | None:
@@ -107,9 +120,10 @@ def _free_name(output: SceneOutput, scene: AnyScene) -> str:
     return name
 
 
-def output_columns(output: SceneOutput) -> tuple[str, ...]:
+def output_columns(output: SceneOutput, in_space: bool = False) -> tuple[str, ...]:
     """The names of the columns of an output of a scene, or of one that monitors a model."""
-    labels = {**OUTPUTS, **MONITORS}[output.kind].labels
+    known: Mapping[str, Any] = SPATIAL_OUTPUTS if in_space else {**OUTPUTS, **MONITORS}
+    labels = known[output.kind].labels
     return tuple(joined(output.name, label) for label in labels)
 
 

@@ -9,11 +9,13 @@ from typing import NamedTuple
 
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.spec.checks.dimensions import is_in_space
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.plots import Deflection
 from derive.spec.model.scene import NAMED, Joint
+from derive.spec.model.spatial_scene import SpatialForce, SpatialJoint, SpatialSpring, SpatialTorque
 from derive.spec.parsing import scene_values
 from derive.spec.parsing.faults import KeyPath, readable
 from derive.spec.tables.scene_bodies import kind_of_scene_body
@@ -22,6 +24,14 @@ from derive.spec.tables.shared import MAX_MARKERS, MAX_NAMED
 from derive.spec.tables.spatial import kind_of_spatial_body
 
 Raw = Mapping[str, object]
+FUNCTIONS = (KeyType.FUNCTION, KeyType.FUNCTION_PAIR, KeyType.FUNCTION_TRIPLE)
+SPATIAL_ELEMENTS: dict[str, type] = {
+    "joints": SpatialJoint,
+    "forces": SpatialForce,
+    "torques": SpatialTorque,
+    "springs": SpatialSpring,
+}
+"""The frozen types of the elements of sections in space."""
 MARKERS = (KeyType.MARKER, KeyType.BEAM_MARKER, KeyType.MARKER_PAIR)
 
 
@@ -92,10 +102,12 @@ class SceneData:
 
     def marker_refs(self) -> Iterator[WrittenRef]:
         """All references to markers that can be read."""
-        types = {"joints": Joint, **ELEMENTS, "plots": Deflection}
+        elements = SPATIAL_ELEMENTS if self.in_space else {"joints": Joint, **ELEMENTS}
+        types: dict[str, type] = {**elements, "plots": Deflection}
         keys = {kind: [key.name for key in declared_keys(of) if key.type in MARKERS] for kind, of in types.items()}
         for name, table in self.tables["outputs"].items():
-            output_type = OUTPUTS.get(str(table.get("kind")))
+            kind = str(table.get("kind"))
+            output_type = SPATIAL_OUTPUTS.get(kind) if self.in_space else OUTPUTS.get(kind)
             declared = output_type.keys if output_type else ()
             for key in (key.name for key in declared if key.type in MARKERS):
                 yield from _marker_refs(("outputs", name, key), table.get(key))
@@ -109,8 +121,10 @@ class SceneData:
         for name, drive in self.tables["drives"].items():
             yield from _input_refs(("drives", name, "motion"), drive.get("motion"))
         for section in DEFAULT_KINDS:
-            keys = {key.name: key for force_type in kinds(section).values() for key in force_type.keys}
-            functions = [k for k, key in keys.items() if key.type in (KeyType.FUNCTION, KeyType.FUNCTION_PAIR)]
+            of_kinds = (key for force_type in kinds(section).values() for key in force_type.keys)
+            own = declared_keys(SPATIAL_ELEMENTS[section]) if self.in_space else of_kinds
+            keys = {key.name: key for key in own}
+            functions = [k for k, key in keys.items() if key.type in FUNCTIONS]
             for name, table in self.tables[section].items():
                 for key in functions:
                     yield from _input_refs((section, name, key), table.get(key))
@@ -121,7 +135,7 @@ class SceneData:
 
 def _input_refs(path: KeyPath, value: object) -> Iterator[tuple[KeyPath, str]]:
     if isinstance(value, (list, tuple)):
-        for i, item in enumerate(value[:2]):
+        for i, item in enumerate(value[:3]):
             yield from _input_refs((*path, i), item)
     elif isinstance(value, Mapping) and isinstance(value.get("input"), str):
         yield path, value["input"]

@@ -35,6 +35,8 @@ class KeyType(Enum):
     QUANTITY = "a number of either sign, or a run-time parameter"
     SPEED = "a number, a run-time parameter, or a function of time whose integral is known"
     FUNCTION = "a function of time"
+    FUNCTION_TRIPLE = "three components that are functions of time"
+    SIX_QUANTITIES = "six numbers or run-time parameters, three for displacements and three for rotations"
     FUNCTION_PAIR = "two components that are functions of time"
     MARKER = "a marker"
     BEAM_MARKER = "a marker of a beam"

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Annotated, ClassVar, Literal
 
 from derive.spec.model.beam_parts import DEFAULT_LENGTH, DEFAULT_MASS, INERTIA_UNIT
 from derive.spec.model.body import GRAVITY, NodalBody
-from derive.spec.model.forces import BETWEEN
+from derive.spec.model.forces import BETWEEN, ForceFrame
 from derive.spec.model.keys import KeyType, declared_keys, key
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import Plot
+from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.scene import (
     JOINT_START,
@@ -25,6 +27,7 @@ from derive.spec.model.scene import (
     SceneStart,
 )
 from derive.spec.model.simulation import GUESS, Simulation
+from derive.spec.model.time_function import TimeFunction
 
 Triple = tuple[float, float, float]
 UnitQuaternion = tuple[float, float, float, float]
@@ -228,6 +231,83 @@ class SpatialJoint:
     start: Annotated[JointInitialValues, JOINT_START] = NO_JOINT_START
 
 
+@dataclass(frozen=True)
+class SpatialForce:
+    """A force at a marker in space."""
+
+    name: str
+    at: Annotated[
+        MarkerRef, key(KeyType.MARKER, 'Marker at which it acts, such as "rod.right".', example='"rod.right"')
+    ]
+    force: Annotated[
+        tuple[TimeFunction, TimeFunction, TimeFunction],
+        key(KeyType.FUNCTION_TRIPLE, "Components, N: numbers, or functions of t.", "N", example="[0, 0, -10]"),
+    ]
+    frame: Annotated[
+        ForceFrame,
+        key(
+            KeyType.CHOICE,
+            "The frame of the components: inertial, or body, the frame of the marker, with which the force turns.",
+        ),
+    ] = "inertial"
+    kind: ClassVar[str] = "force"
+
+    @property
+    def markers(self) -> tuple[MarkerRef, ...]:
+        """The marker at which the force acts."""
+        return (self.at,)
+
+
+@dataclass(frozen=True)
+class SpatialTorque:
+    """A torque at a marker in space, with a reaction at another one or without."""
+
+    name: str
+    on: Annotated[
+        MarkerRef, key(KeyType.MARKER, 'Marker at which it acts, such as "crank.hub".', example='"crank.hub"')
+    ]
+    torque: Annotated[
+        tuple[TimeFunction, TimeFunction, TimeFunction],
+        key(KeyType.FUNCTION_TRIPLE, "Components, N m: numbers, or functions of t.", "N m", example="[0, 0, 1.5]"),
+    ]
+    against: Annotated[
+        MarkerRef | None,
+        key(KeyType.MARKER, "Marker at which the reaction acts; by default there is no reaction."),
+    ] = None
+    frame: Annotated[
+        ForceFrame,
+        key(
+            KeyType.CHOICE,
+            "The frame of the components: inertial, or body, the frame of the marker, with which the torque turns.",
+        ),
+    ] = "inertial"
+    kind: ClassVar[str] = "torque"
+
+    @property
+    def markers(self) -> tuple[MarkerRef, ...]:
+        """The marker at which the torque acts, and that of its reaction, if there is one."""
+        return (self.on,) if self.against is None else (self.on, self.against)
+
+
+@dataclass(frozen=True)
+class SpatialSpring:
+    """A spring or a bushing between two markers in space; `values` are those of the keys of its kind."""
+
+    name: str
+    kind: str
+    first: Annotated[MarkerRef, BETWEEN]
+    second: MarkerRef
+    values: Mapping[str, object] = field(default_factory=dict, hash=False)
+
+    @property
+    def markers(self) -> tuple[MarkerRef, ...]:
+        """The two markers between which it acts."""
+        return (self.first, self.second)
+
+
+SpatialAction = SpatialForce | SpatialTorque | SpatialSpring
+"""What acts at markers in space."""
+
 _OF_SCENE = {key.field: key for key in declared_keys(Scene)}
 
 
@@ -243,13 +323,20 @@ class SpatialScene:
         tuple[SpatialJoint, ...], key(SpatialJoint, "Joints by name.", example="[joints.pin]", default=())
     ]
     drives: Annotated[tuple[Drive, ...], _OF_SCENE["drives"]] = ()
-    forces: tuple[()] = ()
-    torques: tuple[()] = ()
-    springs: tuple[()] = ()
+    forces: Annotated[
+        tuple[SpatialForce, ...], key(SpatialForce, "Forces by name.", example="[forces.load]", default=())
+    ] = ()
+    torques: Annotated[
+        tuple[SpatialTorque, ...], key(SpatialTorque, "Torques by name.", example="[torques.load]", default=())
+    ] = ()
+    springs: Annotated[
+        tuple[SpatialSpring, ...],
+        key(SpatialSpring, "Springs and bushings by name.", example="[springs.mount]", default=()),
+    ] = ()
     simulation: Simulation | None = None
     plots: Annotated[tuple[Plot, ...], _OF_SCENE["plots"]] = ()
     start: Annotated[SceneStart | None, _OF_SCENE["start"]] = None
     redundant: Annotated[Redundant, _OF_SCENE["redundant"]] = "auto"
     inputs: Annotated[tuple[SceneInput, ...], _OF_SCENE["inputs"]] = ()
-    outputs: tuple[()] = ()
+    outputs: Annotated[tuple[SceneOutput, ...], _OF_SCENE["outputs"]] = ()
     lowering: Annotated[SceneLowering, _OF_SCENE["lowering"]] = "auto"

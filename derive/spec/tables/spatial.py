@@ -9,12 +9,15 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from derive.mechanics.multibody.space.forces import SPATIAL_BUSHINGS, SPATIAL_SPRINGS
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.spec.files.reference_curves import Rows
 from derive.spec.model.body import NodalBody, NodeData
 from derive.spec.model.instances import COUNT
 from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.plots import Plot
+from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, Drive
 from derive.spec.model.simulation import AT_REST
@@ -22,10 +25,13 @@ from derive.spec.model.spatial_scene import (
     FlexibleBody,
     FrameMarker,
     NodeFrame,
+    SpatialForce,
     SpatialInitialValues,
     SpatialJoint,
     SpatialRigidBody,
     SpatialScene,
+    SpatialSpring,
+    SpatialTorque,
 )
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.body import NODAL_KEYS, nodal_keys
@@ -147,6 +153,40 @@ def _joint(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SpatialJ
     return SpatialJoint("", kind, first, second, start=own["start"], **given)
 
 
+declare(SpatialForce, "SpatialForceTable", keys=(*declared_keys(SpatialForce), COUNT))
+declare(SpatialTorque, "SpatialTorqueTable", keys=(*declared_keys(SpatialTorque), COUNT))
+
+
+def spatial_spring_table() -> DeclaredTable:
+    """The table of a spring in space, with the kinds that are registered now, or of a bushing."""
+    keys = tuple(key for key in declared_keys(SpatialSpring) if key.type is KeyType.MARKER_PAIR)
+    doc = SpatialSpring.__doc__ or ""
+    springs = (*SPATIAL_SPRINGS.items(),)
+    own = registered_table("SpatialSpringTable", doc, "spring", springs, (*keys, COUNT), _spring, "linear")
+    bushings = (*SPATIAL_BUSHINGS.items(),)
+    bushing = registered_table("SpatialBushingTable", doc, "bushing", bushings, (*keys, COUNT), _spring)
+    return DeclaredTable(own.model, one_of(_kind_of_spring, spring=own.value, bushing=bushing.value))
+
+
+def _kind_of_spring(value: Any) -> str:
+    return "bushing" if isinstance(value, Mapping) and value.get("kind") in SPATIAL_BUSHINGS else "spring"
+
+
+def _spring(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SpatialSpring:
+    first, second = own["first"]
+    return SpatialSpring("", kind, first, second, given)
+
+
+def spatial_output_table() -> DeclaredTable:
+    """The table of an output in space, with the kinds that are registered now."""
+    kinds = (*SPATIAL_OUTPUTS.items(),)
+    return registered_table("SpatialOutputTable", SceneOutput.__doc__ or "", "output", kinds, (COUNT,), _output)
+
+
+def _output(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SceneOutput:
+    return SceneOutput("", kind, given)
+
+
 _OF_SCENE = {key.field: key for key in declared_keys(SpatialScene)}
 SPATIAL_GROUND_TABLE = keyed_model(
     "SpatialGroundTable", "The inertial frame, which does not move.", (replace(_OF_SCENE["ground"], name="markers"),)
@@ -160,7 +200,14 @@ SPATIAL_SCENE_TABLE = keyed_model(
 
 def spatial_specification_table() -> type[TomlTable]:
     """The table of a whole specification of a scene in space, with the joints that are registered now."""
-    return _spatial_specification_table(((SpatialJoint, spatial_joint_table()), (Plot, PLOT)))
+    return _spatial_specification_table(
+        (
+            (SpatialJoint, spatial_joint_table()),
+            (SpatialSpring, spatial_spring_table()),
+            (SceneOutput, spatial_output_table()),
+            (Plot, PLOT),
+        )
+    )
 
 
 @cache

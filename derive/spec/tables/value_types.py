@@ -175,6 +175,11 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.ACCELERATION: _quantities(("0", "0", "-9.81"), ACCELERATION_UNIT),
     KeyType.SPEED: Speed,
     KeyType.FUNCTION: _time,
+    KeyType.FUNCTION_TRIPLE: Annotated[
+        tuple[_time, _time, _time],  # type: ignore[valid-type]  # a type that is made
+        components(("0", "0", '"-10*sin(t)"'), "components"),
+    ],
+    KeyType.SIX_QUANTITIES: _quantities(("1000", "1000", "1000", "10", "10", "10"), "", "numbers"),
     KeyType.FUNCTION_PAIR: _pair(_time, ("0", '"-10*sin(t)"'), "components"),
     KeyType.DEFLECTION: _read(Polynomial, values.deflection, _FORMULA),
     KeyType.SHAPES: Annotated[

@@ -16,10 +16,16 @@ from derive.mechanics.multibody.parameters import spatial_parameters
 from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
 from derive.mechanics.multibody.space.coordinates import free_spatial_coordinates
 from derive.mechanics.multibody.space.flexible import Flexible, ReducedBody
+from derive.mechanics.multibody.space.forces import keys_of, specified
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, fixed_frame
 from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, minimal_spatial_coordinates
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
-from derive.mechanics.multibody.space.mechanism import SpatialEliminatedJoint, SpatialJointInstance, SpatialMechanism
+from derive.mechanics.multibody.space.mechanism import (
+    SpatialActionInstance,
+    SpatialEliminatedJoint,
+    SpatialJointInstance,
+    SpatialMechanism,
+)
 from derive.mechanics.symbols import element
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_scene import SpatialScene
@@ -56,11 +62,23 @@ class _SpatialAssembly(SceneAssembly):
                 if joint.name not in self.eliminated_joints
             ),
             eliminated_joints=tuple(self.eliminated_joints.values()),
+            forces=self._actions(),
             parameters=spatial_parameters(self.scene),
             constants=tuple(self.constants),
             definitions=tuple(self.definitions),
             eliminated=tuple(self.eliminated),
         )
+
+    def _actions(self) -> tuple[SpatialActionInstance, ...]:
+        """The forces, torques and springs with the values of their keys."""
+        result = []
+        for section in ("forces", "torques", "springs"):
+            for action in getattr(self.scene, section):
+                given = specified(action)
+                keys = (key for key in keys_of(action) if key.name in given)
+                values = {key.name: self._value(section, action.name, key, given[key.name]) for key in keys}
+                result.append(SpatialActionInstance(action, values))
+        return tuple(result)
 
     def type_of(self, body: Any) -> BodyType[Any]:
         """The type of a body."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
+from typing import Any
 
 import sympy as sp
 
@@ -27,9 +28,12 @@ from derive.mechanics.multibody.mechanism import (
 )
 from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES, count_text
 from derive.mechanics.multibody.ports import input_symbols
-from derive.mechanics.multibody.space.constraints import spatial_constraints
+from derive.mechanics.multibody.space.constraints import row_values, spatial_constraints
+from derive.mechanics.multibody.space.forces import MarkerLoad, loads_of
 from derive.mechanics.multibody.space.frame_motion import FrameMotion
 from derive.mechanics.multibody.space.joints import SpatialJointType
+from derive.mechanics.multibody.space.outputs import SpatialParts, spatial_output_equations
+from derive.mechanics.multibody.space.rows import RelativeFunction, derived
 from derive.mechanics.terms import (
     Constraint,
     Coordinate,
@@ -42,7 +46,7 @@ from derive.mechanics.terms import (
 )
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene_functions import splines
-from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
+from derive.spec.model.spatial_scene import SpatialAction, SpatialJoint, SpatialScene
 
 
 @dataclass(frozen=True)
@@ -54,9 +58,15 @@ class SpatialJointInstance:
     drive: PrescribedMotion | None
 
     @property
+    def rows(self) -> tuple[RelativeFunction, ...]:
+        """The rows that vanish, that of the drive behind those of the joint."""
+        driven = self.type.driven if self.drive else None
+        return (*self.type.rows(self.joint), *((driven.row,) if driven else ()))
+
+    @property
     def multipliers(self) -> int:
         """The number of constraints, one for each row that the joint removes and one for its drive."""
-        return len(self.type.rows(self.joint)) + (self.drive is not None)
+        return len(self.rows)
 
 
 @dataclass(frozen=True)
@@ -74,6 +84,14 @@ class SpatialEliminatedJoint:
 
 
 @dataclass(frozen=True)
+class SpatialActionInstance:
+    """A force, a torque or a spring, with the values of its keys as expressions."""
+
+    element: SpatialAction
+    values: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
 class SpatialMechanism:
     """The kinds, instances, joints and forces of a scene in space. `expanded()` returns the equations of all of them.
 
@@ -87,6 +105,7 @@ class SpatialMechanism:
     ground: Mapping[str, FrameMotion]
     joints: tuple[SpatialJointInstance, ...]
     eliminated_joints: tuple[SpatialEliminatedJoint, ...]
+    forces: tuple[SpatialActionInstance, ...]
     parameters: tuple[ParameterSymbol, ...]
     constants: tuple[ModelConstant, ...]
     definitions: tuple[Intermediate, ...]
@@ -142,8 +161,9 @@ def _expanded(mechanism: SpatialMechanism) -> Equations:
         for condition in spatial_constraints(j.joint, j.type, at(j.joint.first), at(j.joint.second), j.drive, rows)
     )
     refuse_idle(conditions, scene.redundant)
+    actions = tuple(loads_of(f.element, tuple(map(at, f.element.markers)), f.values) for f in mechanism.forces)
     in_order = [instances[name].definitions for name in mechanism.order]
-    definitions = tuple(chain(mechanism.definitions, *in_order))
+    definitions = tuple(chain(mechanism.definitions, *in_order, *(action.definitions for action in actions)))
     bodies, inputs = list(instances.values()), input_symbols(scene)
     moving = moving_symbols(definitions, inputs)
     coefficients = constants_of_scene(mechanism.parameters, mechanism.constants, (b.coefficients for b in bodies))
@@ -153,7 +173,15 @@ def _expanded(mechanism: SpatialMechanism) -> Equations:
         """The sum of the expressions without explicit time dependence; a prescribed motion supplies energy."""
         return sp.Add(*(e for e in of if not e.free_symbols & moving))
 
-    terms = tuple(chain.from_iterable(b.terms for b in bodies))
+    terms = (*chain.from_iterable(b.terms for b in bodies), *chain.from_iterable(a.terms(at, rows) for a in actions))
+    parts = SpatialParts(
+        scene=scene,
+        at=at,
+        instances=instances,
+        actions=actions,
+        joint_loads=_joint_loads(mechanism, conditions, at),
+        supports={j.joint.name: j.own for j in mechanism.eliminated_joints},
+    )
     of_bodies = [b for b in bodies if b.rows]
     kinetic, strain, weight = (summed(b.energies[k] for b in of_bodies) for k in range(3))
     number = {row.name: i for i, row in enumerate(rows)}
@@ -173,16 +201,35 @@ def _expanded(mechanism: SpatialMechanism) -> Equations:
         mass=mass_matrix(rows, terms),
         mass_zeros=tuple((number[i], number[j], why) for b in bodies for i, j, why in b.mass_zeros),
         kinetic_energy=kinetic,
-        strain_energy=strain,
+        strain_energy=strain + summed(action.potential for action in actions),
         weight_energy=weight if scene.gravity else None,
         linear_momentum=tuple(summed(b.linear[k] for b in of_bodies) for k in range(3)),
         angular_momentum=tuple(summed(b.angular[k] for b in of_bodies) for k in range(3)),
         markers=tuple(m for m in markers_of_scene(bodies) if not depends(m.definitions, m.position, moving)),
         constraints=conditions,
         inputs=inputs,
+        outputs=spatial_output_equations(scene.outputs, parts),
         poses=tuple(_pose(name, instance) for name, instance in instances.items()),
         eliminated=(*mechanism.eliminated, *carried(instances, moving)),
     )
+
+
+def _joint_loads(
+    mechanism: SpatialMechanism, conditions: tuple[Constraint, ...], at: Callable[[MarkerRef], FrameMotion]
+) -> dict[str, tuple[MarkerLoad, ...]]:
+    """The loads of each joint that is a constraint, with its drive, on both bodies, in terms of its multipliers."""
+    result: dict[str, tuple[MarkerLoad, ...]] = {}
+    for j in mechanism.joints:
+        own = [c for c in conditions if c.of == j.joint.name]
+        values = row_values(j.joint, at(j.joint.first), at(j.joint.second), j.drive)
+        totals = [sp.zeros(3, 1) for _ in range(4)]
+        for row, condition in zip(j.rows, own, strict=True):
+            of = derived(row)
+            factors = (of.f1, of.m1, of.f2, of.m2)
+            totals = [t + f.xreplace(values) * condition.multiplier for t, f in zip(totals, factors, strict=True)]
+        f1, m1, f2, m2 = totals
+        result[j.joint.name] = (MarkerLoad(j.joint.first, f1, m1), MarkerLoad(j.joint.second, f2, m2))
+    return result
 
 
 def _instances(mechanism: SpatialMechanism) -> Mapping[str, InstanceEquations]:

@@ -1,0 +1,215 @@
+"""The outputs of a scene in space: what they are called, and their expressions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy as sp
+
+from derive.mechanics.multibody.instances import InstanceEquations
+from derive.mechanics.multibody.space.forces import ActionLoads, MarkerLoad, moved_to
+from derive.mechanics.multibody.space.frame_motion import FrameMotion, dot
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
+from derive.mechanics.terms import OutputEquation
+from derive.mechanics.time_functions import Atan2
+from derive.registry import Registry
+from derive.spec.model.instances import identifier, joined
+from derive.spec.model.keys import Key, KeyType
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.ports import SceneOutput
+from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
+
+AXES = (1, 2, 3)
+
+
+@dataclass(frozen=True)
+class SpatialParts:
+    """What outputs are computed from: the scene, its frames and instances, and the loads of actions and joints.
+
+    joint_loads: of each joint that is a constraint, its multipliers as loads on both bodies. supports: of each joint
+    that has eliminated coordinates, the marker of the body that it supports.
+    """
+
+    scene: SpatialScene
+    at: Callable[[MarkerRef], FrameMotion]
+    instances: Mapping[str, InstanceEquations]
+    actions: tuple[ActionLoads, ...]
+    joint_loads: Mapping[str, tuple[MarkerLoad, ...]]
+    supports: Mapping[str, MarkerRef] = field(default_factory=dict)
+
+    def joint(self, name: str) -> SpatialJoint:
+        """A joint by its name."""
+        return next(joint for joint in self.scene.joints if joint.name == name)
+
+    def reaction(self, name: str) -> tuple[sp.Matrix, sp.Matrix]:
+        """The force and the torque of a joint, with its drive, on body 2; the torque is about the second marker."""
+        joint = self.joint(name)
+        if name in self.joint_loads:
+            load = next(load for load in self.joint_loads[name] if load.marker == joint.second)
+            return load.force, load.torque
+        own = self.supports[name]
+        force, torque = self._support(own, name)
+        if own == joint.second:
+            return force, torque
+        old, new = (sp.Matrix(self.at(marker).position) for marker in (own, joint.second))
+        return moved_to(MarkerLoad(own, -force, -torque), old, new)
+
+    def _support(self, own: MarkerRef, name: str) -> tuple[sp.Matrix, sp.Matrix]:
+        """The load of an eliminated joint on the body it supports, about its marker there, which is the origin O.
+
+        It is what the equations of the free body lack besides all other loads.
+        """
+        instance, about = self.instances[own.body], sp.Matrix(self.at(own).position)
+        force = sp.Matrix(instance.free_residual[:3])
+        torque = sp.Matrix(self.at(own).frame) * sp.Matrix(instance.free_residual[3:6])
+        every = [load for of in (*(a.loads for a in self.actions), *self.joint_loads.values()) for load in of]
+        for other, marker in self.supports.items():
+            joint = self.joint(other)
+            known = joint.first if marker == joint.second else joint.second
+            if other != name and known.body == own.body:
+                f, m = self._support(marker, other)
+                every.append(MarkerLoad(known, *_about_other(MarkerLoad(marker, -f, -m), self.at, known)))
+        for load in every:
+            if load.marker.body == own.body:
+                f, m = moved_to(load, sp.Matrix(self.at(load.marker).position), about)
+                force, torque = force - f, torque - m
+        return force, torque
+
+
+def _about_other(
+    load: MarkerLoad, at: Callable[[MarkerRef], FrameMotion], new: MarkerRef
+) -> tuple[sp.Matrix, sp.Matrix]:
+    return moved_to(load, sp.Matrix(at(load.marker).position), sp.Matrix(at(new).position))
+
+
+@dataclass(frozen=True)
+class SpatialComponent:
+    """A number that an output consists of, see OutputComponent."""
+
+    label: str
+    unit: str
+    doc: str
+    expr: sp.Expr
+
+
+@dataclass(frozen=True)
+class SpatialOutputType:
+    """A kind of output in space: a description, the keys of its table, the labels, and the components."""
+
+    doc: str
+    keys: tuple[Key, ...]
+    labels: tuple[str, ...]
+    components: Callable[[Mapping[str, Any], SpatialParts], tuple[SpatialComponent, ...]]
+
+
+MARKER = Key("marker", KeyType.MARKER, "", 'The marker, such as "rod.right".', required=True)
+JOINT = Key("joint", KeyType.JOINT, "", "Name of the joint.", required=True)
+BETWEEN_MARKERS = Key("between", KeyType.MARKER_PAIR, "", "Two markers.", required=True)
+_LABELS = tuple(map(str, AXES))
+
+
+def _vector(name: str, unit: str, text: str) -> SpatialOutputType:
+    def components(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
+        vector = getattr(parts.at(values["marker"]), name)
+        return tuple(
+            SpatialComponent(str(k), unit, f"{text} of {values['marker']} along e{k}", vector[k - 1]) for k in AXES
+        )
+
+    return SpatialOutputType(f"{text} of a marker in the inertial frame", (MARKER,), _LABELS, components)
+
+
+def _joint_coordinate(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
+    joint, freedom, first, second = _frames(values, parts)
+    if freedom is Freedom.ROTATION:
+        x2 = second.axes[:, 0]
+        expr = Atan2(dot(first.axes[:, 1], x2), dot(first.axes[:, 0], x2))
+    else:
+        expr = dot(first.axes[:, 2], second.position - first.position)
+    return (SpatialComponent("", freedom.unit, f"relative motion in joint {joint}, a rotation from -pi to pi", expr),)
+
+
+def _joint_speed(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
+    joint, freedom, first, second = _frames(values, parts)
+    axis = first.axes[:, 2]
+    if freedom is Freedom.ROTATION:
+        expr = dot(axis, second.angular_velocity - first.angular_velocity)
+    else:
+        d, rate = second.position - first.position, second.velocity - first.velocity
+        w = first.angular_velocity
+        turned = sp.Matrix([w[1] * d[2] - w[2] * d[1], w[2] * d[0] - w[0] * d[2], w[0] * d[1] - w[1] * d[0]])
+        expr = dot(axis, rate - turned)
+    return (SpatialComponent("", f"{freedom.unit}/s", f"rate of the relative motion in joint {joint}", expr),)
+
+
+def _frames(values: Mapping[str, Any], parts: SpatialParts) -> tuple[str, Freedom, FrameMotion, FrameMotion]:
+    joint = parts.joint(values["joint"])
+    freedom = SPATIAL_JOINTS[joint.kind].driven
+    assert freedom is not None, "the specification refuses other joints"
+    return joint.name, freedom, parts.at(joint.first), parts.at(joint.second)
+
+
+def _distance(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
+    first, second = (parts.at(marker) for marker in values["between"])
+    d = second.position - first.position
+    text = f"distance between {values['between'][0]} and {values['between'][1]}"
+    return (SpatialComponent("", "m", text, sp.sqrt(dot(d, d))),)
+
+
+def _energy(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
+    kinetic, strain, weight = (sp.Add(*(i.energies[k] for i in parts.instances.values())) for k in range(3))
+    strain += sp.Add(*(action.potential for action in parts.actions))
+    return (
+        SpatialComponent("kinetic", "J", "kinetic energy", kinetic),
+        SpatialComponent("strain", "J", "strain energy, with that of springs", strain),
+        SpatialComponent("gravity", "J", "potential of gravity", weight),
+        SpatialComponent("total", "J", "kinetic energy and potentials", kinetic + strain + weight),
+    )
+
+
+def _reaction(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
+    force, torque = parts.reaction(values["joint"])
+    text = f"of joint {values['joint']} on body 2 along e"
+    return (
+        *(SpatialComponent(str(k), "N", f"force {text}{k}", force[k - 1]) for k in AXES),
+        *(SpatialComponent(f"torque{k}", "N m", f"torque {text}{k}", torque[k - 1]) for k in AXES),
+    )
+
+
+SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
+    "output in space",
+    {
+        "position": _vector("position", "m", "position"),
+        "velocity": _vector("velocity", "m/s", "velocity"),
+        "acceleration": _vector("acceleration", "m/s^2", "acceleration"),
+        "angular_velocity": _vector("angular_velocity", "rad/s", "angular velocity"),
+        "joint": SpatialOutputType(
+            "rotation of a revolute or displacement of a prismatic joint", (JOINT,), ("",), _joint_coordinate
+        ),
+        "joint_speed": SpatialOutputType("rate of that motion", (JOINT,), ("",), _joint_speed),
+        "distance": SpatialOutputType("distance of two markers", (BETWEEN_MARKERS,), ("",), _distance),
+        "energy": SpatialOutputType(
+            "kinetic, strain (with springs), gravitational and total energy",
+            (),
+            ("kinetic", "strain", "gravity", "total"),
+            _energy,
+        ),
+        "reaction": SpatialOutputType(
+            "what a joint exerts on body 2, with its drive, the torque about the second marker",
+            (JOINT,),
+            (*_LABELS, *(f"torque{k}" for k in AXES)),
+            _reaction,
+        ),
+    },
+)
+
+
+def spatial_output_equations(outputs: tuple[SceneOutput, ...], parts: SpatialParts) -> tuple[OutputEquation, ...]:
+    """The components of all outputs of a scene."""
+    equations = []
+    for output in outputs:
+        for part in SPATIAL_OUTPUTS[output.kind].components(output.values, parts):
+            shown = joined(output.name, part.label)
+            equations.append(OutputEquation(identifier(shown), shown, part.unit, part.doc, part.expr))
+    return tuple(equations)

@@ -1,0 +1,116 @@
+"""Joints in minimal coordinates and as constraints, springs with a potential, drives and reactions in space."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from derive.simulation.prepared_run import PreparedRun
+from derive.simulation.space.marker_frames import own_frame
+from derive.simulation.trajectory import Trajectory
+from derive.spec.toml.read import parse
+
+SCENE = """
+name = "space_loads"
+[scene]
+gravity = [0.3, 0, -9.81]
+[ground.markers]
+o = { at = [0.1, 0, 0], rotation = { angles = [0.2, 0.5, -0.1], sequence = "xyz" } }
+wall = { at = [0.5, 0.2, 0.1], rotation = { axis = [1, 1, 0], angle = 0.3 } }
+[bodies.arm]
+mass = 1.2
+centre = [0.2, 0.01, 0]
+inertia = [1e-3, 4e-3, 4e-3, 1e-4, 0, 2e-4]
+markers = { hub = { at = [0, 0.02, 0], rotation = { angles = [0.4, 0, 0.3], sequence = "zxz" } }, end = [0.4, 0, 0] }
+[bodies.free]
+mass = 0.5
+centre = [0.01, 0.02, 0.03]
+inertia = [1e-3, 2e-3, 2.5e-3, 1e-4, 0, -2e-4]
+markers = { m = [0.1, 0, 0], n = [-0.1, 0.05, 0] }
+[joints.first]
+BETWEEN
+[joints.ball]
+kind = "spherical"
+between = ["arm.end", "free.m"]
+[springs.pull]
+between = ["ground.wall", "free.n"]
+stiffness = 20
+rest = 0.2
+[springs.mount]
+kind = "bushing"
+between = ["ground.wall", "arm.end"]
+stiffness = [3, 2, 4, 0.1, 0.2, 0.3]
+[springs.turn]
+kind = "rotational"
+between = ["arm.hub", "free.m"]
+stiffness = 0.05
+[outputs.E]
+kind = "energy"
+[outputs.R]
+kind = "reaction"
+joint = "first"
+[outputs.tip]
+kind = "position"
+marker = "free.n"
+[simulation]
+duration = 0.2
+output = 0.01
+tolerance = 1e-10
+"""
+KINDS = {"universal": 2, "planar": 3}
+"""The joints, with the coordinates that they leave a body."""
+
+
+@cache
+def run(kind: str, keep: bool = False, swapped: bool = False, more: str = "") -> Trajectory:
+    ends = '["arm.hub", "ground.o"]' if swapped else '["ground.o", "arm.hub"]'
+    text = SCENE.replace("BETWEEN", f'kind = "{kind}"\nbetween = {ends}')
+    if keep:
+        text = text.replace("mass = 1.2", "mass = 1.2\nkeep_coordinates = true")
+    if more:
+        text = text.replace("[outputs.E]", f"{more}\n[outputs.E]")
+    return PreparedRun(parse(text), complete=False).trajectory()
+
+
+@pytest.mark.parametrize("kind", ["universal", "planar"])
+def test_minimal_coordinates_and_constraints_are_one_motion(kind: str) -> None:
+    minimal, kept = run(kind), run(kind, keep=True)
+    assert minimal.motion.native.nlambda == 3
+    assert minimal.motion.native.nv == KINDS[kind] + 6
+    assert kept.motion.native.nv == 12
+    for name in ("tip_1", "tip_2", "tip_3", "R_1", "R_2", "R_3", "R_torque1", "R_torque2", "R_torque3"):
+        size = max(1.0, np.abs(kept[name]).max())
+        assert minimal[name] == pytest.approx(kept[name], abs=1e-6 * size), name
+
+
+def test_a_joint_whose_bodies_are_swapped_keeps_coordinates_as_well() -> None:
+    swapped, kept = run("universal", swapped=True), run("universal", keep=True, swapped=True)
+    assert swapped.motion.native.nv == KINDS["universal"] + 6
+    assert swapped["tip_3"] == pytest.approx(kept["tip_3"], abs=1e-7)
+
+
+@pytest.mark.parametrize("kind", ["universal", "planar"])
+def test_springs_and_bushings_conserve_energy(kind: str) -> None:
+    trajectory = run(kind)
+    assert np.ptp(trajectory["E_strain"]) > 1e-3
+    assert np.ptp(trajectory["E_total"]) < 1e-7 * np.ptp(trajectory["E_kinetic"])
+
+
+def test_free_motions_of_a_joint_have_no_reaction() -> None:
+    # planar: no force along x and y and no torque about z of the marker of the ground
+    trajectory = run("planar")
+    axes = own_frame(trajectory.scene.ground[0]).axes
+    force = np.column_stack([trajectory[f"R_{k}"] for k in (1, 2, 3)]) @ axes
+    torque = np.column_stack([trajectory[f"R_torque{k}"] for k in (1, 2, 3)]) @ axes
+    assert np.abs(force[:, :2]).max() < 1e-11
+    assert np.abs(torque[:, 2]).max() < 1e-11
+    assert np.abs(force[:, 2]).max() > 1.0
+
+
+@pytest.mark.parametrize("keep", [False, True])
+def test_drives_prescribe_rotations(keep: bool) -> None:
+    more = '[drives.motor]\njoint = "first"\nmotion = "0.3*sin(4*t)"\n[outputs.turn]\nkind = "joint"\njoint = "first"'
+    trajectory = run("revolute", keep=keep, more=more)
+    assert trajectory["turn"] == pytest.approx(0.3 * np.sin(4 * trajectory.t), abs=1e-10)
