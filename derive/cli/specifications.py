@@ -29,7 +29,16 @@ if TYPE_CHECKING:
 
 def read_scene(path: Path) -> Scene:
     """Read the scene of a file. Raises SpecError if it is a body, or has no [simulation]."""
-    spec = read(path)
+    return _scene(read(path), path)
+
+
+def read_changed_scene(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Scene, tuple[SetValue, ...]]:
+    """The scene of a file with other values, and what has been replaced; see `read_changed` and `read_scene`."""
+    spec, changes = read_changed(path, assignments)
+    return _scene(spec, path), changes
+
+
+def _scene(spec: Specification, path: Path) -> Scene:
     if not isinstance(spec, Scene):
         what = "a scene in space" if isinstance(spec, SpatialScene) else "a single body"
         needed = "a planar scene is needed" if isinstance(spec, SpatialScene) else "a scene is needed"

@@ -192,7 +192,7 @@ def changeable(scene: CorpusScene) -> tuple[str, float]:
         return name, symbols[name]
     for body, table in scene.tables.get("bodies", {}).items():
         for key in ("bending_stiffness", "inertia"):
-            if key in table:
+            if key in table and not isinstance(table[key], list):
                 return f"bodies.{body}.{key}", float(_number(table[key]))
     return "simulation.tolerance", 1e-7
 

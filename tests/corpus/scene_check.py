@@ -19,6 +19,8 @@ from corpus.commands import Finding
 from corpus.generator import CorpusScene, corpus_scene
 from corpus.physics import physics
 from corpus.refusals import refusal
+from corpus.spatial_physics import physics_in_space
+from corpus.spatial_scenes import FIRST
 from derive import TisserandError
 
 COMPILER = '#!/bin/sh\nexec cc "$@" -O0\n'
@@ -120,7 +122,7 @@ def _errors(scene: CorpusScene, out: Path) -> Iterator[Any]:
 
 def _physics(scene: CorpusScene, path: Path) -> Iterator[Finding]:
     try:
-        yield from physics(scene, path)
+        yield from (physics_in_space if scene.seed >= FIRST else physics)(scene, path)
     except TisserandError as failure:
         if refusal(str(failure)) is None:
             yield Finding("physics", f"refused: {commands.general(str(failure))}", str(failure))

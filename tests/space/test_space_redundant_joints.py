@@ -22,18 +22,21 @@ d = { at = [1, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
 mass = 1
 centre = [0.5, 0, 0]
 inertia = ["1/1200", "1/12", "1/12", 0, 0, 0]
-markers = { a = { at = [0, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }, b = { at = [1, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } } }
+markers.a = { at = [0, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
+markers.b = { at = [1, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
 [bodies.top]
 mass = 1
 centre = [0.5, 0, 0]
 inertia = ["1/1200", "1/12", "1/12", 0, 0, 0]
-markers = { b = { at = [0, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }, c = { at = [1, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } } }
+markers.b = { at = [0, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
+markers.c = { at = [1, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
 start = { guess = true, position = [0.17, 0, 0.98], rotation = [1, 0, 0, 0] }
 [bodies.right]
 mass = 1
 centre = [0.5, 0, 0]
 inertia = ["1/1200", "1/12", "1/12", 0, 0, 0]
-markers = { d = { at = [0, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }, c = { at = [1, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } } }
+markers.d = { at = [0, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
+markers.c = { at = [1, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
 [joints.a]
 kind = "revolute"
 between = ["ground.a", "left.a"]

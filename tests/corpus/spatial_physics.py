@@ -1,0 +1,87 @@
+"""Physics on a scene in space: accelerations and reactions against the oracle of material points, and constraints.
+
+In some states of a motion, M vdot + h = G^T lambda and G vdot = gamma, with numbers of the oracle for all but vdot and
+lambda; constraints and the lengths of quaternions are met along the motion.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+import derive
+from corpus.commands import Finding
+from corpus.generator import CorpusScene
+from derive.reduction.body import prepare
+from derive.simulation.prepared_run import PreparedRun
+
+sys.path.append(str(Path(__file__).parents[1] / "space"))
+from decimal_vectors import array, floats, precise
+from mass_points import NodalFields
+from space_oracle import SpaceOracle
+from written_scene import tables
+
+ROWS = 3
+"""The states of a motion that are checked."""
+LIMIT = 1e-10
+"""The largest error of an equation, relative to the largest sum of magnitudes in one."""
+AT_REST = 1e-3
+"""What is added to those magnitudes, N and m/s^2, since nothing moves in some scenes."""
+CLOSED = 1e-9
+"""The largest constraint, relative to the size of the scene, m and rad."""
+
+Vector = np.ndarray
+
+
+def physics_in_space(scene: CorpusScene, path: Path) -> Iterator[Finding]:
+    """Yield what the motion of a scene contradicts."""
+    spec = derive.read(path)
+    run = PreparedRun(spec)
+    motion = run.trajectory().motion
+    native = motion.native
+    oracle = SpaceOracle(tables(path), native.coordinates, native.multipliers, fields=fields(spec))
+    for i in np.unique(np.linspace(0, len(motion.t) - 1, ROWS).astype(int)):
+        t, q, v = float(motion.t[i]), motion.q[i], motion.v[i]
+        yield from _equations(oracle, native, motion.k, t, q, v)
+        worst = np.abs(native.constraints(t, q, motion.k)).max(initial=0)
+        if not worst < CLOSED:
+            yield Finding("physics", "constraints are not met", f"t = {t:g}: {worst:.2g}")
+        for j, name in enumerate(native.coordinates):
+            if name.endswith("_e0") and not abs(np.linalg.norm(q[j : j + 4]) - 1) < 1e-14:
+                yield Finding("physics", "a quaternion has not the length 1", f"t = {t:g}: {name}")
+
+
+def fields(spec: derive.Specification) -> dict[str, NodalFields]:
+    """Nodes and modes of flexible bodies in their frames, as the reduction gives them."""
+    result = {}
+    for body in spec.bodies:
+        nodal = getattr(body, "nodal", None)
+        if nodal is not None:
+            prepared = prepare(nodal)
+            shapes = prepared.shapes
+            with precise():
+                result[body.name] = NodalFields(
+                    array(shapes.x), array(prepared.mass.toarray()), array(shapes.phi), array(shapes.stiffness)
+                )
+    return result
+
+
+def _equations(
+    oracle: SpaceOracle, native: derive.NativeScene, k: Vector, t: float, q: Vector, v: Vector
+) -> Iterator[Finding]:
+    """The equations of motion and of the constraints, with the accelerations of the compiled code."""
+    seen = oracle.see(t, q, v)
+    vdot, lam = native.solve(t, q, v, k)
+    rows = [seen.rows.index(name) for name in native.multipliers]
+    M, h, G, gamma = floats(seen.M), floats(seen.h), floats(seen.G[rows]), floats(seen.gamma[rows])
+    size = np.abs(M) @ np.abs(vdot) + floats(seen.force_sizes) + np.abs(G).T @ np.abs(lam)
+    errors = {"motion": np.abs(M @ vdot + h - G.T @ lam).max(initial=0) / (size.max(initial=0) + AT_REST)}
+    speeds = np.abs(G) @ np.abs(vdot) + np.abs(gamma)
+    errors["constraints"] = np.abs(G @ vdot - gamma).max(initial=0) / (speeds.max(initial=0) + AT_REST)
+    for name, error in errors.items():
+        if not error < LIMIT:
+            text = f"t = {t:g}: {error:.2g}"
+            yield Finding("physics", f"the oracle contradicts the equations of {name}", text)

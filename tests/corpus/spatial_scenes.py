@@ -1,0 +1,330 @@
+"""Random scenes in space: trees with all joints, loops that can move, and flexible bodies of the block of `scenes/`.
+
+Bodies are placed first. A joint is a frame somewhere between two bodies, which both of them have as a marker; all
+coordinates of joints are zero at the start, so that every kind of joint fits and loops close.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from corpus.draft import NAMES, Table
+from corpus.draws import Draws, rounded
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+
+FIRST = 2000
+"""The seeds of scenes in space begin here."""
+
+BLOCK = Path(__file__).parents[2] / "scenes" / "block.npz"
+FACE = (0, 1, 2, 3, 4, 5, 6, 7)
+"""Nodes of the block that do not lie on a line, at one of its ends."""
+
+Vector = np.ndarray
+LOOPS = {
+    "slider_crank": ("revolute", "spherical", "universal", "prismatic"),
+    "four_bar_in_space": ("revolute", "spherical", "spherical", "revolute"),
+    "four_parallel_axes": ("revolute",) * 4,
+    "five_joints": ("revolute", "cylindrical", "spherical", "universal", "revolute"),
+}
+"""Kinds of joints around a loop that leave at least one degree of freedom."""
+
+
+@dataclass
+class SolidBody:
+    """A body: the position x of the origin of its frame, and its rotation R, at t = 0."""
+
+    name: str
+    x: Vector
+    R: Vector
+    flexible: bool = False
+    markers: dict[str, Vector] = field(default_factory=dict)
+    """The markers with the axes that they have in the inertial frame."""
+
+
+class SpatialDraft:
+    """A scene in space while it is made."""
+
+    def __init__(self, draws: Draws, name: str) -> None:
+        self.draws, self.tables = draws, {"name": name}
+        self.size = rounded(draws.scale(0.2, 1.5), 2)
+        self.rate = rounded(math.sqrt(9.81 / self.size) * draws.between(0.5, 1.5), 2)
+        self.bodies: dict[str, SolidBody] = {}
+        self.ground = SolidBody("ground", np.zeros(3), np.eye(3))
+        self.names: set[str] = {name}
+        self.looped = False
+
+    def section(self, name: str) -> Table:
+        """A top-level table of the scene, made on demand."""
+        table: Table = self.tables.setdefault(name, {})  # type: ignore[assignment]
+        return table
+
+    def name(self, section: str) -> str:
+        """A new name for a member of a section."""
+        options = [name for name in self.draws.shuffled(NAMES[section]) if self._free(name.lower())]
+        name = options[0] if options else f"{section[0]}{len(self.names)}"
+        self.names.add(name.lower())
+        return name
+
+    def _free(self, name: str) -> bool:
+        return not any(
+            name == other or name.startswith(f"{other}_") or other.startswith(f"{name}_") for other in self.names
+        )
+
+    def vector(self, size: float) -> Vector:
+        return np.array([rounded(size * self.draws.between(-1, 1), 3) for _ in range(3)])
+
+    def direction(self) -> Vector:
+        """A unit vector."""
+        while True:
+            v = np.array([self.draws.between(-1, 1) for _ in range(3)])
+            if 0.2 < v @ v < 1:
+                return np.asarray(v / math.sqrt(v @ v))
+
+    def rotation(self) -> Vector:
+        """A rotation matrix: none, or any."""
+        if self.draws.chance(0.25):
+            return np.eye(3)
+        return turned(self.direction(), self.draws.between(-3, 3))
+
+    def quantity(self, value: float, unit: str) -> Any:
+        """A constant, or a parameter."""
+        if self.draws.chance(0.15):
+            symbol = f"par{len(self.names)}"
+            self.names.add(symbol)
+            return {"symbol": symbol, "default": value, "unit": unit}
+        return value
+
+    def written_rotation(self, R: Vector) -> Any:
+        """A rotation in one of its forms."""
+        form = self.draws.choice(["quaternion", "axes", "axis", "angles"])
+        if form == "axes":
+            first, second = self.draws.choice([("x", "y"), ("y", "z"), ("z", "x"), ("z", "y")])
+            return {name: listed(R[:, "xyz".index(name)]) for name in (first, second)}
+        e = quaternion(R)
+        if form == "quaternion":
+            return listed(e)
+        if form == "axis":
+            length = math.sqrt(e[1:] @ e[1:])
+            axis = e[1:] / length if length > 1e-9 else np.array([0.0, 0.0, 1.0])
+            return {"axis": listed(axis), "angle": rounded(2 * math.atan2(length, e[0]), 15)}
+        # Cardan angles: R = Rx(a) Ry(b) Rz(c)
+        b = math.asin(max(-1.0, min(1.0, R[0, 2])))
+        a, c = math.atan2(-R[1, 2], R[2, 2]), math.atan2(-R[0, 1], R[0, 0])
+        return {"angles": listed(np.array([a, b, c])), "sequence": "xyz"}
+
+    # ---- bodies and joints
+
+    def body(self, flexible: bool) -> SolidBody:
+        """A new body somewhere, which has no joint yet."""
+        draws, name = self.draws, self.name("bodies")
+        table: Table
+        if flexible:
+            table = {"nodes": BLOCK.name, "units": "SI", "modes": draws.whole(1, 3)}
+            if draws.chance(0.5):
+                table["damping"] = {"ratio": 0.01}
+        else:
+            mass = rounded(draws.scale(0.2, 5), 2)
+            sides = [self.size * draws.between(0.1, 0.6) for _ in range(3)]
+            squares = sum(a * a for a in sides)
+            inertia = [rounded(mass * (squares - a * a) / 12, 3) for a in sides]
+            off = rounded(0.2 * min(inertia) * draws.between(-1, 1), 2) if draws.chance(0.5) else 0.0
+            table = {"mass": self.quantity(mass, "kg"), "inertia": [*inertia, 0, off, 0]}
+            if draws.chance(0.6):
+                table["centre"] = listed(self.vector(0.2 * self.size))
+            if draws.chance(0.3):
+                table["keep_coordinates"] = draws.chance(0.8)
+        body = SolidBody(name, self.vector(self.size), self.rotation(), flexible)
+        self.section("bodies")[name] = table | {"markers": {}}
+        self.bodies[name] = body
+        return body
+
+    def marker(self, body: SolidBody, at: Vector, axes: Vector) -> str:
+        """A marker of a rigid body or the ground at an inertial point with inertial axes, by its reference."""
+        name = f"m{len(body.markers)}"
+        body.markers[name] = axes
+        position, turned_by = listed(body.R.T @ (at - body.x)), body.R.T @ axes
+        plain = np.abs(turned_by - np.eye(3)).max() < 1e-12
+        value: Any = position if plain else {"at": position, "rotation": self.written_rotation(turned_by)}
+        holder = self.section("ground") if body is self.ground else self.section("bodies")[body.name]
+        holder.setdefault("markers", {})[name] = value
+        return f"{body.name}.{name}"
+
+    def joint(self, kind: str, first: SolidBody, second: SolidBody, at: Vector, axes: Vector) -> str:
+        """A joint at an inertial point, along inertial axes; the markers of a flexible body decide both."""
+        name = self.name("joints")
+        ends = [self.marker(first, at, axes), self.marker(second, at, axes)]
+        self.section("joints")[name] = {"kind": kind, "between": ends}
+        return name
+
+
+def turned(axis: Vector, angle: float) -> Vector:
+    """The rotation about a unit vector."""
+    x, y, z = axis
+    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.asarray(np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * (k @ k))
+
+
+def quaternion(R: Vector) -> Vector:
+    """The quaternion of a rotation, scalar first and not negative."""
+    squares = [1 + R[0, 0] + R[1, 1] + R[2, 2], *(1 + 2 * R[k, k] - np.trace(R) for k in range(3))]
+    k = int(np.argmax(squares))
+    axial = [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]
+    if k == 0:
+        e = np.array([squares[0], *axial])
+    else:
+        e = np.array([axial[k - 1], *(R[k - 1, j] + R[j, k - 1] for j in range(3))])
+        e[k] = squares[k]
+    e = e / math.sqrt(e @ e)
+    return np.asarray(-e if e[0] < 0 else e)
+
+
+def listed(values: Vector) -> list[float]:
+    """Numbers with 15 digits, which have to agree with others."""
+    return [rounded(float(x), 15) for x in values]
+
+
+# ---- scenes
+
+
+def spatial_scene(draws: Draws, name: str) -> tuple[Table, dict[str, str | Path], str]:
+    """The tables of a scene, the files beside it, and its linkage."""
+    draft = SpatialDraft(draws, name)
+    linkage = draws.choice(["tree", "tree", "flexible", "free", *LOOPS])
+    if linkage in LOOPS:
+        _loop(draft, LOOPS[linkage], parallel=linkage == "four_parallel_axes")
+    elif linkage == "free":
+        for _ in range(draws.whole(1, 2)):
+            draft.body(flexible=draws.chance(0.3))
+    else:
+        _tree(draft, flexible=linkage == "flexible")
+    _gravity(draft)
+    _actions(draft)
+    _starts(draft)
+    duration = rounded(draws.between(0.1, 0.4) / draft.rate, 2)
+    if any(body.flexible for body in draft.bodies.values()):
+        duration = rounded(draws.between(1, 3) * 1e-3, 2)
+    draft.section("simulation").update({"duration": duration, "output": rounded(duration / 10, 2)})
+    files: dict[str, str | Path] = {BLOCK.name: BLOCK} if duration < 5e-3 else {}
+    return draft.tables, files, f"spatial {linkage}"
+
+
+def _tree(draft: SpatialDraft, flexible: bool) -> None:
+    """Bodies that hang on each other or on the ground; a flexible one has a rigid one at its other end."""
+    draws = draft.draws
+    if flexible:
+        _flexible_arm(draft)
+        return
+    before = [draft.ground]
+    for _ in range(draws.whole(1, 3)):
+        body = draft.body(flexible=False)
+        kind = draws.choice([*SPATIAL_JOINTS])
+        base = draws.choice(before)
+        at = base.x + draft.vector(draft.size)
+        first, second = (base, body) if draws.chance(0.7) else (body, base)
+        axes = draft.rotation()
+        if kind == "distance":
+            _rod(draft, first, second, at)
+        else:
+            joint = draft.joint(kind, first, second, at, axes)
+            table = draft.section("joints")[joint]
+            if kind == "general":
+                motions = draws.some(["x", "y", "z", "rx", "ry", "rz"], 0.5)
+                table["removes"] = motions or ["z"]
+        before.append(body)
+
+
+def _rod(draft: SpatialDraft, first: SolidBody, second: SolidBody, at: Vector) -> None:
+    """A constant distance, which is that of the start."""
+    length = rounded(draft.size * draft.draws.between(0.3, 1), 2)
+    other = at + length * draft.direction()
+    ends = [draft.marker(first, at, first.R), draft.marker(second, other, second.R)]
+    draft.section("joints")[draft.name("joints")] = {"kind": "distance", "between": ends, "distance": length}
+
+
+def _flexible_arm(draft: SpatialDraft) -> None:
+    """The block, held at one end by a joint, with a rigid body on a ball joint at the other one."""
+    draws = draft.draws
+    block = draft.body(flexible=True)
+    table = draft.section("bodies")[block.name]
+    nodes = np.load(BLOCK)["positions"]
+    middle = (nodes.min(axis=0) + nodes.max(axis=0)) / 2
+    near = np.flatnonzero(nodes[:, 0] == 0.0)
+    far = int(np.argmin(((nodes - [0.4, 0.05, 0.03]) ** 2).sum(axis=1)))
+    chosen = [int(near[0]), int(near[-1]), int(near[len(near) // 3]), int(near[len(near) // 2])]
+    table["markers"] = {"root": {"nodes": chosen, "motion": "mean"}, "end": far}
+    if draws.chance(0.4):
+        table["markers"]["root"]["weights"] = [1, 2, 1, 0.5]
+    weights = np.array(table["markers"]["root"].get("weights", [1, 1, 1, 1]))
+    at = block.x + block.R @ (weights @ nodes[chosen] / weights.sum() - middle)
+    kind = draws.choice(["revolute", "spherical", "universal", "cylindrical", "fixed"])
+    joint = draft.name("joints")
+    ends = [draft.marker(draft.ground, at, block.R), f"{block.name}.root"]
+    draft.section("joints")[joint] = {"kind": kind, "between": ends}
+    if draws.chance(0.6):
+        bob = draft.body(flexible=False)
+        tip = block.x + block.R @ (nodes[far] - middle)
+        pair = [f"{block.name}.end", draft.marker(bob, tip, bob.R)]
+        draft.section("joints")[draft.name("joints")] = {"kind": "spherical", "between": pair}
+
+
+def _loop(draft: SpatialDraft, kinds: tuple[str, ...], parallel: bool) -> None:
+    """A loop of bodies from the ground to the ground."""
+    draft.looped = True
+    bodies = [draft.ground, *(draft.body(flexible=False) for _ in kinds[1:]), draft.ground]
+    common = draft.rotation()
+    for i, kind in enumerate(kinds):
+        across = common @ np.array([math.cos(1.9 * i + 0.3), math.sin(2.3 * i), 0.0])
+        at = rounded(draft.size, 2) * across if parallel else draft.vector(draft.size)
+        draft.joint(kind, bodies[i], bodies[i + 1], at, common if parallel else draft.rotation())
+
+
+def _gravity(draft: SpatialDraft) -> None:
+    if draft.draws.chance(0.7) or draft.looped:
+        draft.section("scene")["gravity"] = [0, rounded(draft.draws.between(-3, 3), 2), draft.quantity(-9.81, "m/s^2")]
+
+
+def _function(draft: SpatialDraft, size: float, vanishes: bool = False) -> Any:
+    """A function of time with values of about a size."""
+    draws = draft.draws
+    value, w = rounded(size * draws.between(0.2, 1) * draws.sign(), 2), rounded(draft.rate, 2)
+    if not vanishes and draws.chance(0.4):
+        return value
+    return f"{value:g}*{draws.choice([f'sin({w:g}*t)', f'(1 - cos({w:g}*t))', f'{w:g}*t', f'tanh({w:g}*t)'])}"
+
+
+def _actions(draft: SpatialDraft) -> None:
+    """Drives, forces, torques and springs."""
+    draws = draft.draws
+    for name, joint in draft.section("joints").items() if "joints" in draft.tables else ():
+        if not draft.looped and joint["kind"] in ("revolute", "prismatic") and draws.chance(0.3):
+            size = 0.5 if joint["kind"] == "revolute" else 0.1 * draft.size
+            drive: Table = {"joint": name}
+            if draws.chance(0.5):
+                drive["motion"] = _function(draft, size, vanishes=True)
+            else:
+                drive["speed"] = rounded(size * draft.rate * draws.between(0.2, 1), 2)
+            draft.section("drives")[draft.name("drives")] = drive
+
+
+def _starts(draft: SpatialDraft) -> None:
+    """Initial values of bodies: all of them, or first guesses; those of free bodies with velocities."""
+    draws = draft.draws
+    guess = "joints" in draft.tables and draws.chance(0.25)
+    joined = {end.split(".")[0] for joint in draft.tables.get("joints", {}).values() for end in joint["between"]}  # type: ignore[attr-defined]
+    for body in draft.bodies.values():
+        x, R = body.x, body.R
+        if guess:
+            x, R = x + draft.vector(0.01 * draft.size), turned(draft.direction(), 0.01) @ R
+        start: Table = {"position": listed(x), "rotation": draft.written_rotation(R)}
+        if guess:
+            start["guess"] = True
+        elif body.name not in joined:
+            start |= {"velocity": listed(draft.vector(draft.size)), "angular_velocity": listed(draft.vector(5))}
+            if body.flexible:
+                start |= {"amplitudes": [1e-5], "amplitude_rates": [0.01]}
+        draft.section("bodies")[body.name]["start"] = start

@@ -1,0 +1,140 @@
+"""Spatial scenes through all stages, beside the oracle of the same file, and their comparison in random states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from decimal_vectors import Array, floats
+from space_oracle import Mechanics, SpaceOracle, apart
+from written_scene import tables
+
+import derive
+from beams import run_module
+from conftest import QUICK
+from derive.generated_models import generated
+from derive.runtime.loading import load_scene
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.compiled_scene import constraint_matrix, mass_matrix
+
+LIMIT = 1e-12
+"""The largest difference, relative to the sum of the magnitudes of what a number is the sum of."""
+CONDITION = 1e9
+"""The largest condition of constraints whose multipliers are compared."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpaceModel:
+    """A scene with its compiled C, its generated Python, and its oracle."""
+
+    native: NativeScene
+    python: dict[str, Any]
+    oracle: SpaceOracle
+
+
+def space_model(path: Path) -> SpaceModel:
+    """A scene of a file."""
+    spec = derive.read(path)
+    _, files = generated(spec)
+    native = load_scene(files, QUICK)
+    oracle = SpaceOracle(tables(path), native.coordinates, native.multipliers, folder=path.parent)
+    return SpaceModel(native, run_module(files), oracle)
+
+
+def random_state(native: NativeScene, seed: int) -> tuple[float, Array, Array]:
+    """t, q, v: any attitude, moderately deformed, and far from meeting the constraints."""
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(-1.5, 1.5, native.nq)
+    names = list(native.coordinates)
+    for i, name in enumerate(names):
+        if name.endswith("e0"):
+            q[i : i + 4] = rng.normal(size=4)
+            q[i : i + 4] /= np.linalg.norm(q[i : i + 4])
+        if "alpha" in name:
+            q[i] *= 0.2
+    return rng.uniform(0.2, 1.5), q, rng.uniform(-2, 2, native.nv)
+
+
+def differences(model: SpaceModel, t: float, q: Array, v: Array) -> Iterator[tuple[str, float]]:
+    """Yield what differs, with its relative size, of each function of a scene."""
+    native, oracle, k = model.native, model.oracle, model.native.setup()
+    seen = oracle.see(t, q, v)
+    yield "mass", apart(mass_matrix(native, q, k), seen.M, seen.mass_sizes)
+    yield "force", apart(native.force(t, q, v, k), seen.h, seen.force_sizes)
+    rows = [seen.rows.index(name) for name in native.multipliers]
+    assert len(rows) == len(seen.rows), (native.multipliers, seen.rows)
+    g, gdot, gamma, G = (x[rows] for x in (seen.g, seen.gdot, seen.gamma, seen.G))
+    speeds = 1 + np.abs(floats(G)).max(initial=0)
+    yield "g", apart(native.constraints(t, q, k), g, 1 + abs(g))
+    yield "G", apart(constraint_matrix(native, t, q, k), G, 1 + abs(G))
+    yield "gdot", apart(native.constraint_rates(t, q, v, k), gdot, speeds * np.abs(v).sum() + abs(floats(gdot)))
+    size = speeds * (1 + np.abs(v).sum() ** 2) + abs(floats(gamma))
+    yield "gamma", apart(native.constraint_bias(t, q, v, k), gamma, size)
+    yield from _solution(model, seen, rows, t, q, v)
+    yield from _motion(model, seen, t, q, v)
+    yield from _by_python(model, t, q, v)
+
+
+def _solution(
+    model: SpaceModel, seen: Mechanics, rows: list[int], t: float, q: Array, v: Array
+) -> Iterator[tuple[str, float]]:
+    """Accelerations and multipliers, if they are well determined."""
+    native, k = model.native, model.native.setup()
+    M, G = floats(seen.M), floats(seen.G)
+    matrix = np.block([[M, G.T], [G, np.zeros((len(G), len(G)))]])
+    if len(matrix) == 0 or np.linalg.cond(matrix) > CONDITION:
+        return
+    vdot, lam = (floats(x) for x in seen.accelerations())
+    found, multipliers = native.solve(t, q, v, k)
+    condition = np.linalg.cond(matrix)
+    size = np.full(len(vdot) + len(lam), max(1.0, np.abs(np.concatenate([vdot, lam])).max()) * condition / 100)
+    yield "solve", apart(np.concatenate([found, multipliers]), np.concatenate([vdot, lam[rows]]), size)
+
+
+def _motion(model: SpaceModel, seen: Mechanics, t: float, q: Array, v: Array) -> Iterator[tuple[str, float]]:
+    """Energies, momenta, markers."""
+    native, k = model.native, model.native.setup()
+    if not model.oracle.drives:  # bodies that are carried are not counted
+        kinetic, strain, gravity = (float(x) for x in seen.energy.values())
+        energy = native.energy(q, v, k)
+        expected = np.array([kinetic, strain, gravity][: len(energy)])
+        size = 1 + np.abs(expected) + np.abs(floats(seen.M)).max(initial=0)
+        yield "energy", apart(energy, expected, size)
+        momentum = native.momentum(q, v, k)
+        yield "momentum", apart(momentum, seen.momentum, 1 + np.abs(floats(seen.momentum)).max() * np.ones(6))
+    for name in native.markers:
+        reference = next(m for m in model.oracle.all_markers() if m.replace(".", "_") == name)
+        x, xdot, J = seen.markers[reference]
+        of = native.marker(name, q, v, k)
+        yield f"marker {name}", apart(of[0], x, 1 + abs(x))
+        yield f"velocity of {name}", apart(of[1], xdot, 10 + abs(xdot))
+        yield f"Jacobian of {name}", apart(native.marker_pattern(name).dense(of[2]), J, 1 + abs(J))
+
+
+def _by_python(model: SpaceModel, t: float, q: Array, v: Array) -> Iterator[tuple[str, float]]:
+    """The generated Python against the compiled C."""
+    native, python, k = model.native, model.python, model.native.setup()
+
+    def apart_of(found: Array, expected: Array) -> float:
+        size = max(1.0, float(np.abs(expected).max(initial=0)))
+        return float(np.abs(np.broadcast_to(found, expected.shape) - expected).max(initial=0)) / size
+
+    yield "Python: mass", apart_of(python["mass"](q, k), native.mass(q, k))
+    yield "Python: force", apart_of(python["force"](t, q, v, k), native.force(t, q, v, k))
+    if native.nlambda:
+        yield "Python: g", apart_of(python["constraints"](t, q, k), native.constraints(t, q, k))
+        yield "Python: G", apart_of(python["constraint_jacobian"](t, q, k), native.constraint_jacobian(t, q, k))
+        bias = native.constraint_bias(t, q, v, k)
+        yield "Python: gamma", apart_of(python["constraint_bias"](t, q, v, k), bias)
+
+
+def disagreements(model: SpaceModel, seed: int, limit: float = LIMIT) -> list[str]:
+    """What differs by more than the limit in a random state."""
+    return [
+        f"{name}: {size:.2e}"
+        for name, size in differences(model, *random_state(model.native, seed))
+        if not size < limit
+    ]

@@ -1,0 +1,247 @@
+"""The positions of a spatial scene as functions of time and state: bodies, markers, joints, lengths of springs.
+
+Velocities are used in one way only: a state is moved along them by a small step, bodies turning about constant axes in
+their own frames. Values, derivatives and virtual displacements are differences of what is a function of the state here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+from decimal_vectors import (
+    ONE,
+    Array,
+    about,
+    array,
+    identity,
+    length,
+    of_quaternion,
+    zeros,
+)
+from mass_points import MarkerFrame, NodalFields, PointBody, nodal_body, nodal_fields, rigid_body, rigid_marker
+from relative_motion import driven_row, free_motions, joint_rows, relative
+from written_scene import Numbers, Table
+
+GROUND = "ground"
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """The position of the origin of a frame, and its rotation."""
+
+    c: Array
+    R: Array
+
+    def place(self, r: Array) -> Array:
+        """c + R r, of one or of many points."""
+        return self.c + r @ self.R.T
+
+
+@dataclass(frozen=True, eq=False)
+class SpaceState:
+    """Scalars by the names of coordinates, rotation matrices by the names of what turns."""
+
+    scalars: Mapping[str, Decimal]
+    rotations: Mapping[str, Array]
+
+
+class Columns:
+    """The coordinates of a model: scalars, or the four numbers of a quaternion, whose three velocities are omega."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self.names = tuple(names)
+        self.parts: list[tuple[str, bool]] = []
+        for name in names:
+            if name.endswith("e0"):
+                self.parts.append((name[:-2], True))
+            elif not name.endswith(("e1", "e2", "e3")):
+                self.parts.append((name, False))
+        self.size = sum(3 if turns else 1 for _, turns in self.parts)
+
+    def __contains__(self, name: str) -> bool:
+        return (name, False) in self.parts or (name, True) in self.parts
+
+    def state(self, q: Array) -> SpaceState:
+        """The state of coordinates q."""
+        of = dict(zip(self.names, array(q), strict=True))
+        turned = {n: of_quaternion(np.array([of[f"{n}e{i}"] for i in range(4)])) for n, turns in self.parts if turns}
+        return SpaceState({n: of[n] for n, turns in self.parts if not turns}, turned)
+
+    def moved(self, state: SpaceState, v: Array, s: Decimal) -> SpaceState:
+        """The state after moving with velocities v for a time s."""
+        scalars, rotations, i = dict(state.scalars), dict(state.rotations), 0
+        for name, turns in self.parts:
+            if turns:
+                if any(v[i : i + 3]):
+                    rotations[name] = rotations[name] @ about(s * v[i : i + 3])
+                i += 3
+            else:
+                scalars[name] = scalars[name] + s * v[i]
+                i += 1
+        return SpaceState(scalars, rotations)
+
+
+class SpaceKinematics:
+    """A scene as functions of t and a state. `fields` are those of flexible bodies, by default those of their files."""
+
+    def __init__(
+        self,
+        scene: Table,
+        coordinates: Sequence[str],
+        multipliers: Sequence[str] = (),
+        *,
+        folder: Path = Path(),
+        fields: Mapping[str, NodalFields] | None = None,
+        p: Mapping[str, float] | None = None,
+    ) -> None:
+        self.scene, self.columns, self.value = scene, Columns(coordinates), Numbers(scene, p)
+        self.bodies: dict[str, PointBody] = {}
+        for name, table in scene.get("bodies", {}).items():
+            if "nodes" in table:
+                of = (fields or {}).get(name) or nodal_fields(folder / table["nodes"])
+                self.bodies[name] = nodal_body(name, table, self.value, of)
+            else:
+                self.bodies[name] = rigid_body(name, table, self.value)
+        ground = scene.get("ground", {}).get("markers", {})
+        self.ground = {name: rigid_marker(of, self.value) for name, of in ground.items()}
+        self.centres = {
+            name: self.value.vector(table.get("centre", (0, 0, 0))) for name, table in scene.get("bodies", {}).items()
+        }
+        self.gravity = self.value.vector(scene.get("scene", {}).get("gravity", (0, 0, 0)))
+        self.joints: dict[str, Table] = dict(scene.get("joints", {}))
+        self.drives = {table["joint"]: {**table, "name": name} for name, table in scene.get("drives", {}).items()}
+        self.springs: dict[str, Table] = dict(scene.get("springs", {}))
+        self.held = self._held_bodies(multipliers)
+
+    def _held_bodies(self, multipliers: Sequence[str]) -> list[tuple[str, str]]:
+        """Bodies without coordinates of their own, each with the joint that places it, in an order that can be used."""
+        known = {GROUND} | {name for name in self.bodies if f"{name}_c1" in self.columns}
+        placing = [name for name in self.joints if not any(row.startswith(f"{name}_") for row in multipliers)]
+        result: list[tuple[str, str]] = []
+        while len(known) <= len(self.bodies):
+            for name in placing:
+                ends = [end.split(".")[0] for end in self.joints[name]["between"]]
+                new = [end for end in ends if end not in known]
+                if len(new) == 1:
+                    result.append((new[0], name))
+                    known.add(new[0])
+                    break
+            else:
+                raise ValueError("bodies that nothing places")
+        return result
+
+    # ---- poses
+
+    def marker(self, reference: str) -> tuple[str, MarkerFrame]:
+        """A marker by its reference, such as "rod.tip", with the name of its body."""
+        body, _, name = reference.partition(".")
+        return body, (self.ground[name] if body == GROUND else self.bodies[body].markers[name])
+
+    def amplitudes(self, name: str, state: SpaceState) -> Array:
+        """alpha of a body."""
+        n = self.bodies[name].n
+        return np.array([state.scalars[f"{name}_alpha{i}"] for i in range(1, n + 1)], dtype=object)
+
+    def poses(self, t: Decimal, state: SpaceState) -> dict[str, Pose]:
+        """The poses of the frames in which markers have their coordinates.
+
+        The coordinates c of a rigid body are those of its centre of mass, of a flexible one of its floating frame.
+        """
+        result = {GROUND: Pose(zeros(3), identity(3))}
+        for name in self.bodies:
+            if f"{name}_c1" in self.columns:
+                c = np.array([state.scalars[f"{name}_c{k}"] for k in (1, 2, 3)], dtype=object)
+                R = state.rotations[f"{name}_"]
+                result[name] = Pose(c - R @ self.centres[name], R)
+        for name, joint in self.held:
+            result[name] = self._held_pose(name, joint, t, state, result)
+        return result
+
+    def _held_pose(self, name: str, joint: str, t: Decimal, state: SpaceState, known: Mapping[str, Pose]) -> Pose:
+        """The pose that a joint gives a body: by the coordinates that it leaves, or by its drive."""
+        table = self.joints[joint]
+        first, second = table["between"]
+        sign = 1 if second.split(".")[0] == name else -1
+        other, own = (first, second) if sign > 0 else (second, first)
+        values: dict[str, Decimal] = {}
+        ball = f"{name}_" in state.rotations  # the rotation of the body itself is kept
+        for motion, end in free_motions(table, sign).items():
+            if ball and motion.startswith("r"):
+                continue
+            driven = joint in self.drives and motion == ("rz" if table["kind"] == "revolute" else "z")
+            values[motion] = sign * self.motion(joint, t) if driven else state.scalars[f"{name}_{end}"]
+        d, R = relative(values)
+        x, A = self.frame(other, state, known)
+        _, marker = self.marker(own)
+        turned = state.rotations[f"{name}_"] if ball else A @ R @ marker.rotation.T
+        return Pose(x + A @ d - turned @ marker.position, turned)
+
+    def motion(self, joint: str, t: Decimal) -> Decimal:
+        """The rotation or displacement that a drive prescribes."""
+        drive = self.drives[joint]
+        if "motion" in drive:
+            return self.value.at(drive["motion"], t)
+        return self.value(drive["speed"]) * t + self.value(drive.get("offset", 0))
+
+    def frame(self, reference: str, state: SpaceState, poses: Mapping[str, Pose]) -> tuple[Array, Array]:
+        """The inertial position and the axes of a marker.
+
+        Those of a deformed body turn by the quaternion [1, theta/2], normalised, of their rotation vector theta.
+        """
+        body, marker = self.marker(reference)
+        pose = poses[body]
+        position, turned = marker.position, marker.rotation
+        if body != GROUND and self.bodies[body].n:
+            alpha = self.amplitudes(body, state)
+            position = position + alpha @ marker.shapes
+            if marker.turns is not None:
+                turned = of_quaternion(np.array([ONE, *(alpha @ marker.turns / 2)], dtype=object)) @ turned
+        return pose.place(position), pose.R @ turned
+
+    # ---- functions of t and the state
+
+    def points(self, state: SpaceState, poses: Mapping[str, Pose]) -> list[Array]:
+        """The positions of the material points of each body, (P, 3)."""
+        return [
+            poses[name].place(body.deformed(self.amplitudes(name, state) if body.n else zeros(0)))
+            for name, body in self.bodies.items()
+        ]
+
+    def constraints(self, t: Decimal, state: SpaceState, poses: Mapping[str, Pose]) -> dict[str, Decimal]:
+        """g of all joints that place no body, by joint and row."""
+        result: dict[str, Decimal] = {}
+        placing = {joint for _, joint in self.held}
+        for name, table in self.joints.items():
+            if name in placing:
+                continue
+            (x1, A1), (x2, A2) = (self.frame(end, state, poses) for end in table["between"])
+            d, R = A1.T @ (x2 - x1), A1.T @ A2
+            for row, value in joint_rows(table, d, R, self.value).items():
+                result[f"{name}_{row}"] = value
+            if name in self.drives:
+                drive = self.drives[name]["name"]
+                result[drive] = driven_row(table, d, R, self.motion(name, t))
+        return result
+
+    def acted_on(self) -> list[str]:
+        """The markers at which forces and torques act, with repetitions, in the order of `frames`."""
+        forces = [table["at"] for table in self.scene.get("forces", {}).values()]
+        for table in self.scene.get("torques", {}).values():
+            forces += [table[key] for key in ("at", "on", "against") if key in table]
+        return forces
+
+    def spring_lengths(self, state: SpaceState, poses: Mapping[str, Pose]) -> list[Decimal]:
+        """What springs and dampers act along: distances, rotation angles, relative displacements and rotations."""
+        result: list[Decimal] = []
+        for table in self.springs.values():
+            (x1, _), (x2, _) = (self.frame(end, state, poses) for end in table["between"])
+            kind = table.get("kind", "spring")
+            if kind in ("spring", "translational"):
+                result.append(length(x2 - x1))
+            else:
+                raise NotImplementedError(kind)
+        return result

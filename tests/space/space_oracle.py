@@ -1,0 +1,230 @@
+"""The equations of motion of a spatial scene from the positions of its material points and virtual work.
+
+M vdot + h = G^T lambda with v = (cdot, omega in the floating frame, alphadot) of each body: every derivative is a
+central difference of 60-digit numbers along the motion or along a virtual displacement, to about 1e-26.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+
+import numpy as np
+from decimal_vectors import STEP, ZERO, Array, array, cross, floats, number, precise, solved, stacked, zeros
+from space_kinematics import Pose, SpaceKinematics, SpaceState
+
+TWICE = 2 * STEP
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanics:
+    """The results of the oracle in one state; mass_sizes, force_sizes: sums of the magnitudes of what M and h add up.
+
+    rows: names of the constraints, by joint and row.
+    """
+
+    M: Array
+    h: Array
+    mass_sizes: Array
+    force_sizes: Array
+    rows: tuple[str, ...]
+    g: Array
+    G: Array
+    gdot: Array
+    gamma: Array
+    energy: Mapping[str, Decimal]
+    momentum: Array
+    poses: Mapping[str, Pose]
+    markers: Mapping[str, tuple[Array, Array, Array]]
+
+    def accelerations(self) -> tuple[Array, Array]:
+        """vdot and lambda, if the constraints are independent."""
+        n, m = len(self.h), len(self.g)
+        with precise():
+            matrix = np.block([[self.M, -self.G.T], [self.G, zeros(m, m)]]) if m else self.M
+            result = solved(matrix, np.concatenate([-self.h, self.gamma]))
+        return result[:n], result[n:]
+
+
+class SpaceOracle(SpaceKinematics):
+    """A scene whose equations are evaluated in states."""
+
+    def see(self, t: float, q: Array, v: Array) -> Mechanics:
+        """Everything in one state."""
+        with precise():
+            return self._see(number(t), self.columns.state(q), array(v))
+
+    def _functions(self, t: Decimal, state: SpaceState) -> tuple[Array, ...]:
+        """Points, constraints, frames of forces (12 numbers each), lengths of springs, frames of all markers."""
+        poses = self.poses(t, state)
+        points = self.points(state, poses)
+        frames = [stacked([x, A.ravel()]) for x, A in (self.frame(m, state, poses) for m in self.acted_on())]
+        return (
+            np.concatenate([x.ravel() for x in points]) if points else zeros(0),
+            np.array(list(self.constraints(t, state, poses).values()), dtype=object),
+            np.concatenate(frames) if frames else zeros(0),
+            np.array(self.spring_lengths(state, poses), dtype=object),
+            np.concatenate([self.frame(m, state, poses)[0] for m in self.all_markers()] or [zeros(0)]),
+        )
+
+    def all_markers(self) -> list[str]:
+        """References of the markers of all bodies."""
+        return [f"{body.name}.{name}" for body in self.bodies.values() for name in body.markers]
+
+    def _see(self, t: Decimal, state: SpaceState, v: Array) -> Mechanics:
+        columns, n = self.columns, self.columns.size
+
+        def along(s: Decimal) -> tuple[Array, ...]:
+            return self._functions(t + s, columns.moved(state, v, s))
+
+        def varied(j: int) -> list[Array]:
+            unit = zeros(n)
+            unit[j] = Decimal(1)
+            ends = (self._functions(t, columns.moved(state, unit, s)) for s in (STEP, -STEP))
+            return [(a - b) / TWICE for a, b in zip(*ends, strict=True)]
+
+        now, ahead, behind = along(ZERO), along(STEP), along(-STEP)
+        rate = [(a - b) / TWICE for a, b in zip(ahead, behind, strict=True)]
+        second = [(a - 2 * x + b) / (STEP * STEP) for a, x, b in zip(ahead, now, behind, strict=True)]
+        by = [varied(j) for j in range(n)]
+        jacobians = [np.array([b[k] for b in by], dtype=object).reshape(n, len(now[k])).T for k in range(len(now))]
+        M, mass_sizes, h, force_sizes = self._inertia(jacobians[0], second[0])
+        for force in (
+            *self._internal(state, v),
+            *self._applied(t, now[2], jacobians[2]),
+            *self._sprung(now[3], rate[3], jacobians[3]),
+        ):
+            h, force_sizes = h + force, force_sizes + abs(force)
+        poses = self.poses(t, state)
+        names = self.all_markers()
+        x, xdot, J = now[4].reshape(-1, 3), rate[4].reshape(-1, 3), jacobians[4].reshape(len(names), 3, n)
+        return Mechanics(
+            M,
+            h,
+            mass_sizes,
+            force_sizes,
+            tuple(self.constraints(t, state, poses)),
+            now[1],
+            jacobians[1],
+            rate[1],
+            -second[1],
+            self._energies(state, now, rate),
+            self._momenta(now[0], rate[0]),
+            poses,
+            {name: (x[i], xdot[i], J[i]) for i, name in enumerate(names)},
+        )
+
+    def _inertia(self, J: Array, second: Array) -> tuple[Array, Array, Array, Array]:
+        """M, and the part of h from accelerations and gravity; with the sums of magnitudes."""
+        n, start = J.shape[1], 0
+        M, mass_sizes, h, force_sizes = zeros(n, n), zeros(n, n), zeros(n), zeros(n)
+        for body in self.bodies.values():
+            count = len(body.points)
+            own = slice(start, start + 3 * count)
+            start += 3 * count
+            if not count:
+                continue
+            used = [j for j in range(n) if any(J[own, j])]
+            Jb = J[own][:, used].reshape(count, 3, len(used))
+            acceleration = second[own].reshape(count, 3) - self.gravity
+            for k in range(3):
+                weighted = body.masses @ Jb[:, k]
+                block = np.ix_(used, used)
+                M[block] = M[block] + Jb[:, k].T @ weighted
+                mass_sizes[block] = mass_sizes[block] + abs(Jb[:, k]).T @ (abs(body.masses) @ abs(Jb[:, k]))
+                h[used] = h[used] + weighted.T @ acceleration[:, k]
+                force_sizes[used] = force_sizes[used] + abs(Jb[:, k]).T @ (abs(body.masses) @ abs(acceleration[:, k]))
+        return M, mass_sizes, h, force_sizes
+
+    def _internal(self, state: SpaceState, v: Array) -> list[Array]:
+        """K alpha and B alphadot of flexible bodies."""
+        result = []
+        place, i = {}, 0
+        for name, turns in self.columns.parts:
+            place[name] = i
+            i += 3 if turns else 1
+        for name, body in self.bodies.items():
+            own = [place[f"{name}_alpha{k}"] for k in range(1, body.n + 1)]
+            if own:
+                for matrix, x in ((body.stiffness, self.amplitudes(name, state)), (body.damping, v[own])):
+                    for term in (matrix * x).T:  # one term for each column
+                        force = zeros(len(v))
+                        force[own] = term
+                        result.append(force)
+        return result
+
+    def _applied(self, t: Decimal, now: Array, J: Array) -> list[Array]:
+        """Less the virtual work of forces and torques."""
+        result, row, n = [], 0, J.shape[1]
+        frames, by = now.reshape(-1, 12), J.reshape(-1, 12, n)
+        for table in self.scene.get("forces", {}).values():
+            force = np.array([self.value.at(f, t) for f in table["force"]], dtype=object)
+            if table.get("frame", "inertial") == "body":
+                force = self._body_axes(table["at"], frames[row]) @ force
+            result += [-force[k] * by[row, k] for k in range(3)]
+            row += 1
+        for table in self.scene.get("torques", {}).values():
+            torque = np.array([self.value.at(f, t) for f in table["torque"]], dtype=object)
+            if table.get("frame", "inertial") == "body":
+                torque = self._body_axes(table["on"], frames[row]) @ torque
+            for sign in (1, -1) if "against" in table else (1,):
+                turned = virtual_rotations(frames[row, 3:], by[row, 3:])
+                result += [-sign * torque[k] * turned[k] for k in range(3)]
+                row += 1
+        return result
+
+    def _body_axes(self, reference: str, frame: Array) -> Array:
+        """The axes of the marker at which a force acts."""
+        return frame[3:].reshape(3, 3)
+
+    def _sprung(self, now: Array, rate: Array, J: Array) -> list[Array]:
+        """Forces of springs and dampers along their lengths."""
+        result = []
+        for i, table in enumerate(self.springs.values()):
+            rest = self.value(table.get("rest", table.get("length", 0)))
+            powers = ("stiffness", "quadratic", "cubic", "quartic", "quintic")
+            force = sum(
+                (self.value(table.get(name, 0)) * (now[i] - rest) ** k for k, name in enumerate(powers, 1)), ZERO
+            )
+            result += [force * J[i], self.value(table.get("damping", 0)) * rate[i] * J[i]]
+        return result
+
+    def _energies(self, state: SpaceState, now: tuple[Array, ...], rate: list[Array]) -> dict[str, Decimal]:
+        """The kinetic energy, the strain energy with that of springs, and the potential in gravity."""
+        kinetic, strain, potential, start = ZERO, ZERO, ZERO, 0
+        for name, body in self.bodies.items():
+            own = slice(start, start + 3 * len(body.points))
+            start += 3 * len(body.points)
+            x, xdot = now[0][own].reshape(-1, 3), rate[0][own].reshape(-1, 3)
+            kinetic += sum((xdot[:, k] @ body.masses @ xdot[:, k] / 2 for k in range(3) if len(x)), ZERO)
+            potential -= sum((self.gravity[k] * sum(body.masses @ x[:, k]) for k in range(3) if len(x)), ZERO)
+            alpha = self.amplitudes(name, state)
+            strain += alpha @ body.stiffness @ alpha / 2 if body.n else ZERO
+        return {"kinetic": kinetic, "strain": strain, "gravity": potential}
+
+    def _momenta(self, now: Array, rate: Array) -> Array:
+        """Linear momentum, and angular momentum about the inertial origin."""
+        total, start = zeros(6), 0
+        for body in self.bodies.values():
+            count = len(body.points)
+            own = slice(start, start + 3 * count)
+            start += 3 * count
+            x, p = now[own].reshape(-1, 3), body.masses @ rate[own].reshape(-1, 3) if count else zeros(0, 3)
+            for a, b in zip(x, p, strict=True):
+                total = total + np.concatenate([b, cross(a, b)])
+        return total
+
+
+def virtual_rotations(R: Array, dR: Array) -> Array:
+    """The virtual rotations (3, n), inertial components, of a rotation R (9,) with the derivatives dR (9, n)."""
+    W = np.einsum("ijn,kj->ikn", dR.reshape(3, 3, -1), R.reshape(3, 3))
+    return np.array([(W[2, 1] - W[1, 2]) / 2, (W[0, 2] - W[2, 0]) / 2, (W[1, 0] - W[0, 1]) / 2], dtype=object)
+
+
+def apart(found: Array, expected: Array, size: Array) -> float:
+    """The largest difference, relative to the magnitudes of what is summed in each number."""
+    size = floats(size)
+    if not size.size:
+        return 0.0
+    return float(np.max(np.abs(np.asarray(found) - floats(expected)) / (size + 1e-15 * size.max() + 1e-300)))

@@ -1,0 +1,64 @@
+"""Frequencies of mechanisms in space, in minimal perturbations, against closed forms and minimal models."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from minimal_models import Array, Lagrangian
+from reference_mechanisms import turned_double_pendulum, turned_double_pendulum_scene
+from scipy.linalg import eigvals
+
+from derive.simulation.linear.modes import modes
+from derive.spec.toml.read import parse
+
+
+def model_frequencies(model: Lagrangian, q: Sequence[float]) -> Array:
+    """The angular frequencies about a state of rest, from differences of accelerations."""
+    n, step = len(q), 1e-4
+    A = np.zeros((n, n))
+    for j in range(n):
+        ahead, behind = np.array(q, float), np.array(q, float)
+        ahead[j] += step
+        behind[j] -= step
+        A[:, j] = (model.accelerations(ahead, [0] * n) - model.accelerations(behind, [0] * n)) / (2 * step)
+    return np.asarray(np.sqrt(np.sort(-eigvals(A).real)))
+
+
+HANGING = """
+name = "hanging_body"
+[scene]
+gravity = [0, 0, -9.81]
+[ground.markers]
+hook = [0.1, 0.2, 0.3]
+[bodies.body]
+mass = 2
+centre = [0, 0, -0.5]
+inertia = [0.3, 0.2, 0.1, 0, 0, 0]
+markers.top = [0, 0, 0]
+start = { rotation = [1, 0, 0, 0], position = [0.1, 0.2, 0.3] }
+KEEP
+[joints.ball]
+kind = "spherical"
+between = ["ground.hook", "body.top"]
+[simulation]
+duration = 1
+output = 1
+"""
+
+
+@pytest.mark.parametrize("keep", ["", "keep_coordinates = true"], ids=["minimal", "constrained"])
+def test_a_body_that_hangs_on_a_ball_joint(keep: str) -> None:
+    """omega^2 = m g s / J of the two horizontal axes through the joint; it may turn about the vertical."""
+    found = 2 * np.pi * modes(parse(HANGING.replace("KEEP", keep))).frequencies
+    moment = 2 * 9.81 * 0.5
+    expected = np.sort(np.sqrt(moment / (np.array([0.3, 0.2]) + 2 * 0.25)))
+    assert np.sort(found[found > 1e-3]) == pytest.approx(expected, rel=1e-8)
+    assert len(found) <= 3
+
+
+@pytest.mark.parametrize("keep", [True, False], ids=["constrained", "minimal"])
+def test_double_pendulum_with_a_turned_hinge(keep: bool) -> None:
+    found = 2 * np.pi * modes(parse(turned_double_pendulum_scene(0.0, 0.0, keep=keep))).frequencies
+    assert np.sort(found) == pytest.approx(model_frequencies(turned_double_pendulum(), [0, 0]), rel=1e-7)
