@@ -58,7 +58,7 @@ def fields(spec: derive.Specification) -> dict[str, NodalFields]:
     """Nodes and modes of flexible bodies in their frames, as the reduction gives them."""
     result = {}
     for body in spec.bodies:
-        nodal = getattr(body, "nodal", None)
+        nodal = getattr(body, "body", None)
         if nodal is not None:
             prepared = prepare(nodal)
             shapes = prepared.shapes

@@ -256,7 +256,7 @@ def _flexible_arm(draft: SpatialDraft) -> None:
     near = np.flatnonzero(nodes[:, 0] == 0.0)
     far = int(np.argmin(((nodes - [0.4, 0.05, 0.03]) ** 2).sum(axis=1)))
     chosen = [int(near[0]), int(near[-1]), int(near[len(near) // 3]), int(near[len(near) // 2])]
-    table["markers"] = {"root": {"nodes": chosen, "motion": "mean"}, "end": far}
+    table["markers"] = {"root": {"nodes": chosen}, "end": far}
     if draws.chance(0.4):
         table["markers"]["root"]["weights"] = [1, 2, 1, 0.5]
     weights = np.array(table["markers"]["root"].get("weights", [1, 1, 1, 1]))

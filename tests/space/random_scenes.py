@@ -26,7 +26,7 @@ KINDS = (
 )
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
 SEQUENCES = ("xyz", "xzy", "yzx", "yxz", "zxy", "zyx", "xyx", "xzx", "yzy", "yxy", "zxz", "zyz")
-PARTS = frozenset({"drives"})
+PARTS = frozenset({"drives", "flexible", "forces", "torques", "springs"})
 """The parts of a scene besides rigid bodies, joints and gravity."""
 
 
@@ -34,7 +34,7 @@ class Writer:
     """The lines of a scene from random numbers."""
 
     def __init__(self, seed: int, parts: frozenset[str]) -> None:
-        self.random, self.parts = Random(f"spatial scene {seed}"), parts
+        self.seed, self.random, self.parts = seed, Random(f"spatial scene {seed}"), parts
         self.lines = [f'name = "space_{seed}"']
         self.markers: list[str] = []
         self.turning: set[str] = set()
@@ -134,9 +134,9 @@ class Writer:
         self.lines.append(f"markers.tip = {nodes[0]}")
         self._known(f"{name}.tip", turning=False)
         face = f"nodes = {nodes[1:]}, weights = {[self.positive(1, 3) for _ in range(4)]}"
-        self.lines.append(f'markers.face = {{ {face}, motion = "mean", rotation = {self.rotation()} }}')
+        self.lines.append(f"markers.face = {{ {face}, rotation = {self.rotation()} }}")
         self._known(f"{name}.face")
-        self.lines.append(f'markers.edge = {{ nodes = {nodes[:3]}, motion = "mean" }}')
+        self.lines.append(f"markers.edge = {{ nodes = {nodes[:3]} }}")
         self._known(f"{name}.edge")
 
     def pair(self, markers: Sequence[str]) -> list[str]:
@@ -177,7 +177,8 @@ class Writer:
         return "[" + ", ".join(self.function() for _ in range(3)) + "]"
 
     def actions(self, moving: Sequence[str]) -> None:
-        """Forces, torques and springs at markers."""
+        """Forces, torques and springs at markers; the rest of the scene does not depend on them."""
+        self.random = Random(f"actions {self.seed}")
         turning = [m for m in moving if m in self.turning]
         if "forces" in self.parts:
             self.lines += ["[forces.push]", f'at = "{self.random.choice(moving)}"', f"force = {self.functions()}"]
@@ -190,12 +191,16 @@ class Writer:
             if self.chance(0.5):
                 self.lines.append(f'against = "{self.random.choice(others)}"')
         if "springs" in self.parts:
-            self.lines += ["[springs.strut]", f"between = {self.pair(self.markers)}"]
-            self.lines += [
-                f"stiffness = {self.positive(1, 20)}",
-                f"damping = {self.positive()}",
-                f"rest = {self.positive()}",
-            ]
+            pair = self.pair(self.markers)
+            kinds = ("linear", "rotational", "bushing") if {*pair} <= self.turning else ("linear",)
+            kind = self.random.choice(kinds)
+            self.lines += ["[springs.strut]", f'kind = "{kind}"', f"between = {pair}"]
+            if kind == "bushing":
+                self.lines.append(f"stiffness = {[self.positive(1, 20) for _ in range(6)]}")
+                self.lines.append(f"damping = {[self.positive(0, 1) for _ in range(6)]}")
+            else:
+                self.lines.append(f"stiffness = {self.positive(1, 20)}\ndamping = {self.positive()}")
+                self.lines.append(f"rest = {self.positive()}")
 
     def write(self, folder: Path) -> Path:
         """The scene and its files in a folder; the path of the scene."""
@@ -238,5 +243,6 @@ def random_scene(seed: int, folder: Path, parts: frozenset[str] = PARTS) -> Path
         writer.joint(f"joint{k}", pair)
     if not writer.moves:
         writer.rigid("loose")
-    writer.actions(actions)
+    if parts & {"forces", "torques", "springs"}:
+        writer.actions(actions)
     return writer.write(folder)

@@ -108,6 +108,6 @@ def relative_angle(R: Array) -> Decimal:
     return elementary(mpmath.atan2, R[1, 0], R[0, 0])
 
 
-def parallel(a: Array, b: Array) -> bool:
-    """Whether two directions agree to 1e-9."""
-    return bool(np.all([abs(x - y) < Decimal("1e-9") for x, y in zip(a, b, strict=True)]))
+def axial(R: Array) -> Array:
+    """The axial vector of R: for small rotations, those about the three axes."""
+    return np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]], dtype=object) / 2

@@ -15,6 +15,9 @@ from written_scene import tables
 import derive
 from beams import run_module
 from conftest import QUICK
+from derive.backends.model_files import explicit_files
+from derive.derivation import derive as equations
+from derive.derivation import lower
 from derive.generated_models import generated
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
@@ -28,20 +31,20 @@ CONDITION = 1e9
 
 @dataclass(frozen=True, eq=False)
 class SpaceModel:
-    """A scene with its compiled C, its generated Python, and its oracle."""
+    """A scene with its compiled C, the generated Python if the model is complete, and the oracle."""
 
     native: NativeScene
-    python: dict[str, Any]
+    python: dict[str, Any] | None
     oracle: SpaceOracle
 
 
-def space_model(path: Path) -> SpaceModel:
-    """A scene of a file."""
+def space_model(path: Path, complete: bool = True) -> SpaceModel:
+    """A scene of a file. complete: with all kernels and the Python, which takes twice the time."""
     spec = derive.read(path)
-    _, files = generated(spec)
+    files = generated(spec)[1] if complete else explicit_files(lower(equations(spec), explicit=True), spec)
     native = load_scene(files, QUICK)
     oracle = SpaceOracle(tables(path), native.coordinates, native.multipliers, folder=path.parent)
-    return SpaceModel(native, run_module(files), oracle)
+    return SpaceModel(native, run_module(files) if complete else None, oracle)
 
 
 def random_state(native: NativeScene, seed: int) -> tuple[float, Array, Array]:
@@ -75,7 +78,8 @@ def differences(model: SpaceModel, t: float, q: Array, v: Array) -> Iterator[tup
     yield "gamma", apart(native.constraint_bias(t, q, v, k), gamma, size)
     yield from _solution(model, seen, rows, t, q, v)
     yield from _motion(model, seen, t, q, v)
-    yield from _by_python(model, t, q, v)
+    if model.python is not None:
+        yield from _by_python(native, model.python, t, q, v)
 
 
 def _solution(
@@ -114,9 +118,11 @@ def _motion(model: SpaceModel, seen: Mechanics, t: float, q: Array, v: Array) ->
         yield f"Jacobian of {name}", apart(native.marker_pattern(name).dense(of[2]), J, 1 + abs(J))
 
 
-def _by_python(model: SpaceModel, t: float, q: Array, v: Array) -> Iterator[tuple[str, float]]:
+def _by_python(
+    native: NativeScene, python: dict[str, Any], t: float, q: Array, v: Array
+) -> Iterator[tuple[str, float]]:
     """The generated Python against the compiled C."""
-    native, python, k = model.native, model.python, model.native.setup()
+    k = native.setup()
 
     def apart_of(found: Array, expected: Array) -> float:
         size = max(1.0, float(np.abs(expected).max(initial=0)))

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from decimal_vectors import (
     ONE,
+    ZERO,
     Array,
     about,
     array,
@@ -23,7 +24,7 @@ from decimal_vectors import (
     zeros,
 )
 from mass_points import MarkerFrame, NodalFields, PointBody, nodal_body, nodal_fields, rigid_body, rigid_marker
-from relative_motion import driven_row, free_motions, joint_rows, relative
+from relative_motion import axial, driven_row, free_motions, joint_rows, relative, relative_angle
 from written_scene import Numbers, Table
 
 GROUND = "ground"
@@ -234,14 +235,29 @@ class SpaceKinematics:
             forces += [table[key] for key in ("at", "on", "against") if key in table]
         return forces
 
-    def spring_lengths(self, state: SpaceState, poses: Mapping[str, Pose]) -> list[Decimal]:
-        """What springs and dampers act along: distances, rotation angles, relative displacements and rotations."""
+    def spring_motions(self, state: SpaceState, poses: Mapping[str, Pose]) -> list[Decimal]:
+        """What springs act along, in the order of `elements`: lengths, rotations, and relative displacements."""
         result: list[Decimal] = []
         for table in self.springs.values():
-            (x1, _), (x2, _) = (self.frame(end, state, poses) for end in table["between"])
-            kind = table.get("kind", "spring")
-            if kind in ("spring", "translational"):
-                result.append(length(x2 - x1))
+            (x1, A1), (x2, A2) = (self.frame(end, state, poses) for end in table["between"])
+            R = A1.T @ A2
+            match table.get("kind", "linear"):
+                case "linear":
+                    result.append(length(x2 - x1))
+                case "rotational":
+                    result.append(relative_angle(R))
+                case "bushing":
+                    result += [*(A1.T @ (x2 - x1)), *axial(R)]
+        return result
+
+    def elements(self) -> list[tuple[Decimal, Decimal, Decimal]]:
+        """Stiffness, damping constant and rest of each spring; six of a bushing, which is at rest at zero."""
+        result = []
+        for table in self.springs.values():
+            if table.get("kind") == "bushing":
+                damping = self.value.vector(table.get("damping", [0] * 6))
+                result += [(k, c, ZERO) for k, c in zip(self.value.vector(table["stiffness"]), damping, strict=True)]
             else:
-                raise NotImplementedError(kind)
+                names = ("stiffness", "damping", "rest")
+                result.append(tuple(self.value(table.get(name, 0)) for name in names))
         return result

@@ -56,7 +56,7 @@ class SpaceOracle(SpaceKinematics):
             return self._see(number(t), self.columns.state(q), array(v))
 
     def _functions(self, t: Decimal, state: SpaceState) -> tuple[Array, ...]:
-        """Points, constraints, frames of forces (12 numbers each), lengths of springs, frames of all markers."""
+        """Points, constraints, frames of forces (12 numbers each), motions of springs, positions of markers."""
         poses = self.poses(t, state)
         points = self.points(state, poses)
         frames = [stacked([x, A.ravel()]) for x, A in (self.frame(m, state, poses) for m in self.acted_on())]
@@ -64,7 +64,7 @@ class SpaceOracle(SpaceKinematics):
             np.concatenate([x.ravel() for x in points]) if points else zeros(0),
             np.array(list(self.constraints(t, state, poses).values()), dtype=object),
             np.concatenate(frames) if frames else zeros(0),
-            np.array(self.spring_lengths(state, poses), dtype=object),
+            np.array(self.spring_motions(state, poses), dtype=object),
             np.concatenate([self.frame(m, state, poses)[0] for m in self.all_markers()] or [zeros(0)]),
         )
 
@@ -179,15 +179,10 @@ class SpaceOracle(SpaceKinematics):
         return frame[3:].reshape(3, 3)
 
     def _sprung(self, now: Array, rate: Array, J: Array) -> list[Array]:
-        """Forces of springs and dampers along their lengths."""
+        """Forces of springs and dampers along what they act along."""
         result = []
-        for i, table in enumerate(self.springs.values()):
-            rest = self.value(table.get("rest", table.get("length", 0)))
-            powers = ("stiffness", "quadratic", "cubic", "quartic", "quintic")
-            force = sum(
-                (self.value(table.get(name, 0)) * (now[i] - rest) ** k for k, name in enumerate(powers, 1)), ZERO
-            )
-            result += [force * J[i], self.value(table.get("damping", 0)) * rate[i] * J[i]]
+        for i, (stiffness, damping, rest) in enumerate(self.elements()):
+            result += [stiffness * (now[i] - rest) * J[i], damping * rate[i] * J[i]]
         return result
 
     def _energies(self, state: SpaceState, now: tuple[Array, ...], rate: list[Array]) -> dict[str, Decimal]:
@@ -201,6 +196,8 @@ class SpaceOracle(SpaceKinematics):
             potential -= sum((self.gravity[k] * sum(body.masses @ x[:, k]) for k in range(3) if len(x)), ZERO)
             alpha = self.amplitudes(name, state)
             strain += alpha @ body.stiffness @ alpha / 2 if body.n else ZERO
+        for x, (stiffness, _, rest) in zip(now[3], self.elements(), strict=True):
+            strain += stiffness * (x - rest) ** 2 / 2
         return {"kinetic": kinetic, "strain": strain, "gravity": potential}
 
     def _momenta(self, now: Array, rate: Array) -> Array:

@@ -28,9 +28,6 @@ from scipy.spatial.transform import Rotation
 from tops import EulerBody, SymmetricTop, steady_precession
 
 import derive
-from conftest import QUICK
-from derive.generated_models import generated
-from derive.runtime.loading import load_scene
 from derive.spec.toml.read import parse
 
 SETTINGS = """
@@ -111,13 +108,21 @@ NUTATING = SymmetricTop(A=0.5, C=0.2, mgl=MGL, theta=0.7, phidot=0.3, thetadot=0
 HANGING = SymmetricTop(A=0.5, C=0.2, mgl=MGL, theta=2.0, phidot=1.5, thetadot=-0.7, psidot=0.5)
 
 
-@pytest.mark.parametrize("extra", ["", "keep_coordinates = true"], ids=["minimal", "constrained"])
-@pytest.mark.parametrize("top", [NUTATING, HANGING], ids=["nutating", "hanging"])
+KEPT = "keep_coordinates = true"
+
+
+@pytest.mark.parametrize(
+    ("top", "extra"),
+    [
+        pytest.param(NUTATING, "", id="nutating, minimal"),
+        pytest.param(HANGING, KEPT, id="hanging, constrained"),
+        pytest.param(NUTATING, KEPT, id="nutating, constrained", marks=pytest.mark.long),
+        pytest.param(HANGING, "", id="hanging, minimal", marks=pytest.mark.long),
+    ],
+)
 def test_symmetric_top(top: SymmetricTop, extra: str) -> None:
     """Its attitude is that of the closed form, whether it keeps three coordinates or has three constraints."""
-    text = top_scene(top, 2.0).replace("[joints.ball]", "[joints.ball]", 1)
-    text = text.replace("[bodies.top]\n", f"[bodies.top]\n{extra}\n", 1) if extra else text
-    found = simulated(text)
+    found = simulated(top_scene(top, 2.0, extra))
     for R, expected in zip(rotations(found, "top"), top.rotations(found.t), strict=True):
         assert np.allclose(R, expected, atol=1e-7)
 
@@ -132,8 +137,13 @@ def test_steady_precession() -> None:
 
 # ---- mechanisms
 
+KEEP = pytest.mark.parametrize(
+    "keep", [pytest.param(False, id="minimal"), pytest.param(True, id="constrained", marks=pytest.mark.long)]
+)
+"""Whether bodies at joints to the ground keep all coordinates."""
 
-@pytest.mark.parametrize("keep", [True, False], ids=["constrained", "minimal"])
+
+@KEEP
 def test_turned_double_pendulum(keep: bool) -> None:
     found = simulated(turned_double_pendulum_scene(1.2, -0.8, keep=keep))
     expected = turned_double_pendulum().motion([1.2, -0.8], [0, 0], found.t)
@@ -144,7 +154,7 @@ def test_turned_double_pendulum(keep: bool) -> None:
         assert np.allclose(found["upper_phi"], a, atol=1e-7)
 
 
-@pytest.mark.parametrize("keep", [True, False], ids=["constrained", "minimal"])
+@KEEP
 def test_slider_crank_in_space(keep: bool) -> None:
     """The slider starts at 0.2 m, with 0.24 m/s for 6 rad/s."""
     found = simulated(slider_crank_scene(6.0, keep=keep))
@@ -153,6 +163,7 @@ def test_slider_crank_in_space(keep: bool) -> None:
     assert np.allclose(at, slider(angle), atol=1e-7) and at[0] == pytest.approx(0.2, abs=1e-14)
 
 
+@pytest.mark.long
 def test_bricards_mechanism() -> None:
     """30 constraints of rank 29 are simulated without a switch."""
     found = simulated(bricard_scene(np.pi / 4))
@@ -164,6 +175,7 @@ def test_bricards_mechanism() -> None:
         assert np.allclose(centre, starts[i] + turned[i][..., 0] / 2, atol=1e-6)
 
 
+@pytest.mark.long
 def test_flyball_governor() -> None:
     found = simulated(flyball_governor_scene(), duration=0.1, output=0.02)
     expected = flyball_governor().motion(GOVERNOR_START, [GOVERNOR_SPEED, 0, 0], found.t, "Radau")
@@ -192,13 +204,20 @@ between = ["one.end", "two.end"]
 {SETTINGS.format(duration=2, output=0.5)}"""
 
 
-@pytest.mark.parametrize("kind", ["spherical", "revolute", "prismatic", "universal", "cylindrical", "planar"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "universal",
+        *(
+            pytest.param(kind, marks=pytest.mark.long)
+            for kind in ("spherical", "revolute", "prismatic", "cylindrical", "planar")
+        ),
+    ],
+)
 def test_joints_conserve_energy_and_momentum(kind: str) -> None:
     """Two bodies that a joint connects, and nothing acts on."""
-    spec = parse(FREE_PAIR.replace("KIND", kind))
-    found = derive.simulate(spec)
-    native = load_scene(generated(spec)[1], QUICK)
-    k = native.setup()
+    found = derive.simulate(parse(FREE_PAIR.replace("KIND", kind)))
+    native, k = found.motion.native, found.motion.k
     momenta = np.array([native.momentum(q, v, k) for q, v in zip(found.q, found.v, strict=True)])
     energies = np.array([sum(native.energy(q, v, k)) for q, v in zip(found.q, found.v, strict=True)])
     assert np.abs(momenta - momenta[0]).max() < 1e-8 * np.abs(momenta).max()
@@ -210,11 +229,9 @@ def test_joints_conserve_energy_and_momentum(kind: str) -> None:
 @pytest.mark.parametrize("steps", [2000, pytest.param(100_000, marks=pytest.mark.long)])
 def test_rotation_constraints_do_not_drift(steps: int) -> None:
     """With steps of fixed length, constraints and the length of quaternions are met to rounding."""
-    spec = parse(turned_double_pendulum_scene(1.2, -0.8))
-    duration = 1e-3 * steps
+    spec, duration = parse(turned_double_pendulum_scene(1.2, -0.8)), 1e-3 * steps
     found = derive.simulate(spec, duration=duration, output=duration / 4, integrator="rk4", step=1e-3)
-    native = load_scene(generated(spec)[1], QUICK)
-    k = native.setup()
+    native, k = found.motion.native, found.motion.k
     for t, q, v in zip(found.t, found.q, found.v, strict=True):
         assert np.abs(native.constraints(t, q, k)).max() < 5e-15
         assert np.abs(native.constraint_rates(t, q, v, k)).max() < 1e-13

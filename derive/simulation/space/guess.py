@@ -43,6 +43,8 @@ def guessed_configuration(scene: SpatialScene, native: NativeScene, k: Vector, s
         amplitudes = [i for i in own if native.roles[i] is Role.AMPLITUDE]
         given = body.start.amplitudes or ()
         q[amplitudes[: len(given)]] = given
+    for body in scene.bodies:  # fitted with the poses of all bodies, which need their quaternions
+        own = [names[name] for name in _possible(body) if name in names]
         single = [i for i in own if native.roles[i] in (Role.ROTATION, Role.DISPLACEMENT)]
         if single and (body.start.position or body.start.rotation):
             q = _fitted(native, k, q, single, body.name, wanted[body.name], size)
