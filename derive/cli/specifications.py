@@ -16,6 +16,7 @@ from derive.simulation.simulated_scene import simulated
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.spec.toml.key_lines import lines
@@ -39,7 +40,9 @@ def read_changed_scene(path: Path, assignments: Sequence[tuple[str, str]]) -> tu
 
 def _scene(spec: Specification, path: Path) -> Scene:
     if not isinstance(spec, Scene):
-        raise SpecError((Problem("", "a scene is needed, and this is a single body"),), str(path))
+        what = "a scene in space" if isinstance(spec, SpatialScene) else "a single body"
+        needed = "a planar scene is needed" if isinstance(spec, SpatialScene) else "a scene is needed"
+        raise SpecError((Problem("", f"{needed}, and this is {what}"),), str(path))
     with _file(path):
         return with_simulation(spec)
 

@@ -23,6 +23,7 @@ from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import CustomBody, JointInitialValues, Scene, SceneBody
 from derive.spec.model.simulation import NOT_GIVEN
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.study.sweep.dependence import initial_parameters
@@ -34,6 +35,7 @@ from derive.version import VERSION
 MOST_MODELS = 64
 """The largest number of models that a sweep compiles."""
 
+IN_SPACE = "a sweep runs planar scenes and single beams; for a scene in space, call derive.simulate in a loop"
 SCENES = "a sweep runs scenes and single beams; for a body in space, call derive.simulate in a loop"
 """The message of the error for other specifications."""
 
@@ -103,7 +105,7 @@ def make_plan(
     Raises SpecError, SamplesError, UnknownNameError, OutputError, CompilerError.
     """
     if not isinstance(spec, Scene | PlanarBeam):
-        raise SpecError((Problem("", SCENES),))
+        raise SpecError((Problem("", IN_SPACE if isinstance(spec, SpatialScene) else SCENES),))
     firsts, changed = first_values(samples), changed or partial(with_values, spec)
     _, changes = changed(firsts)
     symbols = {name: _symbol(name, changes) for name in samples.names}
