@@ -33,6 +33,7 @@ from corpus.spelling import respell
 from derive import JOINTS
 from derive.mechanics.multibody.joints.relative_rows import Axes
 from derive.spec.tables.json_schema import schema_of
+from derive.spec.tables.spatial import spatial_specification_table
 from derive.spec.tables.specification import specification_table
 
 
@@ -77,7 +78,7 @@ def corpus_scene(seed: int) -> CorpusScene:
     draws = Draws(seed)
     if seed >= FIRST:
         tables, files, linkage = spatial_scene(draws, f"scene_{seed}")
-        respell(tables, _schema(), draws, 0.15)
+        respell(tables, spatial_schema(), draws, 0.15)
         return CorpusScene(seed, tables, tables, files, linkage)
     tables, files, linkage = _parts(draws, f"scene_{seed}")
     many = Draws(f"many {seed}")
@@ -103,6 +104,13 @@ def _lower(tables: Table, draws: Draws) -> None:
 @cache
 def _schema() -> dict[str, Any]:
     schema: dict[str, Any] = schema_of(specification_table())
+    return schema
+
+
+@cache
+def spatial_schema() -> dict[str, Any]:
+    """The schema of scenes in space."""
+    schema: dict[str, Any] = schema_of(spatial_specification_table())
     return schema
 
 
