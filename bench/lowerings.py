@@ -69,8 +69,6 @@ def comparison(scene: derive.Scene, flags: Sequence[str], repeats: int) -> Compa
     mechanism = derive.derive(scene)
     assert isinstance(mechanism, Mechanism)
     costs = estimate_mechanism_costs(mechanism)
-    if costs.obstacle:
-        raise ArithmeticError(costs.obstacle)
     models = {
         "flat": lower_flat(mechanism.expanded(), explicit=True),
         "instances": lower_instances(mechanism, explicit=True),

@@ -142,7 +142,7 @@ def _lower_mechanism(mechanism: Mechanism, sensitivities: bool, explicit: bool) 
     try:
         return _straight_line(mechanism.expanded(), reason, sensitivities, explicit, redundant)
     except RecursionError:
-        raise LoweringError(_too_long(costs.obstacle)) from None
+        raise LoweringError('straight-line code is too long; write lowering = "instances"') from None
 
 
 def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: bool) -> Model:
@@ -153,13 +153,8 @@ def _lower_spatial(mechanism: SpatialMechanism, sensitivities: bool, explicit: b
     try:
         return _straight_line(mechanism.expanded(), "", sensitivities, explicit, mechanism.scene.redundant)
     except RecursionError:
-        raise LoweringError(_too_long("bodies are in space")) from None
-
-
-def _too_long(obstacle: str) -> str:
-    """The message where straight-line code is too long, with the reason why there are no loops over bodies."""
-    why = f"there are no loops over bodies, since {obstacle}" if obstacle else 'write lowering = "instances"'
-    return f"straight-line code is too long; {why}"
+        text = "straight-line code is too long; there are no loops over bodies in space"
+        raise LoweringError(text) from None
 
 
 def _straight_line(

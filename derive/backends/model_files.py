@@ -14,6 +14,7 @@ from derive.artifacts import MARK, File
 from derive.backends.c.source import ABI, CBackend
 from derive.backends.c.stack_use import stack_bytes
 from derive.backends.description import MODEL_HASH
+from derive.backends.merged_instances import merged_instances
 from derive.backends.protocol import Backend
 from derive.backends.python.module import PythonBackend
 from derive.ir.model import Model
@@ -136,7 +137,7 @@ def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> Fil
     content = {
         "generator": f"{MARK}. Do not edit.",
         "name": model.name,
-        "specification": specification(spec),
+        "specification": merged_instances(specification(spec)),
         "specification_sha256": fingerprint(spec),
         "abi": ABI,
         "tools": {"tisserand": VERSION, **{name: version(name) for name in ("sympy", "casadi", "jinja2")}},

@@ -11,11 +11,12 @@ from pathlib import Path
 from derive.artifacts import MARK, File, ForeignFile, replace_file, settle, write
 from derive.cli.result_files import picture_names
 from derive.cli.specifications import build_all, in_file_order
-from derive.errors import TisserandError
+from derive.errors import Problem, SpecError, TisserandError
 from derive.report.document.page import Page
 from derive.simulation.initial.initial_state import InitialState, initial_state
 from derive.simulation.linear.run_time_inputs import constants
 from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.terminal import show_progress
 
 PAPER = "paper"
@@ -50,6 +51,9 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
     (built,) = build_all([path])
     name = built.model.name
     text = SpecificationText(path.name, path.read_text(encoding="utf-8-sig"))
+    if isinstance(built.spec, SpatialScene):
+        text_of_fault = "there are no reports of scenes in space yet; `build` prints the sizes and terms of the model"
+        raise SpecError((Problem("", text_of_fault),), str(path))
     if not isinstance(built.spec, Scene):
         return name, built.model.doc, model_page(built, text)
     plots = in_file_order((*built.spec.plots, *default_plots(built.spec, built.model)), path)

@@ -19,10 +19,10 @@ This page is generated from the JSON schema of specifications by `tisserand sche
 
 A specification is a TOML file with a `name` and either a planar beam, `[beam]`, or a body in space, `[body]`, or a
 scene of bodies, `[bodies.NAME]`, with joints, drives and forces. A scene whose vectors have three components is one in
-space; sections with two forms are then those in space. Where a *number* is expected, an exact number
-in quotation marks, such as `"1/3"`, is accepted as well. A marker is written `"body.marker"`. Units are SI units.
-Editors complete and check these keys if the first line of the file is `#:schema schema.json`, with the path of
-`scenes/schema.json`.
+space; sections with two forms are then those in space. Where a *number* is expected, an exact number in quotation
+marks, such as `"1/3"`, or a formula of numbers, such as `"pi/2"` or `"sqrt(2)/4"`, is accepted as well. A marker is
+written `"body.marker"`. Units are SI units. Editors complete and check these keys if the first line of the file is
+`#:schema schema.json`, with the path of `scenes/schema.json`.
 """
 TITLES = {
     "NodalTable": "`[body]` given by nodes",

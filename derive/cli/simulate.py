@@ -161,20 +161,20 @@ def _divided(spec: AnyScene | NodalBody, cut: str | None, pieces: int) -> Scene:
 
 def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
     texts = [(plot, plot_text(plot, main.scene, main.units), curves) for plot, curves in shown]
+    columns = [
+        Column(curve.label or text.doc, curve.unit, curve.y)
+        for plot, text, _ in texts
+        for curve in plot_curves(plot, main, "")
+    ]
     if main.body:
         from derive.simulation.observables.spatial_player_data import spatial_player_data
 
-        page = spatial_player_page(spatial_player_data(main.body, main.t, main.q))
+        page = spatial_player_page(spatial_player_data(main.body, main.t, main.q, columns))
     elif isinstance(main.scene, SpatialScene):
         from derive.simulation.observables.spatial_scene_player import spatial_scene_player_data
 
-        page = spatial_player_page(spatial_scene_player_data(main.scene, main.motion))
+        page = spatial_player_page(spatial_scene_player_data(main.scene, main.motion, columns), main.warnings)
     else:
-        columns = [
-            Column(curve.label or text.doc, curve.unit, curve.y)
-            for plot, text, _ in texts
-            for curve in plot_curves(plot, main, "")
-        ]
         page = player_page(player_data(main.motion, columns), main.warnings)
     pictures = picture_names([plot for plot, _ in shown])
     return [

@@ -16,6 +16,7 @@ from derive.simulation.simulated_scene import simulated
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.spec.toml.key_lines import lines
@@ -28,9 +29,20 @@ if TYPE_CHECKING:
 
 def read_scene(path: Path) -> Scene:
     """Read the scene of a file. Raises SpecError if it is a body, or has no [simulation]."""
-    spec = read(path)
+    return _scene(read(path), path)
+
+
+def read_changed_scene(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Scene, tuple[SetValue, ...]]:
+    """The scene of a file with other values, and what has been replaced; see `read_changed` and `read_scene`."""
+    spec, changes = read_changed(path, assignments)
+    return _scene(spec, path), changes
+
+
+def _scene(spec: Specification, path: Path) -> Scene:
     if not isinstance(spec, Scene):
-        raise SpecError((Problem("", "a scene is needed, and this is a single body"),), str(path))
+        what = "a scene in space" if isinstance(spec, SpatialScene) else "a single body"
+        needed = "a planar scene is needed" if isinstance(spec, SpatialScene) else "a scene is needed"
+        raise SpecError((Problem("", f"{needed}, and this is {what}"),), str(path))
     with _file(path):
         return with_simulation(spec)
 

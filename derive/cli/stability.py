@@ -8,9 +8,8 @@ from pathlib import Path
 from derive.artifacts import check_folder, write
 from derive.cli.arguments.stability import NEVER
 from derive.cli.result_files import planned_files, print_result, study_files
-from derive.errors import Problem, SpecError
+from derive.cli.specifications import read_changed_scene
 from derive.spec.model.scene import Scene
-from derive.spec.set_values import with_values
 from derive.study.accuracy.models import LadderRange, ladder
 from derive.study.stability.chart import stability_svg
 from derive.study.stability.ladder_stability import KnownLoss, LadderStability, ladder_stability
@@ -27,10 +26,7 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
     """Run the study and write its chart, table and data."""
     folder = options.out or Path("results") / scene.name
     check_folder(planned_files(NAME, scene.name, folder), folder, EXPECTED_SIZE)
-    names = [name for name, _ in options.set]
-    if repeated := sorted({name for name in names if names.count(name) > 1}):
-        raise SpecError((Problem("", f"{', '.join(repeated)} has several values; give one"),), "--set")
-    scene, changes = with_values(scene, dict(options.set))
+    scene, changes = read_changed_scene(options.spec, options.set)
     result = study(scene, options)
     show_progress()
     data = {**stability_data(result), "set": list(map(str, changes))}

@@ -12,12 +12,13 @@ from pathlib import Path
 
 from derive.artifacts import BinaryFile, File, check_folder, write
 from derive.cli.result_files import planned_files, print_result, study_files
+from derive.cli.specifications import read_changed
 from derive.errors import SpecError
-from derive.spec.toml.read import read, with_lines
+from derive.spec.toml.read import read_with_counts, with_lines
 from derive.study.sweep.cluster import dask_executor
 from derive.study.sweep.finished import IDENTITY, finished_sweep
 from derive.study.sweep.picture import sweep_svg
-from derive.study.sweep.plan import Plan, RunOptions, make_plan
+from derive.study.sweep.plan import Plan, RunOptions, first_values, make_plan
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.run import SweepFailed, run_plan
 from derive.study.sweep.samples import parsed_samples
@@ -34,13 +35,14 @@ def run(options: argparse.Namespace) -> int:
 
     Errors in the specification, the samples and the files are reported before the first run.
     """
-    spec = read(options.spec)
     samples = parsed_samples(options.set, options.samples, options.seed, options.list)
+    spec, counts = read_with_counts(options.spec, first_values(samples))
     settings = RunOptions(options.duration, options.interval, options.tolerance, options.until)
     folder = options.out / spec.name
     try:
         planned = planned_files(NAME, spec.name, folder)
-        plan = make_plan(spec, samples, options.output, settings, lambda text: show_progress(f"{text} ..."))
+        changed = (lambda texts: read_changed(options.spec, [*texts.items()])) if counts else None
+        plan = make_plan(spec, samples, options.output, settings, lambda text: show_progress(f"{text} ..."), changed)
     except SpecError as error:
         raise with_lines(error, options.spec) if error.source is None else error from None
     finally:

@@ -13,6 +13,7 @@ from itertools import count, groupby
 from derive.ir.analysis import names_read
 from derive.ir.expansion import ZERO, expand_in_tiles
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped
+from derive.ir.fusion import fused
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.library_calls import STATE, Line, has_calls, over_states, straight_lines
 from derive.ir.loop_nests import (
@@ -69,7 +70,9 @@ def batch(kernel: Kernel) -> Batch:
     """A kernel for many states."""
     nodes = [node for argument, view in state_views(kernel) for node in _gathered(argument, view)]
     nodes += [node for statement in kernel.statements for node in expand_in_tiles(statement)]
-    nodes = _in_loops(_initialised(_in_records(_one_by_one(nodes))), frozenset(state_elements(kernel)))
+    nodes = [*_initialised(_in_records(fused(_one_by_one(nodes))))]
+    arguments = frozenset(argument.name for argument in state_arguments(kernel))
+    nodes = _in_loops(nodes, frozenset(state_elements(kernel)), arguments)
     scalars = _scalars(nodes) - state_elements(kernel).keys()
     shared = {a.name for a in kernel.arguments if a.name in SHARED}
     shared |= {view.name for a in kernel.arguments if a.name in SHARED for view in a.arrays}
@@ -83,7 +86,7 @@ def _one_by_one(nodes: Iterable[Node]) -> Iterator[Node]:
     for node in nodes:
         if isinstance(node, For) and (names := {e.variable for e in ends_of(node)}):
             assert names == {node.variable}
-            yield from (_at_end(node, end) for end in (0, 1))
+            yield from (loop for end in (0, 1) for loop in _at_end(node, end).body)
         else:
             yield node
 
@@ -154,7 +157,7 @@ def _initialised(nodes: Iterable[Node]) -> Iterator[Node]:
 # ---- loops over the states ----
 
 
-def _in_loops(nodes: Iterable[Node], states: frozenset[str]) -> list[Node]:
+def _in_loops(nodes: Iterable[Node], states: frozenset[str], arguments: frozenset[str]) -> list[Node]:
     """Plain statements with straight lines in loops over the states, and sines of all states between them."""
     result: list[Node] = []
     lines: list[Line] = []
@@ -162,7 +165,7 @@ def _in_loops(nodes: Iterable[Node], states: frozenset[str]) -> list[Node]:
 
     def finish() -> None:
         if lines:
-            result.extend(straight_lines(tuple(lines), next(runs), states))
+            result.extend(straight_lines(tuple(lines), next(runs), states, arguments))
             lines.clear()
 
     for node in nodes:
@@ -172,12 +175,12 @@ def _in_loops(nodes: Iterable[Node], states: frozenset[str]) -> list[Node]:
             result.append(node)
         else:
             finish()
-            result.append(_inside(node, runs, states))
+            result.append(_inside(node, runs, states, arguments))
     finish()
     return result
 
 
-def _inside(node: Node, runs: Iterator[int], states: frozenset[str]) -> Node:
+def _inside(node: Node, runs: Iterator[int], states: frozenset[str], arguments: frozenset[str]) -> Node:
     """A loop over modes or instances with the lines of its body in loops over the states, after sines of all states."""
     if not isinstance(node, For):
         return node
@@ -186,9 +189,9 @@ def _inside(node: Node, runs: Iterator[int], states: frozenset[str]) -> Node:
         items = tuple(group)
         lines = [item for item in items if isinstance(item, Let | Assign | Require)]
         if not lines:
-            body += (_inside(item, runs, states) for item in items)
+            body += (_inside(item, runs, states, arguments) for item in items)
         elif has_calls(lines):
-            body += straight_lines(tuple(lines), next(runs), states)
+            body += straight_lines(tuple(lines), next(runs), states, arguments)
         else:
             body.append(over_states(lines))
     return replace(node, body=tuple(body), kind=LoopKind.ORDERED)
@@ -203,7 +206,7 @@ def _scalars(nodes: Iterable[Node]) -> set[str]:
     scalars: set[str] = set()
     for number, node in enumerate(every(nodes)):
         if isinstance(node, Sines):
-            scalars |= {node.angle.array, node.sine, node.cosine}
+            scalars |= {node.sine, node.cosine, *([] if node.angle.index else [node.angle.array])}
         if isinstance(node, For) and node.kind is LoopKind.STATES:
             own = {line.name for line in node.body if isinstance(line, Let)}
             for name in names_read(node.body):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from derive.ir.analysis import names_read, needed
 from derive.ir.expressions import (
@@ -39,6 +40,8 @@ from derive.ir.statements import Let, Require, Requirement
 
 IN_LANE = variable(LANE)
 """The index of the element of a lane in an array with an element for each."""
+COPIES, RESULTS = "copies", "results"
+"""The local arrays of elements that integers place, before and after the loop over the lanes."""
 CIRCULAR = (Operator.SIN, Operator.COS)
 
 
@@ -50,9 +53,9 @@ def instances_in_lanes(loop: For) -> tuple[Node, ...]:
     if not made.fits:
         return (replace(loop, kind=LoopKind.ORDERED),)
     body = tuple(made.body())
-    arrays = (*made.angles, *made.sines.values(), *made.copies.values(), *made.results)
-    blocks = replace(loop, body=body, kind=LoopKind.ORDERED, step=LANES)
-    return (*(Local(array, LANES) for array in arrays), blocks)
+    arrays = [Local(array, LANES) for array in (*made.angles, *made.sines.values())]
+    rows = [Local(_array(name, placed), LANES * len(placed)) for name, placed in made.placed.items() if placed]
+    return (*arrays, *rows, replace(loop, body=body, kind=LoopKind.ORDERED, step=LANES))
 
 
 @dataclass
@@ -60,14 +63,12 @@ class _Block:
     """The body of a loop over blocks of four instances.
 
     angles: expressions by the names of the arrays of angles; sines: the arrays of sines and cosines by their
-    expressions; copies: the local arrays of elements that integers place; results: such elements by their local arrays.
+    expressions.
     """
 
     loop: For
     angles: dict[str, Expr] = field(default_factory=dict)
     sines: dict[Operation, str] = field(default_factory=dict)
-    copies: dict[Element, str] = field(default_factory=dict)
-    results: dict[str, Element] = field(default_factory=dict)
 
     @property
     def fits(self) -> bool:
@@ -99,13 +100,33 @@ class _Block:
     def _parts(nodes: Iterable[Node]) -> list[Expr]:
         return [part for node in nodes for expr in expressions_of(node) for part in walk(expr)]
 
+    @cached_property
+    def placed(self) -> dict[str, list[Element]]:
+        """The elements that integers place, each with a row in an array of copies or of results.
+
+        One array for all rows: processors then need a single address for them.
+        """
+        targets = [node.target for node in self.lines if isinstance(node, Assign)]
+        return {COPIES: self._among(self._parts(self.lines)), RESULTS: self._among(targets)}
+
+    def _among(self, parts: Iterable[object]) -> list[Element]:
+        return [part for part in dict.fromkeys(parts) if isinstance(part, Element) and self._is_placed(part)]
+
+    def _is_placed(self, element: Element) -> bool:
+        return element.index is not None and element.index.has(*self.integers)
+
+    def _row(self, name: str, element: Element) -> Element:
+        """The elements of the lanes in the array of copies or of results."""
+        placed = self.placed[name]
+        return Element(_array(name, placed), IN_LANE.plus(LANES * placed.index(element)))
+
     def body(self) -> list[Node]:
         """The loops over the lanes of a block."""
         lines = [self._line(node) for node in self.lines]
         angles = [Assign(Element(array, IN_LANE), angle) for array, angle in self.angles.items()]
         before: list[Node] = [*needed(lines, angles), *angles]
-        gathered = [Assign(Element(array, IN_LANE), element) for element, array in self.copies.items()]
-        stored = [Assign(element, Element(array, IN_LANE)) for array, element in self.results.items()]
+        gathered = [Assign(self._row(COPIES, element), element) for element in self.placed[COPIES]]
+        stored = [Assign(element, self._row(RESULTS, element)) for element in self.placed[RESULTS]]
         used = set(names_read(lines))
         kept: list[Node] = [node for node in lines if not (isinstance(node, Let) and node.name not in used)]
         return [
@@ -120,11 +141,8 @@ class _Block:
         """A line with local arrays in place of sines and of what integers place."""
         match node:
             case Assign(target=Element() as target):
-                if target.index and target.index.has(*self.integers):
-                    array = f"result_{len(self.results) + 1}"
-                    self.results[array] = target
-                    target = Element(array, IN_LANE)
-                return replace(node, target=target, expr=self._swapped(node.expr))
+                to = self._row(RESULTS, target) if self._is_placed(target) else target
+                return replace(node, target=to, expr=self._swapped(node.expr))
             case Let() | Require():
                 return replace(node, expr=self._swapped(node.expr))
             case _:
@@ -138,9 +156,7 @@ class _Block:
         return mapped(expr, self._leaf)
 
     def _leaf(self, leaf: Leaf) -> Expr:
-        if isinstance(leaf, Element) and leaf.index and leaf.index.has(*self.integers):
-            return Element(self.copies.setdefault(leaf, f"copy_{len(self.copies) + 1}"), IN_LANE)
-        return leaf
+        return self._row(COPIES, leaf) if isinstance(leaf, Element) and self._is_placed(leaf) else leaf
 
     def _sine(self, call: Operation) -> str:
         """The array of a sine or cosine of the lanes."""
@@ -173,6 +189,11 @@ class _Block:
         used = {term.variable for e in elements if e.index for term in e.index.terms}
         integers = [node for name, node in self.integers.items() if name in used]
         return [For(LANE, START, constant(LANES), self._split([*integers, *copies]))]
+
+
+def _array(name: str, placed: Sequence[Element]) -> str:
+    """The array of rows for some elements; loops with as many share it."""
+    return f"{name}_{len(placed)}"
 
 
 def _is_circular(part: Expr) -> bool:

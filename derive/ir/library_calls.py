@@ -27,10 +27,14 @@ def over_states(lines: Iterable[Node]) -> For:
     return For(STATE, START, variable(COUNT), tuple(lines), LoopKind.STATES)
 
 
-def straight_lines(lines: tuple[Line, ...], number: int, states: frozenset[str]) -> list[Node]:
+def straight_lines(
+    lines: tuple[Line, ...], number: int, states: frozenset[str], arguments: frozenset[str]
+) -> list[Node]:
     """Straight lines in a loop over the states; before it the calls of functions such as sines, with what they need.
 
     number: that of the lines in their kernel, for the names of values. states: the names that have an array already.
+    arguments: the arguments with a value for each state, whose elements are angles without a copy: compilers copy in
+    shorter vectors than those in which they then read, and processors wait until short ones are in their caches.
     """
     named: dict[Expr, str] = {}
     for line in lines:
@@ -55,7 +59,7 @@ def straight_lines(lines: tuple[Line, ...], number: int, states: frozenset[str])
             early[line.name] = replace(line, expr=_swapped(line.expr, named))
     rest = tuple(replace(line, expr=_swapped(line.expr, named)) for line in lines)
     kept = tuple(line for line in rest if not (isinstance(line, Let) and line.expr == ScalarRef(line.name)))
-    return [*_stages(early.values(), number, states), over_states(_read(kept, frozenset(before)))]
+    return [*_stages(early.values(), number, states, arguments), over_states(_read(kept, frozenset(before)))]
 
 
 @dataclass
@@ -66,7 +70,7 @@ class _Stage:
     calls: dict[Expr, dict[Operator, str]] = field(default_factory=dict)
 
 
-def _stages(early: Iterable[Let], number: int, states: frozenset[str]) -> Iterator[Node]:
+def _stages(early: Iterable[Let], number: int, states: frozenset[str], arguments: frozenset[str]) -> Iterator[Node]:
     """The stages of the calls, as few as possible: sines of angles that need no sines come first, all together."""
     stages = [_Stage()]
     ready: dict[str, int] = {}
@@ -82,21 +86,24 @@ def _stages(early: Iterable[Let], number: int, states: frozenset[str]) -> Iterat
                 ready[let.name] = level
     arrays = states | {*ready}
     for k, stage in enumerate(stages):
-        yield from _finished(stage, f"{number}_{k}", arrays)
+        yield from _finished(stage, f"{number}_{k}", arrays, arguments)
 
 
-def _finished(stage: _Stage, suffix: str, arrays: frozenset[str]) -> Iterator[Node]:
+def _finished(stage: _Stage, suffix: str, arrays: frozenset[str], arguments: frozenset[str]) -> Iterator[Node]:
     """The lines of a stage, in which angles get a name unless they have an array with a value for each state."""
     lets, sines = list(stage.lets), list[Sines]()
+    rows = {let.name: let.expr for let in lets if isinstance(let.expr, Element) and let.expr.array in arguments}
     for k, (angle, names) in enumerate(stage.calls.items()):
-        if isinstance(angle, ScalarRef) and angle.name in arrays:
-            name = angle.name
-        else:
-            name = f"angle_{suffix}_{k}"
-            lets.append(Let(name, angle))
+        element = rows.get(angle.name) if isinstance(angle, ScalarRef) else None
+        if element is None:
+            name = angle.name if isinstance(angle, ScalarRef) and angle.name in arrays else f"angle_{suffix}_{k}"
+            lets += [] if angle == ScalarRef(name) else [Let(name, angle)]
+            element = Element(name, None)
         sine = names.get(Operator.SIN, f"sine_{suffix}_{k}")
         cosine = names.get(Operator.COS, f"cosine_{suffix}_{k}")
-        sines.append(Sines(Element(name, None), sine, cosine))
+        sines.append(Sines(element, sine, cosine))
+    read = set(names_read([*lets, *sines]))
+    lets = [let for let in lets if let.name not in rows or let.name in read]
     if lets:
         yield over_states(lets)
     yield from sines

@@ -204,6 +204,11 @@ class Variable:
         """The names of its values for people, which are those of columns."""
         return (self.shown,) if self.shown else self.elements
 
+    @property
+    def title(self) -> str:
+        """The name for people, link[3]_phi; of an array that of the whole array."""
+        return self.shown or self.name
+
 
 def element_names(name: str, size: int) -> tuple[str, ...]:
     """The names of the values of a variable; those of an array are numbered from 1, as straight-line code has them."""

@@ -32,7 +32,7 @@ class VariableSeries:
 
 def variable_series(variables: Iterable[Variable]) -> tuple[VariableSeries, ...]:
     """The series that variables are, in their order."""
-    parted = [(instance_parts(v.shown or v.name), v) for v in variables]
+    parted = [(instance_parts(v.title), v) for v in variables]
     every = _instances(parted)
     counts = Counter(instance.where.table for instance in every)
     series: list[VariableSeries] = []

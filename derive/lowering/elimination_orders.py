@@ -45,6 +45,25 @@ def elimination_order(pattern: Pattern) -> tuple[int, ...]:
     return tuple(ca.Sparsity.triplet(pattern.rows, pattern.cols, rows + diagonal, cols + diagonal).amd())
 
 
+def rounds_of_least_degree(pattern: Pattern) -> tuple[int, ...]:
+    """A minimum degree order in rounds, each of rows of the least degree that are not neighbours of each other.
+
+    Rows of a round need nothing of each other, so that processors compute them at once; along a path or a ring the
+    longest chain of rows that wait for each other grows with the logarithm of their number.
+    """
+    graph, order = graph_of(pattern), list[int]()
+    while graph:
+        least = min(map(len, graph.values()))
+        chosen: dict[int, None] = {}
+        for node in sorted(graph):
+            if len(graph[node]) == least and graph[node].isdisjoint(chosen):
+                chosen[node] = None
+        for node in chosen:
+            eliminated(graph, node)
+        order += chosen
+    return tuple(order)
+
+
 def safe_order(pattern: Pattern, coordinates: int) -> tuple[int, ...]:
     """The elimination order of the KKT matrix [M, -G^T; -G, 0], whose first `coordinates` rows are those of M.
 

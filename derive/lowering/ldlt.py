@@ -51,6 +51,7 @@ def factorise(
     position = {row: k for k, row in enumerate(order)}
     work = {_ordered(i, j, position): value for (i, j), value in values.items()}
     of_coordinates: Entries = {}
+    of_multipliers: dict[int, list[ca.SX]] = {}
     pivots: list[ca.SX] = []
     scales: list[ca.SX] = []
     inverses: list[ca.SX] = []
@@ -65,7 +66,8 @@ def factorise(
             scales.append((idle_scale | of_coordinates)[j, j])  # without coordinates there is nothing to divide by
             own = scales[-1] if (j, j) in of_coordinates else ca.SX(0)
             own = own if proximal is None else own + proximal * scales[-1]
-            work[j, j] = own + work[j, j] if (j, j) in work else own
+            # What is known last is subtracted last: each pivot waits for the one before, and nothing else follows.
+            work[j, j] = sum((-update for update in of_multipliers.get(j, ())), start=own)
         else:
             scales.append(values[j, j])
         pivots.append(work[j, j])
@@ -76,6 +78,9 @@ def factorise(
         for a, i in enumerate(below):
             for other in below[: a + 1]:
                 update = factors[i] * work[other, j]
+                if i == other >= coordinates and j >= coordinates:
+                    of_multipliers.setdefault(i, []).append(update)
+                    continue
                 store = of_coordinates if i == other >= coordinates > j else work
                 old = store.get((i, other))
                 store[i, other] = -update if old is None else old - update
@@ -93,13 +98,27 @@ def _ordered(i: int, j: int, position: dict[int, int]) -> tuple[int, int]:
 
 def solve(factors: Factorisation, right: list[ca.SX]) -> list[ca.SX]:
     """The solution x (n,) of A x = right, with `right` (n,)."""
+    return backward(factors, forward(factors, right))
+
+
+def forward(factors: Factorisation, right: list[ca.SX]) -> list[ca.SX]:
+    """L^-1 right (n,), the right-hand side after the forward substitution."""
     x = list(right)
     for j in factors.order:
         for i, entry in factors.lower[j]:
             x[i] = x[i] - entry * x[j]
+    return x
+
+
+def backward(factors: Factorisation, eliminated: list[ca.SX]) -> list[ca.SX]:
+    """The solution x (n,) from the right-hand side after the forward substitution.
+
+    Unknowns are subtracted in the order in which they become known, so that each row waits for the last one alone.
+    """
+    x = list(eliminated)
     for inverse, j in zip(factors.inverses, factors.order, strict=True):
         x[j] = x[j] * inverse
     for j in reversed(factors.order):
-        for i, entry in factors.lower[j]:
+        for i, entry in reversed(factors.lower[j]):
             x[j] = x[j] - entry * x[i]
     return x

@@ -22,10 +22,9 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derive.errors import Problem, SpecError
 from derive.ir.indices import LANES
 from derive.lowering.instances.block_system import Blocks, blocks
-from derive.lowering.instances.classes import BodyClass, body_classes, obstacle
+from derive.lowering.instances.classes import BodyClass, body_classes
 from derive.mechanics.multibody.mechanism import Mechanism
 
 SHORT, LONG = 5.0, 30.0
@@ -38,20 +37,17 @@ MARGIN, MARGIN_OF_SHORT = 0.9, 0.75
 class MechanismCosts:
     """The predicted times of both lowerings of a mechanism.
 
-    flat, instances: of an evaluation of the accelerations (ns); compiler: of the compiler for straight-line code (s);
-    obstacle: the reason why the mechanism cannot be lowered to loops over its instances, empty if it can be.
+    flat, instances: of an evaluation of the accelerations (ns); compiler: of the compiler for straight-line code (s).
     """
 
     flat: float
     instances: float
     compiler: float
-    obstacle: str
 
     @property
     def lowering(self) -> str:
         """The lowering that is chosen if the specification leaves it open."""
-        looped = self._is_faster_looped or self.compiler > LONG
-        return "instances" if looped and not self.obstacle else "flat"
+        return "instances" if self._is_faster_looped or self.compiler > LONG else "flat"
 
     @property
     def _margin(self) -> float:
@@ -62,10 +58,7 @@ class MechanismCosts:
         return self.instances < self._margin * self.flat
 
     def selected(self, requested: str) -> str:
-        """The lowering to use; `requested` is "auto", "flat" or "instances". Raises SpecError if it is impossible."""
-        if requested == "instances" and self.obstacle:
-            text = f'loops over instances are impossible, {self.obstacle}; use lowering = "flat" or "auto"'
-            raise SpecError((Problem("scene.lowering", text),))
+        """The lowering to use; `requested` is "auto", "flat" or "instances"."""
         return self.lowering if requested == "auto" else requested
 
     def reason(self, requested: str) -> str:
@@ -78,7 +71,7 @@ class MechanismCosts:
         elif looped or self.instances > self.flat:
             why = "the faster form"
         else:
-            why = self.obstacle or f"since loops do not take less than {self._margin:.0%} of its time"
+            why = f"since loops do not take less than {self._margin:.0%} of its time"
         form = "looped over instances" if looped else "unrolled"
         times = f"{self.flat:.0f} ns unrolled, {self.instances:.0f} ns looped over instances"
         return f"{form}, {why}; predicted evaluation time of the accelerations: {times}"
@@ -100,7 +93,7 @@ def estimate_mechanism_costs(mechanism: Mechanism) -> MechanismCosts:
         path = system.is_path and not system.closes_loops
         flat += 0.30 * _products(system, system.rows)
         looped += 1.9 * len(rows) + (0.07 if path else 0.28) * _products(system, [system.size] * len(rows))
-    return MechanismCosts(flat, looped, 0.02 * flat + 2.2e-8 * flat**3, obstacle(mechanism))
+    return MechanismCosts(flat, looped, 0.02 * flat + 2.2e-8 * flat**3)
 
 
 def _body_times(mechanism: Mechanism, of: BodyClass, rows: Sequence[int]) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from typing import Any
 
 import sympy as sp
 
-from derive.spec.model.instances import identifier, joined
+from derive.spec.model.instances import identifier, joined, rate_name
 
 
 class Index(Enum):
@@ -184,7 +184,7 @@ class Identity:
             case Kind.POINT:
                 parts = [stem, self.point, *shapes, components]
             case Kind.INPUT:
-                parts = [self.family.stem, f"{self.label}{DOTS[self.derivative]}"]
+                parts = [self.family.stem, rate_name(self.label, DOTS[self.derivative])]
             case Kind.CHOSEN | Kind.LOCAL:
                 parts = [self.label, *shapes, components]
         return parts

@@ -65,10 +65,11 @@ class ParameterSymbol:
 
 @dataclass(frozen=True)
 class InputSymbol:
-    """A run-time input, or a time derivative of one: symbol, the name that users give it, description and unit."""
+    """A run-time input, or a time derivative of one: symbol, name, name for people, description and unit."""
 
     symbol: sp.Symbol
     name: str
+    shown: str
     doc: str
     unit: str
 
@@ -175,6 +176,7 @@ class MarkerEquations:
     `load` (rows,) is the virtual work of a force at the marker, with inertial components `force` (d, 1). If the
     equations keep their sums over the modes, `mode_sums` define the point in the body frame, at second order with the
     `table_sums` dr/dalpha_i, and the last column and row belong to a generic mode. d is 2 in the plane and 3 in space.
+    shown: the name for people, where that is another one.
     """
 
     name: str
@@ -188,6 +190,7 @@ class MarkerEquations:
     load: tuple[sp.Expr, ...]
     mode_sums: tuple[ModeSum, ...] = ()
     table_sums: tuple[TableSum, ...] = ()
+    shown: str = ""
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,17 @@ from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES
 from derive.mechanics.terms import Reason
 from derive.pipeline import Built
 from derive.report.document.page import Block, Content, Heading, Page, Paragraph, Picture, table
-from derive.report.notation.expressions import notation
+from derive.report.notation.expressions import Notation, notation
 from derive.report.notation.labels import label, row_identities
 from derive.report.sections.alike_bodies import shown_once
+from derive.report.sections.alike_joints import constraints_once
 from derive.report.sections.code import code_blocks, targets
 from derive.report.sections.files import SpecificationText, manifest_blocks, specification_blocks
 from derive.report.sections.initial_state import initial_state_blocks
+from derive.report.sections.instance_rows import enumeration
+from derive.report.sections.instance_values import value_blocks
 from derive.report.sections.integrals import integral_blocks
+from derive.report.sections.mass_matrix import SMALL as NAMED
 from derive.report.sections.mass_matrix import MassPattern, mass_blocks
 from derive.report.sections.mechanism import body_blocks, constraint_blocks, joint_blocks, kkt_blocks, mechanism_blocks
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
@@ -56,7 +60,7 @@ def scene_page(
     if not isinstance(mechanism, Mechanism):
         raise TypeError("this is no scene")
     spec, once = mechanism.scene, shown_once(mechanism)
-    shown = once.equations
+    shown, joints = once.equations, constraints_once(equations.constraints, (i.name for i in mechanism.instances))
     written = notation(equations)
     code = source_map(built.files, "c")
     terms = locate_terms(equations, code)
@@ -72,13 +76,14 @@ def scene_page(
         *(initial_state_blocks(initial) if initial is not None else ()),
         *scene_second_order_blocks(spec),
         *nomenclature_blocks(True, {body.beam.order for body in spec.bodies if isinstance(body, BeamBody)}),
-        *integral_blocks(equations, written),
+        *integral_blocks(shown, written),
+        *value_blocks(once, written),
         *moment_blocks(families, written, definition_lines(code)),
         *_law(once.alike),
         *row_blocks(shown, visible, written),
-        *constraint_blocks(equations, written),
-        *mass_blocks(equations, _matrix(mechanism, equations), written),
-        *vanished_blocks(equations, written),
+        *constraint_blocks(joints, written),
+        *_mass(mechanism, equations, shown, written),
+        *vanished_blocks(shown, written),
         *(kkt_blocks(model, model.kkt) if model.kkt is not None else ()),
         *code_blocks(code, targets(visible, moment_anchors(shown, families))),
         *manifest_blocks(built.files),
@@ -96,9 +101,21 @@ def _law(alike: Mapping[str, tuple[str, ...]]) -> tuple[Block, ...]:
             " Of bodies whose equations differ in names and constants alone, the first is shown; the damping between "
             "the pieces of a rod does not count."
         )
-    rows: list[list[Content]] = [[name, ", ".join(others)] for name, others in alike.items()]
+    rows: list[list[Content]] = [[name, enumeration(others)] for name, others in alike.items()]
     same = (table("Bodies with the same equations", ("shown", "alike"), rows),) if alike else ()
     return (Heading("Equations of motion", "motion"), Paragraph((text,)), *same)
+
+
+def _mass(mechanism: Mechanism, equations: Equations, shown: Equations, written: Notation) -> tuple[Block, ...]:
+    """The mass matrix, of large scenes with the blocks of the bodies that are shown alone."""
+    if len(equations.rows) <= NAMED or len(shown.rows) == len(equations.rows):
+        return mass_blocks(equations, _matrix(mechanism, equations), written)
+    heading, *blocks = mass_blocks(shown, _matrix(mechanism, shown), written)
+    text = (
+        f"M has {len(equations.rows)} rows. It is block-diagonal, with a block for each body, since bodies share no "
+        "inertia. Of bodies whose equations are shown once, so is the block:"
+    )
+    return (heading, Paragraph((text,)), *blocks)
 
 
 def _matrix(mechanism: Mechanism, equations: Equations) -> MassPattern:

@@ -307,7 +307,8 @@ class Native:
         Raises UnknownNameError, ModelError.
         """
         function, marker = f"marker_{name}", self._marker(name)
-        qs, vs = (np.ascontiguousarray(checked_rows(n, x, function)) for n, x in ((self.nq, q), (self.nv, v)))
+        # A copy, since a contiguous array of one row, such as q[None], may have a stride of 0.
+        qs, vs = (np.array(checked_rows(n, x, function), order="C") for n, x in ((self.nq, q), (self.nv, v)))
         constants = checked_vector(self.nk, self.own(k), function)
         result, xdot = np.empty((len(qs), marker.dimension)), np.empty(marker.dimension)
         jacobian = np.empty(marker.size)

@@ -32,14 +32,17 @@ class InterpretedScene(NativeScene):
         self.roles = tuple(variable.role or Role.AMPLITUDE for variable in model.coordinates)
         self.proximal, self.in_space = model.proximal, model.in_space
         self.multipliers, self.bodies = _names(model.multipliers), model.bodies
-        instances = {m.name: (of, number) for of in model.marker_classes for number, m in enumerate(of.markers)}
+        instances = {m.title: (of, number) for of in model.marker_classes for number, m in enumerate(of.markers)}
         self.markers, self._instances = (*_names(model.markers), *instances), instances
+        self._lone_markers = {m.title: f"marker_{m.name}" for m in model.markers}
         self.inputs, self.outputs = _names(model.inputs), _names(model.outputs)
         self.mass_pattern, self.jacobian_pattern = model.pattern("mass", "M"), model.pattern("jacobian", "jac")
         self.constraint_pattern = model.pattern("constraint_jacobian", "G")
         self._compiled = CompiledFunctions(
             {kernel.name: InterpretedFunction(model, kernel) for kernel in model.kernels}
         )
+        for name, kernel in self._lone_markers.items():
+            self._compiled[f"marker_{name}"] = InterpretedFunction(model, model.kernel(kernel))
         for name, (of, number) in instances.items():
             self._compiled[f"marker_{name}"] = InterpretedFunction(model, model.kernel(f"marker_{of.name}"), number)
 
@@ -53,7 +56,7 @@ class InterpretedScene(NativeScene):
         if name in self._instances:
             of, number = self._instances[name]
             return of.pattern.among(of.columns[number], self.nv)
-        return self._kernels.pattern(f"marker_{name}", "jacobian")
+        return self._kernels.pattern(self._lone_markers[name], "jacobian")
 
 
 class InterpretedFunction(CompiledFunction):
@@ -97,4 +100,4 @@ class InterpretedFunction(CompiledFunction):
 
 
 def _names(variables: tuple[Variable, ...]) -> tuple[str, ...]:
-    return tuple(variable.name for variable in variables)
+    return tuple(variable.title for variable in variables)

@@ -25,7 +25,7 @@ from derive.simulation.configurations import velocities_with
 from derive.simulation.constraints.closest_state import PERTURBATIONS, closest_state, perturbed, unmet_constraints
 from derive.simulation.constraints.scaling import SINGULAR
 from derive.simulation.observables.motion import drive_unit
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.spatial_scene import SpatialScene
@@ -232,7 +232,7 @@ class _Walk:
         joints = [
             joint.name
             for joint in self.scene.joints
-            if any(identifier(joint.name, row.label) in unmet for row in JOINTS[joint.kind].removes)
+            if any(joined(joint.name, row.label) in unmet for row in JOINTS[joint.kind].removes)
         ]
         beams = any(isinstance(body, BeamBody) for body in self.scene.bodies)
         values = tuple((drive.name, float(value), unit) for drive, value, unit in drives)

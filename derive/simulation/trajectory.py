@@ -52,7 +52,7 @@ def column_units(scene: AnyScene, model: Model) -> list[tuple[str, str]]:
         ),
         # a drive and its multiplier have one name
         *((f"lambda_{name}", x.unit) for x in model.multipliers for name in x.columns),
-        *((f"u_{x.name}", x.unit) for x in model.inputs),
+        *((f"u_{x.title}", x.unit) for x in model.inputs),
         *((name, x.unit) for x in model.outputs for name in x.columns),
         *((name, "J") for name in energy_names(scene, model)),
     ]

@@ -11,11 +11,15 @@ import numpy as np
 
 from derive.backends.model_files import emit
 from derive.derivation import derive
+from derive.ir.model import Model
 from derive.lowering.elimination_orders import EliminationRule
+from derive.lowering.flat.constraints import DependentConstraints
 from derive.lowering.flat.lower import lower
+from derive.mechanics.equations import Equations
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import kkt_matrix, mass_matrix
+from derive.simulation.redundant_joints import with_redundant_joints
 from derive.spec.model.scene import Scene
 from derive.study.states import start_state
 from derive.study.timing import InterleavedTimes, interleaved_times
@@ -44,11 +48,12 @@ class FrameCost:
 
 @dataclass(frozen=True)
 class FrameComparison:
-    """The cost of two frames for a number of pieces, and the CPU times."""
+    """The cost of two frames for a number of pieces, and the CPU times; whether joints are redundant in one of them."""
 
     pieces: int
     costs: tuple[FrameCost, FrameCost]
     times: InterleavedTimes
+    redundant: bool = False
 
 
 @dataclass(frozen=True)
@@ -68,10 +73,16 @@ def compare_frames(
 ) -> tuple[FrameComparison, ...]:
     """The comparison of two frames for each number of pieces: first all variants are compiled, then they are timed.
 
-    elimination: the order in which the KKT matrices of both frames are eliminated.
+    elimination: the order in which the KKT matrices of both frames are eliminated; redundant joints have another one.
 
     Raises SpecError, CompilerError, SimulationError, IntegratorError.
     """
+    return with_redundant_joints(scene, lambda given: _frames(given, pieces, frames, runs, elimination))
+
+
+def _frames(
+    scene: Scene, pieces: Sequence[int], frames: tuple[str, str], runs: int, elimination: EliminationRule
+) -> tuple[FrameComparison, ...]:
     with ThreadPoolExecutor(2) as pool:
         pending = [_build(variant(scene, n, frame), elimination, pool) for n in pieces for frame in frames]
         built = [_compiled(*item) for item in pending]
@@ -86,7 +97,7 @@ def _build(
     marks = [time.perf_counter()]
     equations = derive(variant.scene).expanded()
     marks.append(time.perf_counter())
-    model = lower(equations, elimination=elimination)
+    model = _lowered(equations, variant.scene, elimination)
     marks.append(time.perf_counter())
     files, counts = emit(model, variant.scene), operation_counts(equations, model, elimination)
     marks.append(time.perf_counter())
@@ -98,6 +109,17 @@ def _build(
         return host, time.perf_counter() - before
 
     return variant, counts, seconds, pool.submit(compiled)
+
+
+def _lowered(equations: Equations, scene: Scene, elimination: EliminationRule) -> Model:
+    """The model, with a proximal term where the joints of the scene are redundant whatever its numbers are."""
+    if scene.redundant != "resolve":
+        try:
+            return lower(equations, elimination=elimination)
+        except DependentConstraints:
+            if scene.redundant == "error":
+                raise
+    return lower(equations, elimination=elimination, proximal=True)
 
 
 def _compiled(
@@ -121,7 +143,7 @@ def _comparison(pieces: int, first: _Built, second: _Built, runs: int) -> FrameC
     hosts = (first.host, second.host)
     times = interleaved_times(hosts, (starts[0], starts[1]), simulation.duration, runs, progress)
     costs = [_cost(b, q) for b, (_, q, _) in zip(both, starts, strict=True)]
-    return FrameComparison(pieces, (costs[0], costs[1]), times)
+    return FrameComparison(pieces, (costs[0], costs[1]), times, any(b.host.native.proximal for b in both))
 
 
 def _cost(built: _Built, q: Vector) -> FrameCost:

@@ -147,6 +147,11 @@ def _notes(frames: tuple[str, str], rows: Sequence[FrameComparison], elimination
         f"below {DRIFT:g}; {'; '.join(steps)}; corrections in {first} and {second}: {'; '.join(corrections)}",
         f"compiled by {machine['compiler']}, {machine['flags']}; {machine['machine']}",
     ]
+    if any(row.redundant for row in rows):
+        notes.append(
+            "joints are redundant: pivots of multipliers have a proximal term, which gives reactions of least norm, "
+            "and coordinates are eliminated first; KKT matrices without the term are singular"
+        )
     if any(_paper(frames, row.pieces) for row in rows):
         notes.append(
             "paper: CPU time of DADS, 1988: the whole program, with another integrator and a general sparse solver. It "

@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 
 from derive.backends.model_files import explicit_files
 from derive.derivation import derive
+from derive.errors import TisserandError
 from derive.ir.patterns import Pattern, pattern
-from derive.lowering.flat.constraints import kkt_pattern
+from derive.lowering.flat.constraints import DependentConstraints, kkt_pattern
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.lower import lower
 from derive.runtime.compiler import ESSENTIAL
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Matrix
+from derive.simulation.errors import RedundantConstraints
 from derive.study.elimination import backward_error, eliminate, entry_mask, equilibrated, kkt_systems
 from derive.study.pivot_orders import ORDERS, Order, without_diagonal
 from derive.study.states import simulated_states, undeformed_states
@@ -28,6 +30,16 @@ from derive.terminal import show_progress
 
 QUICK = ("-std=c99", "-O0", "-ffp-contract=off", *ESSENTIAL)
 """Flags of the compiler: this study measures no time."""
+
+SINGULAR = (
+    "study pivots compares elimination orders by their pivots; where joints are redundant, the KKT matrix is singular, "
+    "and a pivot vanishes in every order"
+)
+
+
+class RedundantJoints(TisserandError):
+    """Joints of a scene are redundant, so that the study has nothing to compare."""
+
 
 TRIAL_STATES = 40
 """The number of states of each kind, about, in which random numberings are tried."""
@@ -83,7 +95,19 @@ class FrameStability:
 
 
 def frame_stability(variant: SceneVariant, count: int, numberings: int) -> FrameStability:
-    """The pivots of a variant in `count` states of each kind. Raises SpecError, CompilerError, SimulationError."""
+    """The pivots of a variant in `count` states of each kind.
+
+    Raises SpecError, CompilerError, SimulationError; RedundantJoints where joints are redundant.
+    """
+    try:
+        return _frame_stability(variant, count, numberings)
+    except DependentConstraints as error:
+        raise RedundantJoints(f"{SINGULAR}. {error}") from None
+    except RedundantConstraints as error:
+        raise RedundantJoints(f"{SINGULAR}: {'; '.join(map(str, error.redundant))}") from None
+
+
+def _frame_stability(variant: SceneVariant, count: int, numberings: int) -> FrameStability:
     label = f"{variant.scene.name}, {variant.frame} frame: "
     show_progress(f"{label}deriving and compiling")
     equations = derive(variant.scene).expanded()

@@ -78,7 +78,7 @@ def operation_counts(
     equations: Equations, model: Model, elimination: EliminationRule = EliminationRule.SAFE
 ) -> OperationCounts:
     """The counts of the expanded equations of a scene, and of their model, which is lowered with this elimination."""
-    context = Context(equations, elimination)
+    context = Context(equations, elimination, model.proximal)
     factors = kkt_factors(context, context.symbols(context.t, context.q))
     return OperationCounts(
         coordinates=len(context.rows),

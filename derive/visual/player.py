@@ -19,12 +19,12 @@ def player_page(data: Mapping[str, Any], warnings: Sequence[str] = ()) -> str:
     return _page("player.html", str(data["name"]), data, warnings)
 
 
-def spatial_player_page(data: Mapping[str, Any]) -> str:
-    """The text of a page that plays the motion of bodies in space.
+def spatial_player_page(data: Mapping[str, Any], warnings: Sequence[str] = ()) -> str:
+    """The text of a page that plays the motion of bodies in space, with warnings above it.
 
     `data` is that of `derive.simulation.observables.spatial_player_data`.
     """
-    return _page("spatial.html", str(data["name"]), data)
+    return _page("spatial.html", str(data["name"]), data, warnings)
 
 
 def motions_page(title: str, motions: Sequence[Mapping[str, Any]]) -> str:

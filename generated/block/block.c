@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_95a5f52c72904ab0
+#ifndef BLOCK_HASH_27fc5b41076563ec
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -917,26 +917,26 @@ int block_accel(
         - J_13 * oo_23 - omega2 * d3dot_1)) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49
         - t26 * t51 - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3;
     const double t56 = t54 * inverse_pivot_alpha6 - t32 * t55;
-    const double t57 = t53 * inverse_pivot_alpha5 - t21 * t56 - t30 * t55;
-    const double t58 = t52 * inverse_pivot_alpha4 - t13 * t57 + t19 * t56 - t28 * t55;
-    const double t59 = t51 * inverse_pivot_pi2 - t8 * t58 + t11 * t57 - t17 * t56 - t26 * t55;
-    const double t60 = t49 * inverse_pivot_pi1 - t4 * t59 + t6 * t58 - t9 * t57 + t15 * t56
-        - t24 * t55;
+    const double t57 = t53 * inverse_pivot_alpha5 - t30 * t55 - t21 * t56;
+    const double t58 = t52 * inverse_pivot_alpha4 - t28 * t55 + t19 * t56 - t13 * t57;
+    const double t59 = t51 * inverse_pivot_pi2 - t26 * t55 - t17 * t56 + t11 * t57 - t8 * t58;
+    const double t60 = t49 * inverse_pivot_pi1 - t24 * t55 + t15 * t56 - t9 * t57 + t6 * t58
+        - t4 * t59;
     vdot[3] = t60;
     vdot[4] = t59;
     vdot[5] = t55;
-    const double t61 = t1 * t60 - t46 + t22 * t55;
+    const double t61 = t22 * t55 - t46 + t1 * t60;
     vdot[6] = t61;
-    const double t62 = t2 * t59 - (t47 + d3_2_1 * t60);
+    const double t62 = t2 * t59 - t47 - d3_2_1 * t60;
     vdot[7] = t62;
-    const double t63 = t50 + d3_3_2 * t59 + d3_3_3 * t55;
+    const double t63 = t50 + d3_3_3 * t55 + d3_3_2 * t59;
     vdot[8] = -t63;
     vdot[9] = t58;
     vdot[10] = t57;
     vdot[11] = t56;
-    const double t64 = t48 + d3_7_1 * t60 + d3_7_2 * t59 + d3_7_3 * t55;
+    const double t64 = t48 + d3_7_3 * t55 + d3_7_2 * t59 + d3_7_1 * t60;
     vdot[12] = -t64;
-    const double t65 = t44 + d3_8_1 * t60 + d3_8_3 * t55;
+    const double t65 = t44 + d3_8_3 * t55 + d3_8_1 * t60;
     vdot[13] = -t65;
 
     /* check: check that the result is finite */
@@ -3890,26 +3890,26 @@ TISSERAND_INLINE int block_accel_states(
             - J_13 * oo_23 - omega2 * d3dot_1)) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49
             - t26 * t51 - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3;
         const double t56 = t54 * inverse_pivot_alpha6 - t32 * t55;
-        const double t57 = t53 * inverse_pivot_alpha5 - t21 * t56 - t30 * t55;
-        const double t58 = t52 * inverse_pivot_alpha4 - t13 * t57 + t19 * t56 - t28 * t55;
-        const double t59 = t51 * inverse_pivot_pi2 - t8 * t58 + t11 * t57 - t17 * t56 - t26 * t55;
-        const double t60 = t49 * inverse_pivot_pi1 - t4 * t59 + t6 * t58 - t9 * t57 + t15 * t56
-            - t24 * t55;
+        const double t57 = t53 * inverse_pivot_alpha5 - t30 * t55 - t21 * t56;
+        const double t58 = t52 * inverse_pivot_alpha4 - t28 * t55 + t19 * t56 - t13 * t57;
+        const double t59 = t51 * inverse_pivot_pi2 - t26 * t55 - t17 * t56 + t11 * t57 - t8 * t58;
+        const double t60 = t49 * inverse_pivot_pi1 - t24 * t55 + t15 * t56 - t9 * t57 + t6 * t58
+            - t4 * t59;
         vdot[3 * all + b] = t60;
         vdot[4 * all + b] = t59;
         vdot[5 * all + b] = t55;
-        const double t61 = t1 * t60 - t46 + t22 * t55;
+        const double t61 = t22 * t55 - t46 + t1 * t60;
         vdot[6 * all + b] = t61;
-        const double t62 = t2 * t59 - (t47 + d3_2_1 * t60);
+        const double t62 = t2 * t59 - t47 - d3_2_1 * t60;
         vdot[7 * all + b] = t62;
-        const double t63 = t50 + d3_3_2 * t59 + d3_3_3 * t55;
+        const double t63 = t50 + d3_3_3 * t55 + d3_3_2 * t59;
         vdot[8 * all + b] = -t63;
         vdot[9 * all + b] = t58;
         vdot[10 * all + b] = t57;
         vdot[11 * all + b] = t56;
-        const double t64 = t48 + d3_7_1 * t60 + d3_7_2 * t59 + d3_7_3 * t55;
+        const double t64 = t48 + d3_7_3 * t55 + d3_7_2 * t59 + d3_7_1 * t60;
         vdot[12 * all + b] = -t64;
-        const double t65 = t44 + d3_8_1 * t60 + d3_8_3 * t55;
+        const double t65 = t44 + d3_8_3 * t55 + d3_8_1 * t60;
         vdot[13 * all + b] = -t65;
         double code = 0.0;
         const double finite = t60 + t59 + (t55 + (t61 + t62)) + (t58 + t57 - t63 + (t56 - (t64 + t65)));

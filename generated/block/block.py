@@ -199,7 +199,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "95a5f52c72904ab0"
+HASH = "27fc5b41076563ec"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -1418,25 +1418,25 @@ def accel(t, q, v, k):
             - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3
     )
     t56 = t54 * inverse_pivot_alpha6 - t32 * t55
-    t57 = t53 * inverse_pivot_alpha5 - t21 * t56 - t30 * t55
-    t58 = t52 * inverse_pivot_alpha4 - t13 * t57 + t19 * t56 - t28 * t55
-    t59 = t51 * inverse_pivot_pi2 - t8 * t58 + t11 * t57 - t17 * t56 - t26 * t55
-    t60 = t49 * inverse_pivot_pi1 - t4 * t59 + t6 * t58 - t9 * t57 + t15 * t56 - t24 * t55
+    t57 = t53 * inverse_pivot_alpha5 - t30 * t55 - t21 * t56
+    t58 = t52 * inverse_pivot_alpha4 - t28 * t55 + t19 * t56 - t13 * t57
+    t59 = t51 * inverse_pivot_pi2 - t26 * t55 - t17 * t56 + t11 * t57 - t8 * t58
+    t60 = t49 * inverse_pivot_pi1 - t24 * t55 + t15 * t56 - t9 * t57 + t6 * t58 - t4 * t59
     vdot_3 = t60
     vdot_4 = t59
     vdot_5 = t55
-    t61 = t1 * t60 - t46 + t22 * t55
+    t61 = t22 * t55 - t46 + t1 * t60
     vdot_6 = t61
-    t62 = t2 * t59 - (t47 + d3_2_1 * t60)
+    t62 = t2 * t59 - t47 - d3_2_1 * t60
     vdot_7 = t62
-    t63 = t50 + d3_3_2 * t59 + d3_3_3 * t55
+    t63 = t50 + d3_3_3 * t55 + d3_3_2 * t59
     vdot_8 = -t63
     vdot_9 = t58
     vdot_10 = t57
     vdot_11 = t56
-    t64 = t48 + d3_7_1 * t60 + d3_7_2 * t59 + d3_7_3 * t55
+    t64 = t48 + d3_7_3 * t55 + d3_7_2 * t59 + d3_7_1 * t60
     vdot_12 = -t64
-    t65 = t44 + d3_8_1 * t60 + d3_8_3 * t55
+    t65 = t44 + d3_8_3 * t55 + d3_8_1 * t60
     vdot_13 = -t65
 
     # check: check that the result is finite

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_79c99670f0856335
+#ifndef DOUBLE_PENDULUM_HASH_20c30135442a4a8b
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -329,13 +329,16 @@ int double_pendulum_accel(
     const double upper_J = (32965779.0 / 4000000000.0) + upper_D2_1 * upper_alpha1
         + upper_D2_2 * upper_alpha2;
 
+    /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
+    const double upper_alpha1dot = v[3];
+    const double upper_alpha2dot = v[4];
+    const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
+
     /*
      * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_sdot_2 = Q rdot
      *     at left, along e2
      */
     const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
-    const double upper_alpha1dot = v[3];
-    const double upper_alpha2dot = v[4];
     const double upper_left_rdot_2 = upper_alpha1dot - upper_alpha2dot;
     const double upper_left_s_1 = (-0.5) * upper_cos_phi - upper_left_r_2 * upper_sin_phi;
     const double upper_left_s_2 = (-0.5) * upper_sin_phi + upper_left_r_2 * upper_cos_phi;
@@ -369,13 +372,16 @@ int double_pendulum_accel(
     const double lower_J = (32965779.0 / 4000000000.0) + lower_D2_1 * lower_alpha1
         + lower_D2_2 * lower_alpha2;
 
+    /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
+    const double lower_alpha1dot = v[8];
+    const double lower_alpha2dot = v[9];
+    const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
+
     /*
      * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_sdot_2 = Q rdot
      *     at left, along e2
      */
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
-    const double lower_alpha1dot = v[8];
-    const double lower_alpha2dot = v[9];
     const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
     const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
@@ -386,125 +392,119 @@ int double_pendulum_accel(
      *     lower_phi, upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1,
      *     elbow_2; fill-in 6
      */
-    const double t1 = upper_cos_phi / (98897337.0 / 5000000000.0);
-    const double t2 = t1 * upper_sin_phi;
-    const double t3 = upper_cos_phi / (14128191.0 / 1000000000.0);
-    const double t4 = t3 * upper_sin_phi;
+    const double t1 = (5000000000.0 / 98897337.0) * upper_sin_phi;
+    const double upper_phidot = v[2];
+    const double t2 = upper_phidot * upper_phidot;
+    const double t3 = (226194669.0 / 625000.0) * upper_alpha1 - t2 * upper_D2_1;
+    const double t4 = t1 * t3;
+    const double t5 = 2.0 * upper_phidot;
+    const double t6 = (1000000000.0 / 14128191.0) * upper_sin_phi;
+    const double t7 = (75398223.0 / 25000.0) * upper_alpha2 - t2 * upper_D2_2;
+    const double t8 = t6 * t7;
     const double inverse_upper_J = 1.0 / upper_J;
-    const double t5 = upper_left_s_1 * inverse_upper_J;
-    const double t6 = t2 + t4 + t5 * upper_left_s_2;
-    const double t7 = upper_sin_phi / (98897337.0 / 5000000000.0);
-    const double t8 = t7 * upper_sin_phi;
-    const double t9 = (1000000000.0 / 98897337.0) + t8;
-    const double t10 = upper_sin_phi / (14128191.0 / 1000000000.0);
-    const double t11 = t10 * upper_sin_phi;
-    const double t12 = upper_left_s_2 * inverse_upper_J;
-    const double t13 = t9 + t11 + t12 * upper_left_s_2;
-    const double inverse_t13 = 1.0 / t13;
-    const double t14 = t6 * inverse_t13;
-    const double t15 = t1 * upper_cos_phi;
-    const double t16 = (1000000000.0 / 98897337.0) + t15;
-    const double t17 = t3 * upper_cos_phi;
-    const double t18 = t16 + t17 + t5 * upper_left_s_1;
-    const double pivot_hinge_2 = t14 * t6 - t18;
-    const double t19 = upper_right_s_2 * inverse_upper_J;
-    const double t20 = t9 - t11 + t19 * upper_left_s_2;
-    const double t21 = t20 * inverse_t13;
-    const double t22 = t10 * upper_cos_phi - t7 * upper_cos_phi - t19 * upper_left_s_1 + t21 * t6;
-    const double inverse_pivot_hinge_2 = 1.0 / pivot_hinge_2;
-    const double t23 = t22 * inverse_pivot_hinge_2;
-    const double t24 = lower_sin_phi / (14128191.0 / 1000000000.0);
-    const double t25 = lower_sin_phi / (98897337.0 / 5000000000.0);
+    const double t9 = upper_left_s_2 * inverse_upper_J;
+    const double t10 = t5 * upper_D2dot;
+    const double t11 = t4 - (t2 * upper_left_s_1 + t5 * upper_left_sdot_2) - t8 + t9 * t10;
+    const double t12 = (5000000000.0 / 98897337.0) * upper_cos_phi;
+    const double t13 = t12 * upper_sin_phi;
+    const double t14 = (1000000000.0 / 14128191.0) * upper_cos_phi;
+    const double t15 = t14 * upper_sin_phi;
+    const double t16 = upper_left_s_1 * inverse_upper_J;
+    const double t17 = t13 + t15 + t16 * upper_left_s_2;
+    const double t18 = t1 * upper_sin_phi;
+    const double t19 = (1000000000.0 / 98897337.0) + t18;
+    const double t20 = t6 * upper_sin_phi;
+    const double t21 = t19 + t20 + t9 * upper_left_s_2;
+    const double inverse_t21 = 1.0 / t21;
+    const double t22 = t17 * inverse_t21;
+    const double t23 = t12 * upper_cos_phi;
+    const double t24 = (1000000000.0 / 98897337.0) + t23;
+    const double t25 = t14 * upper_cos_phi;
+    const double t26 = t24 + t25 + t16 * upper_left_s_1;
+    const double pivot_hinge_2 = t22 * t17 - t26;
+    const double t27 = t12 * t3;
+    const double t28 = t14 * t7;
+    const double t29 = (-981.0 / 100.0) - (t5 * (upper_left_rdot_2 * upper_sin_phi)
+        + t2 * upper_left_s_2) - t27 + t28 - t16 * t10 + t22 * t11;
+    const double t30 = upper_right_s_2 * inverse_upper_J;
+    const double t31 = t19 - t20 + t30 * upper_left_s_2;
+    const double t32 = t31 * inverse_t21;
+    const double t33 = (1000000000.0 / 14128191.0) * lower_sin_phi;
+    const double t34 = (5000000000.0 / 98897337.0) * lower_sin_phi;
     const double inverse_lower_J = 1.0 / lower_J;
-    const double t26 = lower_left_s_2 * inverse_lower_J;
-    const double t27 = (1000000000.0 / 98897337.0) + t24 * lower_sin_phi + t25 * lower_sin_phi
-        + t26 * lower_left_s_2 + (1000000000.0 / 98897337.0) + t8 + t11 + t19 * upper_right_s_2;
-    const double pivot_elbow_1 = t21 * t20 - t23 * t22 - t27;
-    const double t28 = upper_right_s_1 * inverse_upper_J;
-    const double t29 = t4 - t2 - t28 * upper_left_s_2;
-    const double t30 = t29 * inverse_t13;
-    const double t31 = t16 - t17 + t28 * upper_left_s_1 + t30 * t6;
-    const double t32 = t31 * inverse_pivot_hinge_2;
-    const double t33 = lower_cos_phi / (14128191.0 / 1000000000.0);
-    const double t34 = lower_cos_phi / (98897337.0 / 5000000000.0);
-    const double t35 = lower_left_s_1 * inverse_lower_J;
-    const double t36 = t33 * lower_sin_phi + t34 * lower_sin_phi + t35 * lower_left_s_2 + t2 + t4
-        + t28 * upper_right_s_2 + t30 * t20 - t32 * t22;
+    const double t35 = lower_left_s_2 * inverse_lower_J;
+    const double t36 = (1000000000.0 / 98897337.0) + t33 * lower_sin_phi + t34 * lower_sin_phi
+        + t35 * lower_left_s_2 + (1000000000.0 / 98897337.0) + t18 + t20 + t30 * upper_right_s_2;
+    const double t37 = t6 * upper_cos_phi - t1 * upper_cos_phi - t30 * upper_left_s_1 + t32 * t17;
+    const double inverse_pivot_hinge_2 = 1.0 / pivot_hinge_2;
+    const double t38 = t37 * inverse_pivot_hinge_2;
+    const double pivot_elbow_1 = t32 * t31 - t36 - t38 * t37;
+    const double lower_phidot = v[7];
+    const double t39 = lower_phidot * lower_phidot;
+    const double t40 = 2.0 * lower_phidot;
+    const double t41 = (75398223.0 / 25000.0) * lower_alpha2 - t39 * lower_D2_2;
+    const double t42 = (226194669.0 / 625000.0) * lower_alpha1 - t39 * lower_D2_1;
+    const double t43 = t40 * lower_D2dot;
+    const double t44 = t5 * upper_right_sdot_2 + t2 * upper_right_s_1 - t39 * lower_left_s_1
+        - t40 * lower_left_sdot_2 - t33 * t41 + t34 * t42 + t35 * t43 - t4 - t8 - t30 * t10
+        + t32 * t11 - t38 * t29;
+    const double t45 = upper_right_s_1 * inverse_upper_J;
+    const double t46 = t15 - t13 - t45 * upper_left_s_2;
+    const double t47 = t46 * inverse_t21;
+    const double t48 = (1000000000.0 / 14128191.0) * lower_cos_phi;
+    const double t49 = (5000000000.0 / 98897337.0) * lower_cos_phi;
+    const double t50 = lower_left_s_1 * inverse_lower_J;
+    const double t51 = (2000000000.0 / 98897337.0) + t48 * lower_cos_phi + t49 * lower_cos_phi
+        + t50 * lower_left_s_1 + t23 + t25 + t45 * upper_right_s_1;
+    const double t52 = t24 - t25 + t45 * upper_left_s_1 + t47 * t17;
+    const double t53 = t52 * inverse_pivot_hinge_2;
+    const double t54 = t48 * lower_sin_phi + t49 * lower_sin_phi + t50 * lower_left_s_2 + t13 + t15
+        + t45 * upper_right_s_2 + t47 * t31 - t53 * t37;
     const double inverse_pivot_elbow_1 = 1.0 / pivot_elbow_1;
-    const double t37 = t36 * inverse_pivot_elbow_1;
-    const double t38 = (2000000000.0 / 98897337.0) + t33 * lower_cos_phi + t34 * lower_cos_phi
-        + t35 * lower_left_s_1 + t15 + t17 + t28 * upper_right_s_1;
-    const double pivot_elbow_2 = t30 * t29 - t32 * t31 - t37 * t36 - t38;
-    if (!(lower_J > 0.0)) return 1; /* the pivot of lower_phi vanished */
-    if (!(upper_J > 0.0)) return 1; /* the pivot of upper_phi vanished */
-    if (!(t13 > 0.0)) return 1; /* the pivot of hinge_1 vanished */
-    if (!(-(pivot_hinge_2
-        + 5.684341886080802e-14 * t18) > 0.0)) return 1; /* the pivot of hinge_2 vanished */
-    if (!(-(pivot_elbow_1
-        + 5.684341886080802e-14 * t27) > 0.0)) return 1; /* the pivot of elbow_1 vanished */
-    if (!(-(pivot_elbow_2
-        + 5.684341886080802e-14 * t38) > 0.0)) return 1; /* the pivot of elbow_2 vanished */
-
-    /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
-    const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
-
-    /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
-    const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
+    const double t55 = t54 * inverse_pivot_elbow_1;
+    const double pivot_elbow_2 = t47 * t46 - t51 - t53 * t52 - t55 * t54;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
-    const double upper_phidot = v[2];
-    const double t39 = 2.0 * upper_phidot;
-    const double t40 = upper_phidot * upper_phidot;
-    const double t41 = (226194669.0 / 625000.0) * upper_alpha1 - t40 * upper_D2_1;
-    const double t42 = t1 * t41;
-    const double t43 = (75398223.0 / 25000.0) * upper_alpha2 - t40 * upper_D2_2;
-    const double t44 = t3 * t43;
-    const double t45 = t39 * upper_D2dot;
-    const double t46 = t7 * t41;
-    const double t47 = t10 * t43;
-    const double t48 = t46 - (t40 * upper_left_s_1 + t39 * upper_left_sdot_2) - t47 + t12 * t45;
-    const double t49 = (-981.0 / 100.0) - (t39 * (upper_left_rdot_2 * upper_sin_phi)
-        + t40 * upper_left_s_2) - t42 + t44 - t5 * t45 + t14 * t48;
-    const double lower_phidot = v[7];
-    const double t50 = lower_phidot * lower_phidot;
-    const double t51 = 2.0 * lower_phidot;
-    const double t52 = (75398223.0 / 25000.0) * lower_alpha2 - t50 * lower_D2_2;
-    const double t53 = (226194669.0 / 625000.0) * lower_alpha1 - t50 * lower_D2_1;
-    const double t54 = t51 * lower_D2dot;
-    const double t55 = t39 * upper_right_sdot_2 + t40 * upper_right_s_1 - t50 * lower_left_s_1
-        - t51 * lower_left_sdot_2 - t24 * t52 + t25 * t53 + t26 * t54 - t46 - t47 - t19 * t45
-        + t21 * t48 - t23 * t49;
-    const double t56 = (t40 * upper_right_s_2 - t51 * (lower_left_rdot_2 * lower_sin_phi)
-        - t50 * lower_left_s_2 + t39 * (upper_right_rdot_2 * upper_sin_phi) + t33 * t52 - t34 * t53
-        - t35 * t54 + t42 + t44 + t28 * t45 + t30 * t48 - t32 * t49 - t37 * t55) / pivot_elbow_2;
-    const double t57 = t55 * inverse_pivot_elbow_1 - t37 * t56;
-    const double t58 = t49 * inverse_pivot_hinge_2 - t23 * t57 - t32 * t56;
-    const double t59 = t14 * t58 - t48 * inverse_t13 + t21 * t57 + t30 * t56;
-    const double t60 = t57 / (98897337.0 / 1000000000.0);
-    const double t61 = t59 / (98897337.0 / 1000000000.0) - t60;
+    const double t56 = (t2 * upper_right_s_2 - t40 * (lower_left_rdot_2 * lower_sin_phi)
+        - t39 * lower_left_s_2 + t5 * (upper_right_rdot_2 * upper_sin_phi) + t48 * t41 - t49 * t42
+        - t50 * t43 + t27 + t28 + t45 * t10 + t47 * t11 - t53 * t29 - t55 * t44) / pivot_elbow_2;
+    const double t57 = t44 * inverse_pivot_elbow_1 - t55 * t56;
+    const double t58 = t29 * inverse_pivot_hinge_2 - t53 * t56 - t38 * t57;
+    const double t59 = t47 * t56 - t11 * inverse_t21 + t32 * t57 + t22 * t58;
+    const double t60 = (1000000000.0 / 98897337.0) * t57;
+    const double t61 = (1000000000.0 / 98897337.0) * t59 - t60;
     vdot[0] = t61;
-    const double t62 = t56 / (98897337.0 / 1000000000.0);
-    const double t63 = (-981.0 / 100.0) + t58 / (98897337.0 / 1000000000.0) - t62;
+    const double t62 = (1000000000.0 / 98897337.0) * t56;
+    const double t63 = (-981.0 / 100.0) - t62 + (1000000000.0 / 98897337.0) * t58;
     vdot[1] = t63;
-    const double t64 = t5 * t58 - (t45 * inverse_upper_J + t12 * t59) + t19 * t57 - t28 * t56;
+    const double t64 = t30 * t57 - (t10 * inverse_upper_J + t45 * t56) + t16 * t58 - t9 * t59;
     vdot[2] = t64;
-    const double t65 = t1 * t58 - (t41 / (98897337.0 / 5000000000.0) + t7 * t59) + t7 * t57
-        - t1 * t56;
+    const double t65 = t1 * t57 - ((5000000000.0 / 98897337.0) * t3 + t12 * t56) + t12 * t58
+        - t1 * t59;
     vdot[3] = t65;
-    const double t66 = t10 * t59 - t43 / (14128191.0 / 1000000000.0) - t3 * t58 + t10 * t57
-        - t3 * t56;
+    const double t66 = t6 * t57 - ((1000000000.0 / 14128191.0) * t7 + t14 * t56) - t14 * t58
+        + t6 * t59;
     vdot[4] = t66;
     vdot[5] = t60;
     const double t67 = (-981.0 / 100.0) + t62;
     vdot[6] = t67;
-    const double t68 = t35 * t56 - (t54 * inverse_lower_J + t26 * t57);
+    const double t68 = t50 * t56 - t43 * inverse_lower_J - t35 * t57;
     vdot[7] = t68;
-    const double t69 = t34 * t56 - (t53 / (98897337.0 / 5000000000.0) + t25 * t57);
+    const double t69 = t49 * t56 - (5000000000.0 / 98897337.0) * t42 - t34 * t57;
     vdot[8] = t69;
-    const double t70 = t24 * t57 - t52 / (14128191.0 / 1000000000.0) - t33 * t56;
+    const double t70 = t33 * t57 - ((1000000000.0 / 14128191.0) * t41 + t48 * t56);
     vdot[9] = t70;
 
-    /* check: check that the result is finite */
+    /* check: check the pivots and that the result is finite */
+    if (!(lower_J > 0.0)) return 1; /* the pivot of lower_phi vanished */
+    if (!(upper_J > 0.0)) return 1; /* the pivot of upper_phi vanished */
+    if (!(t21 > 0.0)) return 1; /* the pivot of hinge_1 vanished */
+    if (!(-(pivot_hinge_2
+        + 5.684341886080802e-14 * t26) > 0.0)) return 1; /* the pivot of hinge_2 vanished */
+    if (!(-(pivot_elbow_1
+        + 5.684341886080802e-14 * t36) > 0.0)) return 1; /* the pivot of elbow_1 vanished */
+    if (!(-(pivot_elbow_2
+        + 5.684341886080802e-14 * t51) > 0.0)) return 1; /* the pivot of elbow_2 vanished */
     if (!isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69
         + t70)) return 2; /* a result is not finite */
     return 0;
@@ -1554,13 +1554,16 @@ int double_pendulum_solve(
     const double upper_J = (32965779.0 / 4000000000.0) + upper_D2_1 * upper_alpha1
         + upper_D2_2 * upper_alpha2;
 
+    /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
+    const double upper_alpha1dot = v[3];
+    const double upper_alpha2dot = v[4];
+    const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
+
     /*
      * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_sdot_2 = Q rdot
      *     at left, along e2
      */
     const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
-    const double upper_alpha1dot = v[3];
-    const double upper_alpha2dot = v[4];
     const double upper_left_rdot_2 = upper_alpha1dot - upper_alpha2dot;
     const double upper_left_s_1 = (-0.5) * upper_cos_phi - upper_left_r_2 * upper_sin_phi;
     const double upper_left_s_2 = (-0.5) * upper_sin_phi + upper_left_r_2 * upper_cos_phi;
@@ -1594,13 +1597,16 @@ int double_pendulum_solve(
     const double lower_J = (32965779.0 / 4000000000.0) + lower_D2_1 * lower_alpha1
         + lower_D2_2 * lower_alpha2;
 
+    /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
+    const double lower_alpha1dot = v[8];
+    const double lower_alpha2dot = v[9];
+    const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
+
     /*
      * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_sdot_2 = Q rdot
      *     at left, along e2
      */
     const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
-    const double lower_alpha1dot = v[8];
-    const double lower_alpha2dot = v[9];
     const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
     const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
@@ -1611,129 +1617,123 @@ int double_pendulum_solve(
      *     lower_phi, upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1,
      *     elbow_2; fill-in 6
      */
-    const double t1 = upper_cos_phi / (98897337.0 / 5000000000.0);
-    const double t2 = t1 * upper_sin_phi;
-    const double t3 = upper_cos_phi / (14128191.0 / 1000000000.0);
-    const double t4 = t3 * upper_sin_phi;
+    const double t1 = (5000000000.0 / 98897337.0) * upper_sin_phi;
+    const double upper_phidot = v[2];
+    const double t2 = upper_phidot * upper_phidot;
+    const double t3 = (226194669.0 / 625000.0) * upper_alpha1 - t2 * upper_D2_1;
+    const double t4 = t1 * t3;
+    const double t5 = 2.0 * upper_phidot;
+    const double t6 = (1000000000.0 / 14128191.0) * upper_sin_phi;
+    const double t7 = (75398223.0 / 25000.0) * upper_alpha2 - t2 * upper_D2_2;
+    const double t8 = t6 * t7;
     const double inverse_upper_J = 1.0 / upper_J;
-    const double t5 = upper_left_s_1 * inverse_upper_J;
-    const double t6 = t2 + t4 + t5 * upper_left_s_2;
-    const double t7 = upper_sin_phi / (98897337.0 / 5000000000.0);
-    const double t8 = t7 * upper_sin_phi;
-    const double t9 = (1000000000.0 / 98897337.0) + t8;
-    const double t10 = upper_sin_phi / (14128191.0 / 1000000000.0);
-    const double t11 = t10 * upper_sin_phi;
-    const double t12 = upper_left_s_2 * inverse_upper_J;
-    const double t13 = t9 + t11 + t12 * upper_left_s_2;
-    const double inverse_t13 = 1.0 / t13;
-    const double t14 = t6 * inverse_t13;
-    const double t15 = t1 * upper_cos_phi;
-    const double t16 = (1000000000.0 / 98897337.0) + t15;
-    const double t17 = t3 * upper_cos_phi;
-    const double t18 = t16 + t17 + t5 * upper_left_s_1;
-    const double pivot_hinge_2 = t14 * t6 - t18;
-    const double t19 = upper_right_s_2 * inverse_upper_J;
-    const double t20 = t9 - t11 + t19 * upper_left_s_2;
-    const double t21 = t20 * inverse_t13;
-    const double t22 = t10 * upper_cos_phi - t7 * upper_cos_phi - t19 * upper_left_s_1 + t21 * t6;
-    const double inverse_pivot_hinge_2 = 1.0 / pivot_hinge_2;
-    const double t23 = t22 * inverse_pivot_hinge_2;
-    const double t24 = lower_sin_phi / (14128191.0 / 1000000000.0);
-    const double t25 = lower_sin_phi / (98897337.0 / 5000000000.0);
+    const double t9 = upper_left_s_2 * inverse_upper_J;
+    const double t10 = t5 * upper_D2dot;
+    const double t11 = t4 - (t2 * upper_left_s_1 + t5 * upper_left_sdot_2) - t8 + t9 * t10;
+    const double t12 = (5000000000.0 / 98897337.0) * upper_cos_phi;
+    const double t13 = t12 * upper_sin_phi;
+    const double t14 = (1000000000.0 / 14128191.0) * upper_cos_phi;
+    const double t15 = t14 * upper_sin_phi;
+    const double t16 = upper_left_s_1 * inverse_upper_J;
+    const double t17 = t13 + t15 + t16 * upper_left_s_2;
+    const double t18 = t1 * upper_sin_phi;
+    const double t19 = (1000000000.0 / 98897337.0) + t18;
+    const double t20 = t6 * upper_sin_phi;
+    const double t21 = t19 + t20 + t9 * upper_left_s_2;
+    const double inverse_t21 = 1.0 / t21;
+    const double t22 = t17 * inverse_t21;
+    const double t23 = t12 * upper_cos_phi;
+    const double t24 = (1000000000.0 / 98897337.0) + t23;
+    const double t25 = t14 * upper_cos_phi;
+    const double t26 = t24 + t25 + t16 * upper_left_s_1;
+    const double pivot_hinge_2 = t22 * t17 - t26;
+    const double t27 = t12 * t3;
+    const double t28 = t14 * t7;
+    const double t29 = (-981.0 / 100.0) - (t5 * (upper_left_rdot_2 * upper_sin_phi)
+        + t2 * upper_left_s_2) - t27 + t28 - t16 * t10 + t22 * t11;
+    const double t30 = upper_right_s_2 * inverse_upper_J;
+    const double t31 = t19 - t20 + t30 * upper_left_s_2;
+    const double t32 = t31 * inverse_t21;
+    const double t33 = (1000000000.0 / 14128191.0) * lower_sin_phi;
+    const double t34 = (5000000000.0 / 98897337.0) * lower_sin_phi;
     const double inverse_lower_J = 1.0 / lower_J;
-    const double t26 = lower_left_s_2 * inverse_lower_J;
-    const double t27 = (1000000000.0 / 98897337.0) + t24 * lower_sin_phi + t25 * lower_sin_phi
-        + t26 * lower_left_s_2 + (1000000000.0 / 98897337.0) + t8 + t11 + t19 * upper_right_s_2;
-    const double pivot_elbow_1 = t21 * t20 - t23 * t22 - t27;
-    const double t28 = upper_right_s_1 * inverse_upper_J;
-    const double t29 = t4 - t2 - t28 * upper_left_s_2;
-    const double t30 = t29 * inverse_t13;
-    const double t31 = t16 - t17 + t28 * upper_left_s_1 + t30 * t6;
-    const double t32 = t31 * inverse_pivot_hinge_2;
-    const double t33 = lower_cos_phi / (14128191.0 / 1000000000.0);
-    const double t34 = lower_cos_phi / (98897337.0 / 5000000000.0);
-    const double t35 = lower_left_s_1 * inverse_lower_J;
-    const double t36 = t33 * lower_sin_phi + t34 * lower_sin_phi + t35 * lower_left_s_2 + t2 + t4
-        + t28 * upper_right_s_2 + t30 * t20 - t32 * t22;
+    const double t35 = lower_left_s_2 * inverse_lower_J;
+    const double t36 = (1000000000.0 / 98897337.0) + t33 * lower_sin_phi + t34 * lower_sin_phi
+        + t35 * lower_left_s_2 + (1000000000.0 / 98897337.0) + t18 + t20 + t30 * upper_right_s_2;
+    const double t37 = t6 * upper_cos_phi - t1 * upper_cos_phi - t30 * upper_left_s_1 + t32 * t17;
+    const double inverse_pivot_hinge_2 = 1.0 / pivot_hinge_2;
+    const double t38 = t37 * inverse_pivot_hinge_2;
+    const double pivot_elbow_1 = t32 * t31 - t36 - t38 * t37;
+    const double lower_phidot = v[7];
+    const double t39 = lower_phidot * lower_phidot;
+    const double t40 = 2.0 * lower_phidot;
+    const double t41 = (75398223.0 / 25000.0) * lower_alpha2 - t39 * lower_D2_2;
+    const double t42 = (226194669.0 / 625000.0) * lower_alpha1 - t39 * lower_D2_1;
+    const double t43 = t40 * lower_D2dot;
+    const double t44 = t5 * upper_right_sdot_2 + t2 * upper_right_s_1 - t39 * lower_left_s_1
+        - t40 * lower_left_sdot_2 - t33 * t41 + t34 * t42 + t35 * t43 - t4 - t8 - t30 * t10
+        + t32 * t11 - t38 * t29;
+    const double t45 = upper_right_s_1 * inverse_upper_J;
+    const double t46 = t15 - t13 - t45 * upper_left_s_2;
+    const double t47 = t46 * inverse_t21;
+    const double t48 = (1000000000.0 / 14128191.0) * lower_cos_phi;
+    const double t49 = (5000000000.0 / 98897337.0) * lower_cos_phi;
+    const double t50 = lower_left_s_1 * inverse_lower_J;
+    const double t51 = (2000000000.0 / 98897337.0) + t48 * lower_cos_phi + t49 * lower_cos_phi
+        + t50 * lower_left_s_1 + t23 + t25 + t45 * upper_right_s_1;
+    const double t52 = t24 - t25 + t45 * upper_left_s_1 + t47 * t17;
+    const double t53 = t52 * inverse_pivot_hinge_2;
+    const double t54 = t48 * lower_sin_phi + t49 * lower_sin_phi + t50 * lower_left_s_2 + t13 + t15
+        + t45 * upper_right_s_2 + t47 * t31 - t53 * t37;
     const double inverse_pivot_elbow_1 = 1.0 / pivot_elbow_1;
-    const double t37 = t36 * inverse_pivot_elbow_1;
-    const double t38 = (2000000000.0 / 98897337.0) + t33 * lower_cos_phi + t34 * lower_cos_phi
-        + t35 * lower_left_s_1 + t15 + t17 + t28 * upper_right_s_1;
-    const double pivot_elbow_2 = t30 * t29 - t32 * t31 - t37 * t36 - t38;
-    if (!(lower_J > 0.0)) return 1; /* the pivot of lower_phi vanished */
-    if (!(upper_J > 0.0)) return 1; /* the pivot of upper_phi vanished */
-    if (!(t13 > 0.0)) return 1; /* the pivot of hinge_1 vanished */
-    if (!(-(pivot_hinge_2
-        + 5.684341886080802e-14 * t18) > 0.0)) return 1; /* the pivot of hinge_2 vanished */
-    if (!(-(pivot_elbow_1
-        + 5.684341886080802e-14 * t27) > 0.0)) return 1; /* the pivot of elbow_1 vanished */
-    if (!(-(pivot_elbow_2
-        + 5.684341886080802e-14 * t38) > 0.0)) return 1; /* the pivot of elbow_2 vanished */
-
-    /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
-    const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
-
-    /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
-    const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
+    const double t55 = t54 * inverse_pivot_elbow_1;
+    const double pivot_elbow_2 = t47 * t46 - t51 - t53 * t52 - t55 * t54;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
-    const double upper_phidot = v[2];
-    const double t39 = 2.0 * upper_phidot;
-    const double t40 = upper_phidot * upper_phidot;
-    const double t41 = (226194669.0 / 625000.0) * upper_alpha1 - t40 * upper_D2_1;
-    const double t42 = t1 * t41;
-    const double t43 = (75398223.0 / 25000.0) * upper_alpha2 - t40 * upper_D2_2;
-    const double t44 = t3 * t43;
-    const double t45 = t39 * upper_D2dot;
-    const double t46 = t7 * t41;
-    const double t47 = t10 * t43;
-    const double t48 = t46 - (t40 * upper_left_s_1 + t39 * upper_left_sdot_2) - t47 + t12 * t45;
-    const double t49 = (-981.0 / 100.0) - (t39 * (upper_left_rdot_2 * upper_sin_phi)
-        + t40 * upper_left_s_2) - t42 + t44 - t5 * t45 + t14 * t48;
-    const double lower_phidot = v[7];
-    const double t50 = lower_phidot * lower_phidot;
-    const double t51 = 2.0 * lower_phidot;
-    const double t52 = (75398223.0 / 25000.0) * lower_alpha2 - t50 * lower_D2_2;
-    const double t53 = (226194669.0 / 625000.0) * lower_alpha1 - t50 * lower_D2_1;
-    const double t54 = t51 * lower_D2dot;
-    const double t55 = t39 * upper_right_sdot_2 + t40 * upper_right_s_1 - t50 * lower_left_s_1
-        - t51 * lower_left_sdot_2 - t24 * t52 + t25 * t53 + t26 * t54 - t46 - t47 - t19 * t45
-        + t21 * t48 - t23 * t49;
-    const double t56 = (t40 * upper_right_s_2 - t51 * (lower_left_rdot_2 * lower_sin_phi)
-        - t50 * lower_left_s_2 + t39 * (upper_right_rdot_2 * upper_sin_phi) + t33 * t52 - t34 * t53
-        - t35 * t54 + t42 + t44 + t28 * t45 + t30 * t48 - t32 * t49 - t37 * t55) / pivot_elbow_2;
-    const double t57 = t55 * inverse_pivot_elbow_1 - t37 * t56;
-    const double t58 = t49 * inverse_pivot_hinge_2 - t23 * t57 - t32 * t56;
-    const double t59 = t14 * t58 - t48 * inverse_t13 + t21 * t57 + t30 * t56;
-    const double t60 = t57 / (98897337.0 / 1000000000.0);
-    const double t61 = t59 / (98897337.0 / 1000000000.0) - t60;
+    const double t56 = (t2 * upper_right_s_2 - t40 * (lower_left_rdot_2 * lower_sin_phi)
+        - t39 * lower_left_s_2 + t5 * (upper_right_rdot_2 * upper_sin_phi) + t48 * t41 - t49 * t42
+        - t50 * t43 + t27 + t28 + t45 * t10 + t47 * t11 - t53 * t29 - t55 * t44) / pivot_elbow_2;
+    const double t57 = t44 * inverse_pivot_elbow_1 - t55 * t56;
+    const double t58 = t29 * inverse_pivot_hinge_2 - t53 * t56 - t38 * t57;
+    const double t59 = t47 * t56 - t11 * inverse_t21 + t32 * t57 + t22 * t58;
+    const double t60 = (1000000000.0 / 98897337.0) * t57;
+    const double t61 = (1000000000.0 / 98897337.0) * t59 - t60;
     vdot[0] = t61;
-    const double t62 = t56 / (98897337.0 / 1000000000.0);
-    const double t63 = (-981.0 / 100.0) + t58 / (98897337.0 / 1000000000.0) - t62;
+    const double t62 = (1000000000.0 / 98897337.0) * t56;
+    const double t63 = (-981.0 / 100.0) - t62 + (1000000000.0 / 98897337.0) * t58;
     vdot[1] = t63;
-    const double t64 = t5 * t58 - (t45 * inverse_upper_J + t12 * t59) + t19 * t57 - t28 * t56;
+    const double t64 = t30 * t57 - (t10 * inverse_upper_J + t45 * t56) + t16 * t58 - t9 * t59;
     vdot[2] = t64;
-    const double t65 = t1 * t58 - (t41 / (98897337.0 / 5000000000.0) + t7 * t59) + t7 * t57
-        - t1 * t56;
+    const double t65 = t1 * t57 - ((5000000000.0 / 98897337.0) * t3 + t12 * t56) + t12 * t58
+        - t1 * t59;
     vdot[3] = t65;
-    const double t66 = t10 * t59 - t43 / (14128191.0 / 1000000000.0) - t3 * t58 + t10 * t57
-        - t3 * t56;
+    const double t66 = t6 * t57 - ((1000000000.0 / 14128191.0) * t7 + t14 * t56) - t14 * t58
+        + t6 * t59;
     vdot[4] = t66;
     vdot[5] = t60;
     const double t67 = (-981.0 / 100.0) + t62;
     vdot[6] = t67;
-    const double t68 = t35 * t56 - (t54 * inverse_lower_J + t26 * t57);
+    const double t68 = t50 * t56 - t43 * inverse_lower_J - t35 * t57;
     vdot[7] = t68;
-    const double t69 = t34 * t56 - (t53 / (98897337.0 / 5000000000.0) + t25 * t57);
+    const double t69 = t49 * t56 - (5000000000.0 / 98897337.0) * t42 - t34 * t57;
     vdot[8] = t69;
-    const double t70 = t24 * t57 - t52 / (14128191.0 / 1000000000.0) - t33 * t56;
+    const double t70 = t33 * t57 - ((1000000000.0 / 14128191.0) * t41 + t48 * t56);
     vdot[9] = t70;
     lam[0] = t59;
     lam[1] = t58;
     lam[2] = t57;
     lam[3] = t56;
 
-    /* check: check that the result is finite */
+    /* check: check the pivots and that the result is finite */
+    if (!(lower_J > 0.0)) return 1; /* the pivot of lower_phi vanished */
+    if (!(upper_J > 0.0)) return 1; /* the pivot of upper_phi vanished */
+    if (!(t21 > 0.0)) return 1; /* the pivot of hinge_1 vanished */
+    if (!(-(pivot_hinge_2
+        + 5.684341886080802e-14 * t26) > 0.0)) return 1; /* the pivot of hinge_2 vanished */
+    if (!(-(pivot_elbow_1
+        + 5.684341886080802e-14 * t36) > 0.0)) return 1; /* the pivot of elbow_1 vanished */
+    if (!(-(pivot_elbow_2
+        + 5.684341886080802e-14 * t51) > 0.0)) return 1; /* the pivot of elbow_2 vanished */
     if (!isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70 + t59 + t58 + t57
         + t56)) return 2; /* a result is not finite */
     return 0;
@@ -1814,17 +1814,17 @@ int double_pendulum_project_velocity(
      *     lower_phi, upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1,
      *     elbow_2; fill-in 6
      */
-    const double t1 = upper_cos_phi / (98897337.0 / 5000000000.0);
+    const double t1 = (5000000000.0 / 98897337.0) * upper_cos_phi;
     const double t2 = t1 * upper_sin_phi;
-    const double t3 = upper_cos_phi / (14128191.0 / 1000000000.0);
+    const double t3 = (1000000000.0 / 14128191.0) * upper_cos_phi;
     const double t4 = t3 * upper_sin_phi;
     const double inverse_upper_J = 1.0 / upper_J;
     const double t5 = upper_left_s_1 * inverse_upper_J;
     const double t6 = t2 + t4 + t5 * upper_left_s_2;
-    const double t7 = upper_sin_phi / (98897337.0 / 5000000000.0);
+    const double t7 = (5000000000.0 / 98897337.0) * upper_sin_phi;
     const double t8 = t7 * upper_sin_phi;
     const double t9 = (1000000000.0 / 98897337.0) + t8;
-    const double t10 = upper_sin_phi / (14128191.0 / 1000000000.0);
+    const double t10 = (1000000000.0 / 14128191.0) * upper_sin_phi;
     const double t11 = t10 * upper_sin_phi;
     const double t12 = upper_left_s_2 * inverse_upper_J;
     const double t13 = t9 + t11 + t12 * upper_left_s_2;
@@ -1838,74 +1838,74 @@ int double_pendulum_project_velocity(
     const double t19 = upper_right_s_2 * inverse_upper_J;
     const double t20 = t9 - t11 + t19 * upper_left_s_2;
     const double t21 = t20 * inverse_t13;
-    const double t22 = t10 * upper_cos_phi - t7 * upper_cos_phi - t19 * upper_left_s_1 + t21 * t6;
-    const double inverse_pivot_hinge_2 = 1.0 / pivot_hinge_2;
-    const double t23 = t22 * inverse_pivot_hinge_2;
-    const double t24 = lower_sin_phi / (14128191.0 / 1000000000.0);
-    const double t25 = lower_sin_phi / (98897337.0 / 5000000000.0);
+    const double t22 = (1000000000.0 / 14128191.0) * lower_sin_phi;
+    const double t23 = (5000000000.0 / 98897337.0) * lower_sin_phi;
     const double inverse_lower_J = 1.0 / lower_J;
-    const double t26 = lower_left_s_2 * inverse_lower_J;
-    const double t27 = (1000000000.0 / 98897337.0) + t24 * lower_sin_phi + t25 * lower_sin_phi
-        + t26 * lower_left_s_2 + (1000000000.0 / 98897337.0) + t8 + t11 + t19 * upper_right_s_2;
-    const double pivot_elbow_1 = t21 * t20 - t23 * t22 - t27;
-    const double t28 = upper_right_s_1 * inverse_upper_J;
-    const double t29 = t4 - t2 - t28 * upper_left_s_2;
-    const double t30 = t29 * inverse_t13;
-    const double t31 = t16 - t17 + t28 * upper_left_s_1 + t30 * t6;
-    const double t32 = t31 * inverse_pivot_hinge_2;
-    const double t33 = lower_cos_phi / (14128191.0 / 1000000000.0);
-    const double t34 = lower_cos_phi / (98897337.0 / 5000000000.0);
+    const double t24 = lower_left_s_2 * inverse_lower_J;
+    const double t25 = (1000000000.0 / 98897337.0) + t22 * lower_sin_phi + t23 * lower_sin_phi
+        + t24 * lower_left_s_2 + (1000000000.0 / 98897337.0) + t8 + t11 + t19 * upper_right_s_2;
+    const double t26 = t10 * upper_cos_phi - t7 * upper_cos_phi - t19 * upper_left_s_1 + t21 * t6;
+    const double inverse_pivot_hinge_2 = 1.0 / pivot_hinge_2;
+    const double t27 = t26 * inverse_pivot_hinge_2;
+    const double pivot_elbow_1 = t21 * t20 - t25 - t27 * t26;
+    const double r_hinge_2 = r[1];
+    const double r_hinge_1 = r[0];
+    const double t28 = r_hinge_2 + t14 * r_hinge_1;
+    const double r_elbow_1 = r[2];
+    const double t29 = t27 * t28 - (r_elbow_1 + t21 * r_hinge_1);
+    const double t30 = upper_right_s_1 * inverse_upper_J;
+    const double t31 = t4 - t2 - t30 * upper_left_s_2;
+    const double t32 = t31 * inverse_t13;
+    const double t33 = (1000000000.0 / 14128191.0) * lower_cos_phi;
+    const double t34 = (5000000000.0 / 98897337.0) * lower_cos_phi;
     const double t35 = lower_left_s_1 * inverse_lower_J;
-    const double t36 = t33 * lower_sin_phi + t34 * lower_sin_phi + t35 * lower_left_s_2 + t2 + t4
-        + t28 * upper_right_s_2 + t30 * t20 - t32 * t22;
+    const double t36 = (2000000000.0 / 98897337.0) + t33 * lower_cos_phi + t34 * lower_cos_phi
+        + t35 * lower_left_s_1 + t15 + t17 + t30 * upper_right_s_1;
+    const double t37 = t16 - t17 + t30 * upper_left_s_1 + t32 * t6;
+    const double t38 = t37 * inverse_pivot_hinge_2;
+    const double t39 = t33 * lower_sin_phi + t34 * lower_sin_phi + t35 * lower_left_s_2 + t2 + t4
+        + t30 * upper_right_s_2 + t32 * t20 - t38 * t26;
     const double inverse_pivot_elbow_1 = 1.0 / pivot_elbow_1;
-    const double t37 = t36 * inverse_pivot_elbow_1;
-    const double t38 = (2000000000.0 / 98897337.0) + t33 * lower_cos_phi + t34 * lower_cos_phi
-        + t35 * lower_left_s_1 + t15 + t17 + t28 * upper_right_s_1;
-    const double pivot_elbow_2 = t30 * t29 - t32 * t31 - t37 * t36 - t38;
+    const double t40 = t39 * inverse_pivot_elbow_1;
+    const double pivot_elbow_2 = t32 * t31 - t36 - t38 * t37 - t40 * t39;
+
+    /* solution (LDL^T): forward, diagonal and back substitution */
+    const double r_elbow_2 = r[3];
+    const double t41 = (t38 * t28 - (r_elbow_2 + t32 * r_hinge_1) - t40 * t29) / pivot_elbow_2;
+    const double t42 = t29 * inverse_pivot_elbow_1 - t40 * t41;
+    const double t43 = t28 * inverse_pivot_hinge_2 + t38 * t41 + t27 * t42;
+    const double t44 = r_hinge_1 * inverse_t13 + t32 * t41 + t21 * t42 - t14 * t43;
+    const double t45 = (1000000000.0 / 98897337.0) * t42;
+    const double t46 = (1000000000.0 / 98897337.0) * t44 - t45;
+    dv[0] = t46;
+    const double t47 = (1000000000.0 / 98897337.0) * t41;
+    const double t48 = t47 + (1000000000.0 / 98897337.0) * t43;
+    dv[1] = -t48;
+    const double t49 = t19 * t42 - t30 * t41 - t5 * t43 - t12 * t44;
+    dv[2] = t49;
+    const double t50 = t7 * t42 - t1 * t41 - t1 * t43 - t7 * t44;
+    dv[3] = t50;
+    const double t51 = t10 * t42 - t3 * t41 + t3 * t43 + t10 * t44;
+    dv[4] = t51;
+    dv[5] = t45;
+    dv[6] = t47;
+    const double t52 = t35 * t41 - t24 * t42;
+    dv[7] = t52;
+    const double t53 = t34 * t41 - t23 * t42;
+    dv[8] = t53;
+    const double t54 = t22 * t42 - t33 * t41;
+    dv[9] = t54;
+
+    /* check: check the pivots and that the result is finite */
     if (!(lower_J > 0.0)) return 1; /* the pivot of lower_phi vanished */
     if (!(upper_J > 0.0)) return 1; /* the pivot of upper_phi vanished */
     if (!(t13 > 0.0)) return 1; /* the pivot of hinge_1 vanished */
     if (!(-(pivot_hinge_2
         + 5.684341886080802e-14 * t18) > 0.0)) return 1; /* the pivot of hinge_2 vanished */
     if (!(-(pivot_elbow_1
-        + 5.684341886080802e-14 * t27) > 0.0)) return 1; /* the pivot of elbow_1 vanished */
+        + 5.684341886080802e-14 * t25) > 0.0)) return 1; /* the pivot of elbow_1 vanished */
     if (!(-(pivot_elbow_2
-        + 5.684341886080802e-14 * t38) > 0.0)) return 1; /* the pivot of elbow_2 vanished */
-
-    /* solution (LDL^T): forward, diagonal and back substitution */
-    const double r_hinge_2 = r[1];
-    const double r_hinge_1 = r[0];
-    const double t39 = r_hinge_2 + t14 * r_hinge_1;
-    const double r_elbow_1 = r[2];
-    const double t40 = t23 * t39 - (r_elbow_1 + t21 * r_hinge_1);
-    const double r_elbow_2 = r[3];
-    const double t41 = (t32 * t39 - (r_elbow_2 + t30 * r_hinge_1) - t37 * t40) / pivot_elbow_2;
-    const double t42 = t40 * inverse_pivot_elbow_1 - t37 * t41;
-    const double t43 = t39 * inverse_pivot_hinge_2 + t23 * t42 + t32 * t41;
-    const double t44 = r_hinge_1 * inverse_t13 - t14 * t43 + t21 * t42 + t30 * t41;
-    const double t45 = t42 / (98897337.0 / 1000000000.0);
-    const double t46 = t44 / (98897337.0 / 1000000000.0) - t45;
-    dv[0] = t46;
-    const double t47 = t41 / (98897337.0 / 1000000000.0);
-    const double t48 = t43 / (98897337.0 / 1000000000.0) + t47;
-    dv[1] = -t48;
-    const double t49 = t19 * t42 - (t12 * t44 + t5 * t43) - t28 * t41;
-    dv[2] = t49;
-    const double t50 = t7 * t42 - (t7 * t44 + t1 * t43) - t1 * t41;
-    dv[3] = t50;
-    const double t51 = t10 * t44 + t3 * t43 + t10 * t42 - t3 * t41;
-    dv[4] = t51;
-    dv[5] = t45;
-    dv[6] = t47;
-    const double t52 = t35 * t41 - t26 * t42;
-    dv[7] = t52;
-    const double t53 = t34 * t41 - t25 * t42;
-    dv[8] = t53;
-    const double t54 = t24 * t42 - t33 * t41;
-    dv[9] = t54;
-
-    /* check: check that the result is finite */
+        + 5.684341886080802e-14 * t36) > 0.0)) return 1; /* the pivot of elbow_2 vanished */
     if (!isfinite(t46 - t48 + t49 + t50 + t51 + t45 + t47 + t52 + t53
         + t54)) return 2; /* a result is not finite */
     return 0;
@@ -3669,6 +3669,7 @@ TISSERAND_INLINE int double_pendulum_accel_states(
         const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
         const double upper_J = (32965779.0 / 4000000000.0) + upper_D2_1 * upper_alpha1
             + upper_D2_2 * upper_alpha2;
+        const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
         const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
         const double upper_left_rdot_2 = upper_alpha1dot - upper_alpha2dot;
         const double upper_left_s_1 = (-0.5) * upper_cos_phi[b] - upper_left_r_2 * upper_sin_phi[b];
@@ -3683,123 +3684,122 @@ TISSERAND_INLINE int double_pendulum_accel_states(
         const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
         const double lower_J = (32965779.0 / 4000000000.0) + lower_D2_1 * lower_alpha1
             + lower_D2_2 * lower_alpha2;
+        const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
         const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
         const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
         const double lower_left_s_1 = (-0.5) * lower_cos_phi[b] - lower_left_r_2 * lower_sin_phi[b];
         const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi[b] + (-0.5) * lower_sin_phi[b];
         const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi[b];
-        const double t1 = upper_cos_phi[b] / (98897337.0 / 5000000000.0);
-        const double t2 = t1 * upper_sin_phi[b];
-        const double t3 = upper_cos_phi[b] / (14128191.0 / 1000000000.0);
-        const double t4 = t3 * upper_sin_phi[b];
+        const double t1 = (5000000000.0 / 98897337.0) * upper_sin_phi[b];
+        const double t2 = upper_phidot * upper_phidot;
+        const double t3 = (226194669.0 / 625000.0) * upper_alpha1 - t2 * upper_D2_1;
+        const double t4 = t1 * t3;
+        const double t5 = 2.0 * upper_phidot;
+        const double t6 = (1000000000.0 / 14128191.0) * upper_sin_phi[b];
+        const double t7 = (75398223.0 / 25000.0) * upper_alpha2 - t2 * upper_D2_2;
+        const double t8 = t6 * t7;
         const double inverse_upper_J = 1.0 / upper_J;
-        const double t5 = upper_left_s_1 * inverse_upper_J;
-        const double t6 = t2 + t4 + t5 * upper_left_s_2;
-        const double t7 = upper_sin_phi[b] / (98897337.0 / 5000000000.0);
-        const double t8 = t7 * upper_sin_phi[b];
-        const double t9 = (1000000000.0 / 98897337.0) + t8;
-        const double t10 = upper_sin_phi[b] / (14128191.0 / 1000000000.0);
-        const double t11 = t10 * upper_sin_phi[b];
-        const double t12 = upper_left_s_2 * inverse_upper_J;
-        const double t13 = t9 + t11 + t12 * upper_left_s_2;
-        const double inverse_t13 = 1.0 / t13;
-        const double t14 = t6 * inverse_t13;
-        const double t15 = t1 * upper_cos_phi[b];
-        const double t16 = (1000000000.0 / 98897337.0) + t15;
-        const double t17 = t3 * upper_cos_phi[b];
-        const double t18 = t16 + t17 + t5 * upper_left_s_1;
-        const double pivot_hinge_2 = t14 * t6 - t18;
-        const double t19 = upper_right_s_2 * inverse_upper_J;
-        const double t20 = t9 - t11 + t19 * upper_left_s_2;
-        const double t21 = t20 * inverse_t13;
-        const double t22 = t10 * upper_cos_phi[b] - t7 * upper_cos_phi[b] - t19 * upper_left_s_1
-            + t21 * t6;
-        const double inverse_pivot_hinge_2 = 1.0 / pivot_hinge_2;
-        const double t23 = t22 * inverse_pivot_hinge_2;
-        const double t24 = lower_sin_phi[b] / (14128191.0 / 1000000000.0);
-        const double t25 = lower_sin_phi[b] / (98897337.0 / 5000000000.0);
+        const double t9 = upper_left_s_2 * inverse_upper_J;
+        const double t10 = t5 * upper_D2dot;
+        const double t11 = t4 - (t2 * upper_left_s_1 + t5 * upper_left_sdot_2) - t8 + t9 * t10;
+        const double t12 = (5000000000.0 / 98897337.0) * upper_cos_phi[b];
+        const double t13 = t12 * upper_sin_phi[b];
+        const double t14 = (1000000000.0 / 14128191.0) * upper_cos_phi[b];
+        const double t15 = t14 * upper_sin_phi[b];
+        const double t16 = upper_left_s_1 * inverse_upper_J;
+        const double t17 = t13 + t15 + t16 * upper_left_s_2;
+        const double t18 = t1 * upper_sin_phi[b];
+        const double t19 = (1000000000.0 / 98897337.0) + t18;
+        const double t20 = t6 * upper_sin_phi[b];
+        const double t21 = t19 + t20 + t9 * upper_left_s_2;
+        const double inverse_t21 = 1.0 / t21;
+        const double t22 = t17 * inverse_t21;
+        const double t23 = t12 * upper_cos_phi[b];
+        const double t24 = (1000000000.0 / 98897337.0) + t23;
+        const double t25 = t14 * upper_cos_phi[b];
+        const double t26 = t24 + t25 + t16 * upper_left_s_1;
+        const double pivot_hinge_2 = t22 * t17 - t26;
+        const double t27 = t12 * t3;
+        const double t28 = t14 * t7;
+        const double t29 = (-981.0 / 100.0) - (t5 * (upper_left_rdot_2 * upper_sin_phi[b])
+            + t2 * upper_left_s_2) - t27 + t28 - t16 * t10 + t22 * t11;
+        const double t30 = upper_right_s_2 * inverse_upper_J;
+        const double t31 = t19 - t20 + t30 * upper_left_s_2;
+        const double t32 = t31 * inverse_t21;
+        const double t33 = (1000000000.0 / 14128191.0) * lower_sin_phi[b];
+        const double t34 = (5000000000.0 / 98897337.0) * lower_sin_phi[b];
         const double inverse_lower_J = 1.0 / lower_J;
-        const double t26 = lower_left_s_2 * inverse_lower_J;
-        const double t27 = (1000000000.0 / 98897337.0) + t24 * lower_sin_phi[b] + t25 * lower_sin_phi[b]
-            + t26 * lower_left_s_2 + (1000000000.0 / 98897337.0) + t8 + t11 + t19 * upper_right_s_2;
-        const double pivot_elbow_1 = t21 * t20 - t23 * t22 - t27;
-        const double t28 = upper_right_s_1 * inverse_upper_J;
-        const double t29 = t4 - t2 - t28 * upper_left_s_2;
-        const double t30 = t29 * inverse_t13;
-        const double t31 = t16 - t17 + t28 * upper_left_s_1 + t30 * t6;
-        const double t32 = t31 * inverse_pivot_hinge_2;
-        const double t33 = lower_cos_phi[b] / (14128191.0 / 1000000000.0);
-        const double t34 = lower_cos_phi[b] / (98897337.0 / 5000000000.0);
-        const double t35 = lower_left_s_1 * inverse_lower_J;
-        const double t36 = t33 * lower_sin_phi[b] + t34 * lower_sin_phi[b] + t35 * lower_left_s_2 + t2
-            + t4 + t28 * upper_right_s_2 + t30 * t20 - t32 * t22;
+        const double t35 = lower_left_s_2 * inverse_lower_J;
+        const double t36 = (1000000000.0 / 98897337.0) + t33 * lower_sin_phi[b] + t34 * lower_sin_phi[b]
+            + t35 * lower_left_s_2 + (1000000000.0 / 98897337.0) + t18 + t20 + t30 * upper_right_s_2;
+        const double t37 = t6 * upper_cos_phi[b] - t1 * upper_cos_phi[b] - t30 * upper_left_s_1
+            + t32 * t17;
+        const double inverse_pivot_hinge_2 = 1.0 / pivot_hinge_2;
+        const double t38 = t37 * inverse_pivot_hinge_2;
+        const double pivot_elbow_1 = t32 * t31 - t36 - t38 * t37;
+        const double t39 = lower_phidot * lower_phidot;
+        const double t40 = 2.0 * lower_phidot;
+        const double t41 = (75398223.0 / 25000.0) * lower_alpha2 - t39 * lower_D2_2;
+        const double t42 = (226194669.0 / 625000.0) * lower_alpha1 - t39 * lower_D2_1;
+        const double t43 = t40 * lower_D2dot;
+        const double t44 = t5 * upper_right_sdot_2 + t2 * upper_right_s_1 - t39 * lower_left_s_1
+            - t40 * lower_left_sdot_2 - t33 * t41 + t34 * t42 + t35 * t43 - t4 - t8 - t30 * t10
+            + t32 * t11 - t38 * t29;
+        const double t45 = upper_right_s_1 * inverse_upper_J;
+        const double t46 = t15 - t13 - t45 * upper_left_s_2;
+        const double t47 = t46 * inverse_t21;
+        const double t48 = (1000000000.0 / 14128191.0) * lower_cos_phi[b];
+        const double t49 = (5000000000.0 / 98897337.0) * lower_cos_phi[b];
+        const double t50 = lower_left_s_1 * inverse_lower_J;
+        const double t51 = (2000000000.0 / 98897337.0) + t48 * lower_cos_phi[b] + t49 * lower_cos_phi[b]
+            + t50 * lower_left_s_1 + t23 + t25 + t45 * upper_right_s_1;
+        const double t52 = t24 - t25 + t45 * upper_left_s_1 + t47 * t17;
+        const double t53 = t52 * inverse_pivot_hinge_2;
+        const double t54 = t48 * lower_sin_phi[b] + t49 * lower_sin_phi[b] + t50 * lower_left_s_2 + t13
+            + t15 + t45 * upper_right_s_2 + t47 * t31 - t53 * t37;
         const double inverse_pivot_elbow_1 = 1.0 / pivot_elbow_1;
-        const double t37 = t36 * inverse_pivot_elbow_1;
-        const double t38 = (2000000000.0 / 98897337.0) + t33 * lower_cos_phi[b] + t34 * lower_cos_phi[b]
-            + t35 * lower_left_s_1 + t15 + t17 + t28 * upper_right_s_1;
-        const double pivot_elbow_2 = t30 * t29 - t32 * t31 - t37 * t36 - t38;
-        const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
-        const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
-        const double t39 = 2.0 * upper_phidot;
-        const double t40 = upper_phidot * upper_phidot;
-        const double t41 = (226194669.0 / 625000.0) * upper_alpha1 - t40 * upper_D2_1;
-        const double t42 = t1 * t41;
-        const double t43 = (75398223.0 / 25000.0) * upper_alpha2 - t40 * upper_D2_2;
-        const double t44 = t3 * t43;
-        const double t45 = t39 * upper_D2dot;
-        const double t46 = t7 * t41;
-        const double t47 = t10 * t43;
-        const double t48 = t46 - (t40 * upper_left_s_1 + t39 * upper_left_sdot_2) - t47 + t12 * t45;
-        const double t49 = (-981.0 / 100.0) - (t39 * (upper_left_rdot_2 * upper_sin_phi[b])
-            + t40 * upper_left_s_2) - t42 + t44 - t5 * t45 + t14 * t48;
-        const double t50 = lower_phidot * lower_phidot;
-        const double t51 = 2.0 * lower_phidot;
-        const double t52 = (75398223.0 / 25000.0) * lower_alpha2 - t50 * lower_D2_2;
-        const double t53 = (226194669.0 / 625000.0) * lower_alpha1 - t50 * lower_D2_1;
-        const double t54 = t51 * lower_D2dot;
-        const double t55 = t39 * upper_right_sdot_2 + t40 * upper_right_s_1 - t50 * lower_left_s_1
-            - t51 * lower_left_sdot_2 - t24 * t52 + t25 * t53 + t26 * t54 - t46 - t47 - t19 * t45
-            + t21 * t48 - t23 * t49;
-        const double t56 = (t40 * upper_right_s_2 - t51 * (lower_left_rdot_2 * lower_sin_phi[b])
-            - t50 * lower_left_s_2 + t39 * (upper_right_rdot_2 * upper_sin_phi[b]) + t33 * t52
-            - t34 * t53 - t35 * t54 + t42 + t44 + t28 * t45 + t30 * t48 - t32 * t49
-            - t37 * t55) / pivot_elbow_2;
-        const double t57 = t55 * inverse_pivot_elbow_1 - t37 * t56;
-        const double t58 = t49 * inverse_pivot_hinge_2 - t23 * t57 - t32 * t56;
-        const double t59 = t14 * t58 - t48 * inverse_t13 + t21 * t57 + t30 * t56;
-        const double t60 = t57 / (98897337.0 / 1000000000.0);
-        const double t61 = t59 / (98897337.0 / 1000000000.0) - t60;
+        const double t55 = t54 * inverse_pivot_elbow_1;
+        const double pivot_elbow_2 = t47 * t46 - t51 - t53 * t52 - t55 * t54;
+        const double t56 = (t2 * upper_right_s_2 - t40 * (lower_left_rdot_2 * lower_sin_phi[b])
+            - t39 * lower_left_s_2 + t5 * (upper_right_rdot_2 * upper_sin_phi[b]) + t48 * t41
+            - t49 * t42 - t50 * t43 + t27 + t28 + t45 * t10 + t47 * t11 - t53 * t29
+            - t55 * t44) / pivot_elbow_2;
+        const double t57 = t44 * inverse_pivot_elbow_1 - t55 * t56;
+        const double t58 = t29 * inverse_pivot_hinge_2 - t53 * t56 - t38 * t57;
+        const double t59 = t47 * t56 - t11 * inverse_t21 + t32 * t57 + t22 * t58;
+        const double t60 = (1000000000.0 / 98897337.0) * t57;
+        const double t61 = (1000000000.0 / 98897337.0) * t59 - t60;
         vdot[b] = t61;
-        const double t62 = t56 / (98897337.0 / 1000000000.0);
-        const double t63 = (-981.0 / 100.0) + t58 / (98897337.0 / 1000000000.0) - t62;
+        const double t62 = (1000000000.0 / 98897337.0) * t56;
+        const double t63 = (-981.0 / 100.0) - t62 + (1000000000.0 / 98897337.0) * t58;
         vdot[all + b] = t63;
-        const double t64 = t5 * t58 - (t45 * inverse_upper_J + t12 * t59) + t19 * t57 - t28 * t56;
+        const double t64 = t30 * t57 - (t10 * inverse_upper_J + t45 * t56) + t16 * t58 - t9 * t59;
         vdot[2 * all + b] = t64;
-        const double t65 = t1 * t58 - (t41 / (98897337.0 / 5000000000.0) + t7 * t59) + t7 * t57
-            - t1 * t56;
+        const double t65 = t1 * t57 - ((5000000000.0 / 98897337.0) * t3 + t12 * t56) + t12 * t58
+            - t1 * t59;
         vdot[3 * all + b] = t65;
-        const double t66 = t10 * t59 - t43 / (14128191.0 / 1000000000.0) - t3 * t58 + t10 * t57
-            - t3 * t56;
+        const double t66 = t6 * t57 - ((1000000000.0 / 14128191.0) * t7 + t14 * t56) - t14 * t58
+            + t6 * t59;
         vdot[4 * all + b] = t66;
         vdot[5 * all + b] = t60;
         const double t67 = (-981.0 / 100.0) + t62;
         vdot[6 * all + b] = t67;
-        const double t68 = t35 * t56 - (t54 * inverse_lower_J + t26 * t57);
+        const double t68 = t50 * t56 - t43 * inverse_lower_J - t35 * t57;
         vdot[7 * all + b] = t68;
-        const double t69 = t34 * t56 - (t53 / (98897337.0 / 5000000000.0) + t25 * t57);
+        const double t69 = t49 * t56 - (5000000000.0 / 98897337.0) * t42 - t34 * t57;
         vdot[8 * all + b] = t69;
-        const double t70 = t24 * t57 - t52 / (14128191.0 / 1000000000.0) - t33 * t56;
+        const double t70 = t33 * t57 - ((1000000000.0 / 14128191.0) * t41 + t48 * t56);
         vdot[9 * all + b] = t70;
         double code = 0.0;
         const double finite = t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70;
         code = finite - finite == 0.0 ? code : 2.0; /* a result is not finite */
         code = -(pivot_elbow_2
-            + 5.684341886080802e-14 * t38) > 0.0 ? code : 1.0; /* the pivot of elbow_2 vanished */
+            + 5.684341886080802e-14 * t51) > 0.0 ? code : 1.0; /* the pivot of elbow_2 vanished */
         code = -(pivot_elbow_1
-            + 5.684341886080802e-14 * t27) > 0.0 ? code : 1.0; /* the pivot of elbow_1 vanished */
+            + 5.684341886080802e-14 * t36) > 0.0 ? code : 1.0; /* the pivot of elbow_1 vanished */
         code = -(pivot_hinge_2
-            + 5.684341886080802e-14 * t18) > 0.0 ? code : 1.0; /* the pivot of hinge_2 vanished */
-        code = t13 > 0.0 ? code : 1.0; /* the pivot of hinge_1 vanished */
+            + 5.684341886080802e-14 * t26) > 0.0 ? code : 1.0; /* the pivot of hinge_2 vanished */
+        code = t21 > 0.0 ? code : 1.0; /* the pivot of hinge_1 vanished */
         code = upper_J > 0.0 ? code : 1.0; /* the pivot of upper_phi vanished */
         code = lower_J > 0.0 ? code : 1.0; /* the pivot of lower_phi vanished */
         codes[b] = code;

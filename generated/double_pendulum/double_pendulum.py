@@ -158,7 +158,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "79c99670f0856335"
+HASH = "20c30135442a4a8b"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",
@@ -645,6 +645,9 @@ def accel(t, q, v, k):
     # upper J (appendix): upper_J = int rho r . r
     upper_J = (32965779 / 4000000000) + upper_D2_1 * upper_alpha1 + upper_D2_2 * upper_alpha2
 
+    # upper D2dot (appendix): upper_D2dot = int rho r . rdot
+    upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2
+
     # upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_sdot_2 = Q rdot
     #     at left, along e2
     upper_left_r_2 = upper_alpha1 - upper_alpha2
@@ -673,6 +676,9 @@ def accel(t, q, v, k):
     # lower J (appendix): lower_J = int rho r . r
     lower_J = (32965779 / 4000000000) + lower_D2_1 * lower_alpha1 + lower_D2_2 * lower_alpha2
 
+    # lower D2dot (appendix): lower_D2dot = int rho r . rdot
+    lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2
+
     # lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_sdot_2 = Q rdot
     #     at left, along e2
     lower_left_r_2 = lower_alpha1 - lower_alpha2
@@ -684,136 +690,130 @@ def accel(t, q, v, k):
     # pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1, lower_phi,
     #     upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1, elbow_2;
     #     fill-in 6
-    t1 = upper_cos_phi / (98897337 / 5000000000)
-    t2 = t1 * upper_sin_phi
-    t3 = upper_cos_phi / (14128191 / 1000000000)
-    t4 = t3 * upper_sin_phi
+    t1 = (5000000000 / 98897337) * upper_sin_phi
+    t2 = upper_phidot * upper_phidot
+    t3 = (226194669 / 625000) * upper_alpha1 - t2 * upper_D2_1
+    t4 = t1 * t3
+    t5 = 2 * upper_phidot
+    t6 = (1000000000 / 14128191) * upper_sin_phi
+    t7 = (75398223 / 25000) * upper_alpha2 - t2 * upper_D2_2
+    t8 = t6 * t7
     inverse_upper_J = 1 / upper_J
-    t5 = upper_left_s_1 * inverse_upper_J
-    t6 = t2 + t4 + t5 * upper_left_s_2
-    t7 = upper_sin_phi / (98897337 / 5000000000)
-    t8 = t7 * upper_sin_phi
-    t9 = (1000000000 / 98897337) + t8
-    t10 = upper_sin_phi / (14128191 / 1000000000)
-    t11 = t10 * upper_sin_phi
-    t12 = upper_left_s_2 * inverse_upper_J
-    t13 = t9 + t11 + t12 * upper_left_s_2
-    inverse_t13 = 1 / t13
-    t14 = t6 * inverse_t13
-    t15 = t1 * upper_cos_phi
-    t16 = (1000000000 / 98897337) + t15
-    t17 = t3 * upper_cos_phi
-    t18 = t16 + t17 + t5 * upper_left_s_1
-    pivot_hinge_2 = t14 * t6 - t18
-    t19 = upper_right_s_2 * inverse_upper_J
-    t20 = t9 - t11 + t19 * upper_left_s_2
-    t21 = t20 * inverse_t13
-    t22 = t10 * upper_cos_phi - t7 * upper_cos_phi - t19 * upper_left_s_1 + t21 * t6
-    inverse_pivot_hinge_2 = 1 / pivot_hinge_2
-    t23 = t22 * inverse_pivot_hinge_2
-    t24 = lower_sin_phi / (14128191 / 1000000000)
-    t25 = lower_sin_phi / (98897337 / 5000000000)
-    inverse_lower_J = 1 / lower_J
-    t26 = lower_left_s_2 * inverse_lower_J
-    t27 = (
-        (1000000000 / 98897337) + t24 * lower_sin_phi + t25 * lower_sin_phi + t26 * lower_left_s_2
-            + (1000000000 / 98897337) + t8 + t11 + t19 * upper_right_s_2
+    t9 = upper_left_s_2 * inverse_upper_J
+    t10 = t5 * upper_D2dot
+    t11 = t4 - (t2 * upper_left_s_1 + t5 * upper_left_sdot_2) - t8 + t9 * t10
+    t12 = (5000000000 / 98897337) * upper_cos_phi
+    t13 = t12 * upper_sin_phi
+    t14 = (1000000000 / 14128191) * upper_cos_phi
+    t15 = t14 * upper_sin_phi
+    t16 = upper_left_s_1 * inverse_upper_J
+    t17 = t13 + t15 + t16 * upper_left_s_2
+    t18 = t1 * upper_sin_phi
+    t19 = (1000000000 / 98897337) + t18
+    t20 = t6 * upper_sin_phi
+    t21 = t19 + t20 + t9 * upper_left_s_2
+    inverse_t21 = 1 / t21
+    t22 = t17 * inverse_t21
+    t23 = t12 * upper_cos_phi
+    t24 = (1000000000 / 98897337) + t23
+    t25 = t14 * upper_cos_phi
+    t26 = t24 + t25 + t16 * upper_left_s_1
+    pivot_hinge_2 = t22 * t17 - t26
+    t27 = t12 * t3
+    t28 = t14 * t7
+    t29 = (
+        (-981 / 100) - (t5 * (upper_left_rdot_2 * upper_sin_phi) + t2 * upper_left_s_2) - t27 + t28
+            - t16 * t10 + t22 * t11
     )
-    pivot_elbow_1 = t21 * t20 - t23 * t22 - t27
-    t28 = upper_right_s_1 * inverse_upper_J
-    t29 = t4 - t2 - t28 * upper_left_s_2
-    t30 = t29 * inverse_t13
-    t31 = t16 - t17 + t28 * upper_left_s_1 + t30 * t6
-    t32 = t31 * inverse_pivot_hinge_2
-    t33 = lower_cos_phi / (14128191 / 1000000000)
-    t34 = lower_cos_phi / (98897337 / 5000000000)
-    t35 = lower_left_s_1 * inverse_lower_J
+    t30 = upper_right_s_2 * inverse_upper_J
+    t31 = t19 - t20 + t30 * upper_left_s_2
+    t32 = t31 * inverse_t21
+    t33 = (1000000000 / 14128191) * lower_sin_phi
+    t34 = (5000000000 / 98897337) * lower_sin_phi
+    inverse_lower_J = 1 / lower_J
+    t35 = lower_left_s_2 * inverse_lower_J
     t36 = (
-        t33 * lower_sin_phi + t34 * lower_sin_phi + t35 * lower_left_s_2 + t2 + t4
-            + t28 * upper_right_s_2 + t30 * t20 - t32 * t22
+        (1000000000 / 98897337) + t33 * lower_sin_phi + t34 * lower_sin_phi + t35 * lower_left_s_2
+            + (1000000000 / 98897337) + t18 + t20 + t30 * upper_right_s_2
+    )
+    t37 = t6 * upper_cos_phi - t1 * upper_cos_phi - t30 * upper_left_s_1 + t32 * t17
+    inverse_pivot_hinge_2 = 1 / pivot_hinge_2
+    t38 = t37 * inverse_pivot_hinge_2
+    pivot_elbow_1 = t32 * t31 - t36 - t38 * t37
+    t39 = lower_phidot * lower_phidot
+    t40 = 2 * lower_phidot
+    t41 = (75398223 / 25000) * lower_alpha2 - t39 * lower_D2_2
+    t42 = (226194669 / 625000) * lower_alpha1 - t39 * lower_D2_1
+    t43 = t40 * lower_D2dot
+    t44 = (
+        t5 * upper_right_sdot_2 + t2 * upper_right_s_1 - t39 * lower_left_s_1
+            - t40 * lower_left_sdot_2 - t33 * t41 + t34 * t42 + t35 * t43 - t4 - t8 - t30 * t10
+            + t32 * t11 - t38 * t29
+    )
+    t45 = upper_right_s_1 * inverse_upper_J
+    t46 = t15 - t13 - t45 * upper_left_s_2
+    t47 = t46 * inverse_t21
+    t48 = (1000000000 / 14128191) * lower_cos_phi
+    t49 = (5000000000 / 98897337) * lower_cos_phi
+    t50 = lower_left_s_1 * inverse_lower_J
+    t51 = (
+        (2000000000 / 98897337) + t48 * lower_cos_phi + t49 * lower_cos_phi + t50 * lower_left_s_1
+            + t23 + t25 + t45 * upper_right_s_1
+    )
+    t52 = t24 - t25 + t45 * upper_left_s_1 + t47 * t17
+    t53 = t52 * inverse_pivot_hinge_2
+    t54 = (
+        t48 * lower_sin_phi + t49 * lower_sin_phi + t50 * lower_left_s_2 + t13 + t15
+            + t45 * upper_right_s_2 + t47 * t31 - t53 * t37
     )
     inverse_pivot_elbow_1 = 1 / pivot_elbow_1
-    t37 = t36 * inverse_pivot_elbow_1
-    t38 = (
-        (2000000000 / 98897337) + t33 * lower_cos_phi + t34 * lower_cos_phi + t35 * lower_left_s_1
-            + t15 + t17 + t28 * upper_right_s_1
-    )
-    pivot_elbow_2 = t30 * t29 - t32 * t31 - t37 * t36 - t38
-    valid_1 = lower_J > 0
-    _require(batch[0] or valid_1, 1, "the pivot of lower_phi vanished")
-    valid_2 = upper_J > 0
-    _require(batch[0] or valid_2, 1, "the pivot of upper_phi vanished")
-    valid_3 = t13 > 0
-    _require(batch[0] or valid_3, 1, "the pivot of hinge_1 vanished")
-    valid_4 = (-(pivot_hinge_2 + 5.684341886080802e-14 * t18)) > 0
-    _require(batch[0] or valid_4, 1, "the pivot of hinge_2 vanished")
-    valid_5 = (-(pivot_elbow_1 + 5.684341886080802e-14 * t27)) > 0
-    _require(batch[0] or valid_5, 1, "the pivot of elbow_1 vanished")
-    valid_6 = (-(pivot_elbow_2 + 5.684341886080802e-14 * t38)) > 0
-    _require(batch[0] or valid_6, 1, "the pivot of elbow_2 vanished")
-
-    # upper D2dot (appendix): upper_D2dot = int rho r . rdot
-    upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2
-
-    # lower D2dot (appendix): lower_D2dot = int rho r . rdot
-    lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2
+    t55 = t54 * inverse_pivot_elbow_1
+    pivot_elbow_2 = t47 * t46 - t51 - t53 * t52 - t55 * t54
 
     # solution (LDL^T): forward, diagonal and back substitution
-    t39 = 2 * upper_phidot
-    t40 = upper_phidot * upper_phidot
-    t41 = (226194669 / 625000) * upper_alpha1 - t40 * upper_D2_1
-    t42 = t1 * t41
-    t43 = (75398223 / 25000) * upper_alpha2 - t40 * upper_D2_2
-    t44 = t3 * t43
-    t45 = t39 * upper_D2dot
-    t46 = t7 * t41
-    t47 = t10 * t43
-    t48 = t46 - (t40 * upper_left_s_1 + t39 * upper_left_sdot_2) - t47 + t12 * t45
-    t49 = (
-        (-981 / 100) - (t39 * (upper_left_rdot_2 * upper_sin_phi) + t40 * upper_left_s_2) - t42
-            + t44 - t5 * t45 + t14 * t48
-    )
-    t50 = lower_phidot * lower_phidot
-    t51 = 2 * lower_phidot
-    t52 = (75398223 / 25000) * lower_alpha2 - t50 * lower_D2_2
-    t53 = (226194669 / 625000) * lower_alpha1 - t50 * lower_D2_1
-    t54 = t51 * lower_D2dot
-    t55 = (
-        t39 * upper_right_sdot_2 + t40 * upper_right_s_1 - t50 * lower_left_s_1
-            - t51 * lower_left_sdot_2 - t24 * t52 + t25 * t53 + t26 * t54 - t46 - t47 - t19 * t45
-            + t21 * t48 - t23 * t49
-    )
     t56 = (
-        (t40 * upper_right_s_2 - t51 * (lower_left_rdot_2 * lower_sin_phi) - t50 * lower_left_s_2
-            + t39 * (upper_right_rdot_2 * upper_sin_phi) + t33 * t52 - t34 * t53 - t35 * t54 + t42
-            + t44 + t28 * t45 + t30 * t48 - t32 * t49 - t37 * t55) / pivot_elbow_2
+        (t2 * upper_right_s_2 - t40 * (lower_left_rdot_2 * lower_sin_phi) - t39 * lower_left_s_2
+            + t5 * (upper_right_rdot_2 * upper_sin_phi) + t48 * t41 - t49 * t42 - t50 * t43 + t27
+            + t28 + t45 * t10 + t47 * t11 - t53 * t29 - t55 * t44) / pivot_elbow_2
     )
-    t57 = t55 * inverse_pivot_elbow_1 - t37 * t56
-    t58 = t49 * inverse_pivot_hinge_2 - t23 * t57 - t32 * t56
-    t59 = t14 * t58 - t48 * inverse_t13 + t21 * t57 + t30 * t56
-    t60 = t57 / (98897337 / 1000000000)
-    t61 = t59 / (98897337 / 1000000000) - t60
+    t57 = t44 * inverse_pivot_elbow_1 - t55 * t56
+    t58 = t29 * inverse_pivot_hinge_2 - t53 * t56 - t38 * t57
+    t59 = t47 * t56 - t11 * inverse_t21 + t32 * t57 + t22 * t58
+    t60 = (1000000000 / 98897337) * t57
+    t61 = (1000000000 / 98897337) * t59 - t60
     vdot_0 = t61
-    t62 = t56 / (98897337 / 1000000000)
-    t63 = (-981 / 100) + t58 / (98897337 / 1000000000) - t62
+    t62 = (1000000000 / 98897337) * t56
+    t63 = (-981 / 100) - t62 + (1000000000 / 98897337) * t58
     vdot_1 = t63
-    t64 = t5 * t58 - (t45 * inverse_upper_J + t12 * t59) + t19 * t57 - t28 * t56
+    t64 = t30 * t57 - (t10 * inverse_upper_J + t45 * t56) + t16 * t58 - t9 * t59
     vdot_2 = t64
-    t65 = t1 * t58 - (t41 / (98897337 / 5000000000) + t7 * t59) + t7 * t57 - t1 * t56
+    t65 = t1 * t57 - ((5000000000 / 98897337) * t3 + t12 * t56) + t12 * t58 - t1 * t59
     vdot_3 = t65
-    t66 = t10 * t59 - t43 / (14128191 / 1000000000) - t3 * t58 + t10 * t57 - t3 * t56
+    t66 = t6 * t57 - ((1000000000 / 14128191) * t7 + t14 * t56) - t14 * t58 + t6 * t59
     vdot_4 = t66
     vdot_5 = t60
     t67 = (-981 / 100) + t62
     vdot_6 = t67
-    t68 = t35 * t56 - (t54 * inverse_lower_J + t26 * t57)
+    t68 = t50 * t56 - t43 * inverse_lower_J - t35 * t57
     vdot_7 = t68
-    t69 = t34 * t56 - (t53 / (98897337 / 5000000000) + t25 * t57)
+    t69 = t49 * t56 - (5000000000 / 98897337) * t42 - t34 * t57
     vdot_8 = t69
-    t70 = t24 * t57 - t52 / (14128191 / 1000000000) - t33 * t56
+    t70 = t33 * t57 - ((1000000000 / 14128191) * t41 + t48 * t56)
     vdot_9 = t70
 
-    # check: check that the result is finite
+    # check: check the pivots and that the result is finite
+    valid_1 = lower_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of lower_phi vanished")
+    valid_2 = upper_J > 0
+    _require(batch[0] or valid_2, 1, "the pivot of upper_phi vanished")
+    valid_3 = t21 > 0
+    _require(batch[0] or valid_3, 1, "the pivot of hinge_1 vanished")
+    valid_4 = (-(pivot_hinge_2 + 5.684341886080802e-14 * t26)) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of hinge_2 vanished")
+    valid_5 = (-(pivot_elbow_1 + 5.684341886080802e-14 * t36)) > 0
+    _require(batch[0] or valid_5, 1, "the pivot of elbow_1 vanished")
+    valid_6 = (-(pivot_elbow_2 + 5.684341886080802e-14 * t51)) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of elbow_2 vanished")
     valid_7 = xp.isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70)
     _require(batch[0] or valid_7, 2, "a result is not finite")
 
@@ -2076,6 +2076,9 @@ def solve(t, q, v, k):
     # upper J (appendix): upper_J = int rho r . r
     upper_J = (32965779 / 4000000000) + upper_D2_1 * upper_alpha1 + upper_D2_2 * upper_alpha2
 
+    # upper D2dot (appendix): upper_D2dot = int rho r . rdot
+    upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2
+
     # upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_sdot_2 = Q rdot
     #     at left, along e2
     upper_left_r_2 = upper_alpha1 - upper_alpha2
@@ -2104,6 +2107,9 @@ def solve(t, q, v, k):
     # lower J (appendix): lower_J = int rho r . r
     lower_J = (32965779 / 4000000000) + lower_D2_1 * lower_alpha1 + lower_D2_2 * lower_alpha2
 
+    # lower D2dot (appendix): lower_D2dot = int rho r . rdot
+    lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2
+
     # lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_sdot_2 = Q rdot
     #     at left, along e2
     lower_left_r_2 = lower_alpha1 - lower_alpha2
@@ -2115,140 +2121,134 @@ def solve(t, q, v, k):
     # pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1, lower_phi,
     #     upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1, elbow_2;
     #     fill-in 6
-    t1 = upper_cos_phi / (98897337 / 5000000000)
-    t2 = t1 * upper_sin_phi
-    t3 = upper_cos_phi / (14128191 / 1000000000)
-    t4 = t3 * upper_sin_phi
+    t1 = (5000000000 / 98897337) * upper_sin_phi
+    t2 = upper_phidot * upper_phidot
+    t3 = (226194669 / 625000) * upper_alpha1 - t2 * upper_D2_1
+    t4 = t1 * t3
+    t5 = 2 * upper_phidot
+    t6 = (1000000000 / 14128191) * upper_sin_phi
+    t7 = (75398223 / 25000) * upper_alpha2 - t2 * upper_D2_2
+    t8 = t6 * t7
     inverse_upper_J = 1 / upper_J
-    t5 = upper_left_s_1 * inverse_upper_J
-    t6 = t2 + t4 + t5 * upper_left_s_2
-    t7 = upper_sin_phi / (98897337 / 5000000000)
-    t8 = t7 * upper_sin_phi
-    t9 = (1000000000 / 98897337) + t8
-    t10 = upper_sin_phi / (14128191 / 1000000000)
-    t11 = t10 * upper_sin_phi
-    t12 = upper_left_s_2 * inverse_upper_J
-    t13 = t9 + t11 + t12 * upper_left_s_2
-    inverse_t13 = 1 / t13
-    t14 = t6 * inverse_t13
-    t15 = t1 * upper_cos_phi
-    t16 = (1000000000 / 98897337) + t15
-    t17 = t3 * upper_cos_phi
-    t18 = t16 + t17 + t5 * upper_left_s_1
-    pivot_hinge_2 = t14 * t6 - t18
-    t19 = upper_right_s_2 * inverse_upper_J
-    t20 = t9 - t11 + t19 * upper_left_s_2
-    t21 = t20 * inverse_t13
-    t22 = t10 * upper_cos_phi - t7 * upper_cos_phi - t19 * upper_left_s_1 + t21 * t6
-    inverse_pivot_hinge_2 = 1 / pivot_hinge_2
-    t23 = t22 * inverse_pivot_hinge_2
-    t24 = lower_sin_phi / (14128191 / 1000000000)
-    t25 = lower_sin_phi / (98897337 / 5000000000)
-    inverse_lower_J = 1 / lower_J
-    t26 = lower_left_s_2 * inverse_lower_J
-    t27 = (
-        (1000000000 / 98897337) + t24 * lower_sin_phi + t25 * lower_sin_phi + t26 * lower_left_s_2
-            + (1000000000 / 98897337) + t8 + t11 + t19 * upper_right_s_2
+    t9 = upper_left_s_2 * inverse_upper_J
+    t10 = t5 * upper_D2dot
+    t11 = t4 - (t2 * upper_left_s_1 + t5 * upper_left_sdot_2) - t8 + t9 * t10
+    t12 = (5000000000 / 98897337) * upper_cos_phi
+    t13 = t12 * upper_sin_phi
+    t14 = (1000000000 / 14128191) * upper_cos_phi
+    t15 = t14 * upper_sin_phi
+    t16 = upper_left_s_1 * inverse_upper_J
+    t17 = t13 + t15 + t16 * upper_left_s_2
+    t18 = t1 * upper_sin_phi
+    t19 = (1000000000 / 98897337) + t18
+    t20 = t6 * upper_sin_phi
+    t21 = t19 + t20 + t9 * upper_left_s_2
+    inverse_t21 = 1 / t21
+    t22 = t17 * inverse_t21
+    t23 = t12 * upper_cos_phi
+    t24 = (1000000000 / 98897337) + t23
+    t25 = t14 * upper_cos_phi
+    t26 = t24 + t25 + t16 * upper_left_s_1
+    pivot_hinge_2 = t22 * t17 - t26
+    t27 = t12 * t3
+    t28 = t14 * t7
+    t29 = (
+        (-981 / 100) - (t5 * (upper_left_rdot_2 * upper_sin_phi) + t2 * upper_left_s_2) - t27 + t28
+            - t16 * t10 + t22 * t11
     )
-    pivot_elbow_1 = t21 * t20 - t23 * t22 - t27
-    t28 = upper_right_s_1 * inverse_upper_J
-    t29 = t4 - t2 - t28 * upper_left_s_2
-    t30 = t29 * inverse_t13
-    t31 = t16 - t17 + t28 * upper_left_s_1 + t30 * t6
-    t32 = t31 * inverse_pivot_hinge_2
-    t33 = lower_cos_phi / (14128191 / 1000000000)
-    t34 = lower_cos_phi / (98897337 / 5000000000)
-    t35 = lower_left_s_1 * inverse_lower_J
+    t30 = upper_right_s_2 * inverse_upper_J
+    t31 = t19 - t20 + t30 * upper_left_s_2
+    t32 = t31 * inverse_t21
+    t33 = (1000000000 / 14128191) * lower_sin_phi
+    t34 = (5000000000 / 98897337) * lower_sin_phi
+    inverse_lower_J = 1 / lower_J
+    t35 = lower_left_s_2 * inverse_lower_J
     t36 = (
-        t33 * lower_sin_phi + t34 * lower_sin_phi + t35 * lower_left_s_2 + t2 + t4
-            + t28 * upper_right_s_2 + t30 * t20 - t32 * t22
+        (1000000000 / 98897337) + t33 * lower_sin_phi + t34 * lower_sin_phi + t35 * lower_left_s_2
+            + (1000000000 / 98897337) + t18 + t20 + t30 * upper_right_s_2
+    )
+    t37 = t6 * upper_cos_phi - t1 * upper_cos_phi - t30 * upper_left_s_1 + t32 * t17
+    inverse_pivot_hinge_2 = 1 / pivot_hinge_2
+    t38 = t37 * inverse_pivot_hinge_2
+    pivot_elbow_1 = t32 * t31 - t36 - t38 * t37
+    t39 = lower_phidot * lower_phidot
+    t40 = 2 * lower_phidot
+    t41 = (75398223 / 25000) * lower_alpha2 - t39 * lower_D2_2
+    t42 = (226194669 / 625000) * lower_alpha1 - t39 * lower_D2_1
+    t43 = t40 * lower_D2dot
+    t44 = (
+        t5 * upper_right_sdot_2 + t2 * upper_right_s_1 - t39 * lower_left_s_1
+            - t40 * lower_left_sdot_2 - t33 * t41 + t34 * t42 + t35 * t43 - t4 - t8 - t30 * t10
+            + t32 * t11 - t38 * t29
+    )
+    t45 = upper_right_s_1 * inverse_upper_J
+    t46 = t15 - t13 - t45 * upper_left_s_2
+    t47 = t46 * inverse_t21
+    t48 = (1000000000 / 14128191) * lower_cos_phi
+    t49 = (5000000000 / 98897337) * lower_cos_phi
+    t50 = lower_left_s_1 * inverse_lower_J
+    t51 = (
+        (2000000000 / 98897337) + t48 * lower_cos_phi + t49 * lower_cos_phi + t50 * lower_left_s_1
+            + t23 + t25 + t45 * upper_right_s_1
+    )
+    t52 = t24 - t25 + t45 * upper_left_s_1 + t47 * t17
+    t53 = t52 * inverse_pivot_hinge_2
+    t54 = (
+        t48 * lower_sin_phi + t49 * lower_sin_phi + t50 * lower_left_s_2 + t13 + t15
+            + t45 * upper_right_s_2 + t47 * t31 - t53 * t37
     )
     inverse_pivot_elbow_1 = 1 / pivot_elbow_1
-    t37 = t36 * inverse_pivot_elbow_1
-    t38 = (
-        (2000000000 / 98897337) + t33 * lower_cos_phi + t34 * lower_cos_phi + t35 * lower_left_s_1
-            + t15 + t17 + t28 * upper_right_s_1
-    )
-    pivot_elbow_2 = t30 * t29 - t32 * t31 - t37 * t36 - t38
-    valid_1 = lower_J > 0
-    _require(batch[0] or valid_1, 1, "the pivot of lower_phi vanished")
-    valid_2 = upper_J > 0
-    _require(batch[0] or valid_2, 1, "the pivot of upper_phi vanished")
-    valid_3 = t13 > 0
-    _require(batch[0] or valid_3, 1, "the pivot of hinge_1 vanished")
-    valid_4 = (-(pivot_hinge_2 + 5.684341886080802e-14 * t18)) > 0
-    _require(batch[0] or valid_4, 1, "the pivot of hinge_2 vanished")
-    valid_5 = (-(pivot_elbow_1 + 5.684341886080802e-14 * t27)) > 0
-    _require(batch[0] or valid_5, 1, "the pivot of elbow_1 vanished")
-    valid_6 = (-(pivot_elbow_2 + 5.684341886080802e-14 * t38)) > 0
-    _require(batch[0] or valid_6, 1, "the pivot of elbow_2 vanished")
-
-    # upper D2dot (appendix): upper_D2dot = int rho r . rdot
-    upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2
-
-    # lower D2dot (appendix): lower_D2dot = int rho r . rdot
-    lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2
+    t55 = t54 * inverse_pivot_elbow_1
+    pivot_elbow_2 = t47 * t46 - t51 - t53 * t52 - t55 * t54
 
     # solution (LDL^T): forward, diagonal and back substitution
-    t39 = 2 * upper_phidot
-    t40 = upper_phidot * upper_phidot
-    t41 = (226194669 / 625000) * upper_alpha1 - t40 * upper_D2_1
-    t42 = t1 * t41
-    t43 = (75398223 / 25000) * upper_alpha2 - t40 * upper_D2_2
-    t44 = t3 * t43
-    t45 = t39 * upper_D2dot
-    t46 = t7 * t41
-    t47 = t10 * t43
-    t48 = t46 - (t40 * upper_left_s_1 + t39 * upper_left_sdot_2) - t47 + t12 * t45
-    t49 = (
-        (-981 / 100) - (t39 * (upper_left_rdot_2 * upper_sin_phi) + t40 * upper_left_s_2) - t42
-            + t44 - t5 * t45 + t14 * t48
-    )
-    t50 = lower_phidot * lower_phidot
-    t51 = 2 * lower_phidot
-    t52 = (75398223 / 25000) * lower_alpha2 - t50 * lower_D2_2
-    t53 = (226194669 / 625000) * lower_alpha1 - t50 * lower_D2_1
-    t54 = t51 * lower_D2dot
-    t55 = (
-        t39 * upper_right_sdot_2 + t40 * upper_right_s_1 - t50 * lower_left_s_1
-            - t51 * lower_left_sdot_2 - t24 * t52 + t25 * t53 + t26 * t54 - t46 - t47 - t19 * t45
-            + t21 * t48 - t23 * t49
-    )
     t56 = (
-        (t40 * upper_right_s_2 - t51 * (lower_left_rdot_2 * lower_sin_phi) - t50 * lower_left_s_2
-            + t39 * (upper_right_rdot_2 * upper_sin_phi) + t33 * t52 - t34 * t53 - t35 * t54 + t42
-            + t44 + t28 * t45 + t30 * t48 - t32 * t49 - t37 * t55) / pivot_elbow_2
+        (t2 * upper_right_s_2 - t40 * (lower_left_rdot_2 * lower_sin_phi) - t39 * lower_left_s_2
+            + t5 * (upper_right_rdot_2 * upper_sin_phi) + t48 * t41 - t49 * t42 - t50 * t43 + t27
+            + t28 + t45 * t10 + t47 * t11 - t53 * t29 - t55 * t44) / pivot_elbow_2
     )
-    t57 = t55 * inverse_pivot_elbow_1 - t37 * t56
-    t58 = t49 * inverse_pivot_hinge_2 - t23 * t57 - t32 * t56
-    t59 = t14 * t58 - t48 * inverse_t13 + t21 * t57 + t30 * t56
-    t60 = t57 / (98897337 / 1000000000)
-    t61 = t59 / (98897337 / 1000000000) - t60
+    t57 = t44 * inverse_pivot_elbow_1 - t55 * t56
+    t58 = t29 * inverse_pivot_hinge_2 - t53 * t56 - t38 * t57
+    t59 = t47 * t56 - t11 * inverse_t21 + t32 * t57 + t22 * t58
+    t60 = (1000000000 / 98897337) * t57
+    t61 = (1000000000 / 98897337) * t59 - t60
     vdot_0 = t61
-    t62 = t56 / (98897337 / 1000000000)
-    t63 = (-981 / 100) + t58 / (98897337 / 1000000000) - t62
+    t62 = (1000000000 / 98897337) * t56
+    t63 = (-981 / 100) - t62 + (1000000000 / 98897337) * t58
     vdot_1 = t63
-    t64 = t5 * t58 - (t45 * inverse_upper_J + t12 * t59) + t19 * t57 - t28 * t56
+    t64 = t30 * t57 - (t10 * inverse_upper_J + t45 * t56) + t16 * t58 - t9 * t59
     vdot_2 = t64
-    t65 = t1 * t58 - (t41 / (98897337 / 5000000000) + t7 * t59) + t7 * t57 - t1 * t56
+    t65 = t1 * t57 - ((5000000000 / 98897337) * t3 + t12 * t56) + t12 * t58 - t1 * t59
     vdot_3 = t65
-    t66 = t10 * t59 - t43 / (14128191 / 1000000000) - t3 * t58 + t10 * t57 - t3 * t56
+    t66 = t6 * t57 - ((1000000000 / 14128191) * t7 + t14 * t56) - t14 * t58 + t6 * t59
     vdot_4 = t66
     vdot_5 = t60
     t67 = (-981 / 100) + t62
     vdot_6 = t67
-    t68 = t35 * t56 - (t54 * inverse_lower_J + t26 * t57)
+    t68 = t50 * t56 - t43 * inverse_lower_J - t35 * t57
     vdot_7 = t68
-    t69 = t34 * t56 - (t53 / (98897337 / 5000000000) + t25 * t57)
+    t69 = t49 * t56 - (5000000000 / 98897337) * t42 - t34 * t57
     vdot_8 = t69
-    t70 = t24 * t57 - t52 / (14128191 / 1000000000) - t33 * t56
+    t70 = t33 * t57 - ((1000000000 / 14128191) * t41 + t48 * t56)
     vdot_9 = t70
     lam_0 = t59
     lam_1 = t58
     lam_2 = t57
     lam_3 = t56
 
-    # check: check that the result is finite
+    # check: check the pivots and that the result is finite
+    valid_1 = lower_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of lower_phi vanished")
+    valid_2 = upper_J > 0
+    _require(batch[0] or valid_2, 1, "the pivot of upper_phi vanished")
+    valid_3 = t21 > 0
+    _require(batch[0] or valid_3, 1, "the pivot of hinge_1 vanished")
+    valid_4 = (-(pivot_hinge_2 + 5.684341886080802e-14 * t26)) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of hinge_2 vanished")
+    valid_5 = (-(pivot_elbow_1 + 5.684341886080802e-14 * t36)) > 0
+    _require(batch[0] or valid_5, 1, "the pivot of elbow_1 vanished")
+    valid_6 = (-(pivot_elbow_2 + 5.684341886080802e-14 * t51)) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of elbow_2 vanished")
     valid_7 = (
         xp.isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70 + t59 + t58 + t57
             + t56)
@@ -2338,17 +2338,17 @@ def project_velocity(t, q, k, r):
     # pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1, lower_phi,
     #     upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1, elbow_2;
     #     fill-in 6
-    t1 = upper_cos_phi / (98897337 / 5000000000)
+    t1 = (5000000000 / 98897337) * upper_cos_phi
     t2 = t1 * upper_sin_phi
-    t3 = upper_cos_phi / (14128191 / 1000000000)
+    t3 = (1000000000 / 14128191) * upper_cos_phi
     t4 = t3 * upper_sin_phi
     inverse_upper_J = 1 / upper_J
     t5 = upper_left_s_1 * inverse_upper_J
     t6 = t2 + t4 + t5 * upper_left_s_2
-    t7 = upper_sin_phi / (98897337 / 5000000000)
+    t7 = (5000000000 / 98897337) * upper_sin_phi
     t8 = t7 * upper_sin_phi
     t9 = (1000000000 / 98897337) + t8
-    t10 = upper_sin_phi / (14128191 / 1000000000)
+    t10 = (1000000000 / 14128191) * upper_sin_phi
     t11 = t10 * upper_sin_phi
     t12 = upper_left_s_2 * inverse_upper_J
     t13 = t9 + t11 + t12 * upper_left_s_2
@@ -2362,37 +2362,67 @@ def project_velocity(t, q, k, r):
     t19 = upper_right_s_2 * inverse_upper_J
     t20 = t9 - t11 + t19 * upper_left_s_2
     t21 = t20 * inverse_t13
-    t22 = t10 * upper_cos_phi - t7 * upper_cos_phi - t19 * upper_left_s_1 + t21 * t6
-    inverse_pivot_hinge_2 = 1 / pivot_hinge_2
-    t23 = t22 * inverse_pivot_hinge_2
-    t24 = lower_sin_phi / (14128191 / 1000000000)
-    t25 = lower_sin_phi / (98897337 / 5000000000)
+    t22 = (1000000000 / 14128191) * lower_sin_phi
+    t23 = (5000000000 / 98897337) * lower_sin_phi
     inverse_lower_J = 1 / lower_J
-    t26 = lower_left_s_2 * inverse_lower_J
-    t27 = (
-        (1000000000 / 98897337) + t24 * lower_sin_phi + t25 * lower_sin_phi + t26 * lower_left_s_2
+    t24 = lower_left_s_2 * inverse_lower_J
+    t25 = (
+        (1000000000 / 98897337) + t22 * lower_sin_phi + t23 * lower_sin_phi + t24 * lower_left_s_2
             + (1000000000 / 98897337) + t8 + t11 + t19 * upper_right_s_2
     )
-    pivot_elbow_1 = t21 * t20 - t23 * t22 - t27
-    t28 = upper_right_s_1 * inverse_upper_J
-    t29 = t4 - t2 - t28 * upper_left_s_2
-    t30 = t29 * inverse_t13
-    t31 = t16 - t17 + t28 * upper_left_s_1 + t30 * t6
-    t32 = t31 * inverse_pivot_hinge_2
-    t33 = lower_cos_phi / (14128191 / 1000000000)
-    t34 = lower_cos_phi / (98897337 / 5000000000)
+    t26 = t10 * upper_cos_phi - t7 * upper_cos_phi - t19 * upper_left_s_1 + t21 * t6
+    inverse_pivot_hinge_2 = 1 / pivot_hinge_2
+    t27 = t26 * inverse_pivot_hinge_2
+    pivot_elbow_1 = t21 * t20 - t25 - t27 * t26
+    t28 = r_hinge_2 + t14 * r_hinge_1
+    t29 = t27 * t28 - (r_elbow_1 + t21 * r_hinge_1)
+    t30 = upper_right_s_1 * inverse_upper_J
+    t31 = t4 - t2 - t30 * upper_left_s_2
+    t32 = t31 * inverse_t13
+    t33 = (1000000000 / 14128191) * lower_cos_phi
+    t34 = (5000000000 / 98897337) * lower_cos_phi
     t35 = lower_left_s_1 * inverse_lower_J
     t36 = (
+        (2000000000 / 98897337) + t33 * lower_cos_phi + t34 * lower_cos_phi + t35 * lower_left_s_1
+            + t15 + t17 + t30 * upper_right_s_1
+    )
+    t37 = t16 - t17 + t30 * upper_left_s_1 + t32 * t6
+    t38 = t37 * inverse_pivot_hinge_2
+    t39 = (
         t33 * lower_sin_phi + t34 * lower_sin_phi + t35 * lower_left_s_2 + t2 + t4
-            + t28 * upper_right_s_2 + t30 * t20 - t32 * t22
+            + t30 * upper_right_s_2 + t32 * t20 - t38 * t26
     )
     inverse_pivot_elbow_1 = 1 / pivot_elbow_1
-    t37 = t36 * inverse_pivot_elbow_1
-    t38 = (
-        (2000000000 / 98897337) + t33 * lower_cos_phi + t34 * lower_cos_phi + t35 * lower_left_s_1
-            + t15 + t17 + t28 * upper_right_s_1
-    )
-    pivot_elbow_2 = t30 * t29 - t32 * t31 - t37 * t36 - t38
+    t40 = t39 * inverse_pivot_elbow_1
+    pivot_elbow_2 = t32 * t31 - t36 - t38 * t37 - t40 * t39
+
+    # solution (LDL^T): forward, diagonal and back substitution
+    t41 = (t38 * t28 - (r_elbow_2 + t32 * r_hinge_1) - t40 * t29) / pivot_elbow_2
+    t42 = t29 * inverse_pivot_elbow_1 - t40 * t41
+    t43 = t28 * inverse_pivot_hinge_2 + t38 * t41 + t27 * t42
+    t44 = r_hinge_1 * inverse_t13 + t32 * t41 + t21 * t42 - t14 * t43
+    t45 = (1000000000 / 98897337) * t42
+    t46 = (1000000000 / 98897337) * t44 - t45
+    dv_0 = t46
+    t47 = (1000000000 / 98897337) * t41
+    t48 = t47 + (1000000000 / 98897337) * t43
+    dv_1 = -t48
+    t49 = t19 * t42 - t30 * t41 - t5 * t43 - t12 * t44
+    dv_2 = t49
+    t50 = t7 * t42 - t1 * t41 - t1 * t43 - t7 * t44
+    dv_3 = t50
+    t51 = t10 * t42 - t3 * t41 + t3 * t43 + t10 * t44
+    dv_4 = t51
+    dv_5 = t45
+    dv_6 = t47
+    t52 = t35 * t41 - t24 * t42
+    dv_7 = t52
+    t53 = t34 * t41 - t23 * t42
+    dv_8 = t53
+    t54 = t22 * t42 - t33 * t41
+    dv_9 = t54
+
+    # check: check the pivots and that the result is finite
     valid_1 = lower_J > 0
     _require(batch[0] or valid_1, 1, "the pivot of lower_phi vanished")
     valid_2 = upper_J > 0
@@ -2401,40 +2431,10 @@ def project_velocity(t, q, k, r):
     _require(batch[0] or valid_3, 1, "the pivot of hinge_1 vanished")
     valid_4 = (-(pivot_hinge_2 + 5.684341886080802e-14 * t18)) > 0
     _require(batch[0] or valid_4, 1, "the pivot of hinge_2 vanished")
-    valid_5 = (-(pivot_elbow_1 + 5.684341886080802e-14 * t27)) > 0
+    valid_5 = (-(pivot_elbow_1 + 5.684341886080802e-14 * t25)) > 0
     _require(batch[0] or valid_5, 1, "the pivot of elbow_1 vanished")
-    valid_6 = (-(pivot_elbow_2 + 5.684341886080802e-14 * t38)) > 0
+    valid_6 = (-(pivot_elbow_2 + 5.684341886080802e-14 * t36)) > 0
     _require(batch[0] or valid_6, 1, "the pivot of elbow_2 vanished")
-
-    # solution (LDL^T): forward, diagonal and back substitution
-    t39 = r_hinge_2 + t14 * r_hinge_1
-    t40 = t23 * t39 - (r_elbow_1 + t21 * r_hinge_1)
-    t41 = (t32 * t39 - (r_elbow_2 + t30 * r_hinge_1) - t37 * t40) / pivot_elbow_2
-    t42 = t40 * inverse_pivot_elbow_1 - t37 * t41
-    t43 = t39 * inverse_pivot_hinge_2 + t23 * t42 + t32 * t41
-    t44 = r_hinge_1 * inverse_t13 - t14 * t43 + t21 * t42 + t30 * t41
-    t45 = t42 / (98897337 / 1000000000)
-    t46 = t44 / (98897337 / 1000000000) - t45
-    dv_0 = t46
-    t47 = t41 / (98897337 / 1000000000)
-    t48 = t43 / (98897337 / 1000000000) + t47
-    dv_1 = -t48
-    t49 = t19 * t42 - (t12 * t44 + t5 * t43) - t28 * t41
-    dv_2 = t49
-    t50 = t7 * t42 - (t7 * t44 + t1 * t43) - t1 * t41
-    dv_3 = t50
-    t51 = t10 * t44 + t3 * t43 + t10 * t42 - t3 * t41
-    dv_4 = t51
-    dv_5 = t45
-    dv_6 = t47
-    t52 = t35 * t41 - t26 * t42
-    dv_7 = t52
-    t53 = t34 * t41 - t25 * t42
-    dv_8 = t53
-    t54 = t24 * t42 - t33 * t41
-    dv_9 = t54
-
-    # check: check that the result is finite
     valid_7 = xp.isfinite(t46 - t48 + t49 + t50 + t51 + t45 + t47 + t52 + t53 + t54)
     _require(batch[0] or valid_7, 2, "a result is not finite")
 

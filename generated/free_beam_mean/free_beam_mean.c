@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_d3caadb8d53a6121
+#ifndef FREE_BEAM_MEAN_HASH_0d3d24dfbe07b1ce
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -122,9 +122,9 @@ int free_beam_mean_setup(
     const double p_l = p[1];
     const double t1 = p_l * p_l;
     const double p_m = p[0];
-    const double C3 = t1 * p_m / 12.0;
-    const double c8_1_1 = p_m / 5.0;
-    const double c8_2_2 = p_m / 7.0;
+    const double C3 = (1.0 / 12.0) * (t1 * p_m);
+    const double c8_1_1 = (1.0 / 5.0) * p_m;
+    const double c8_2_2 = (1.0 / 7.0) * p_m;
     const double t2 = t1 * p_l;
     const double p_EI = p[2];
     const double t3 = p_EI / t2;

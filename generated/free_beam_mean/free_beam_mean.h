@@ -261,8 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "d3caadb8d53a6121"
-#define FREE_BEAM_MEAN_HASH_d3caadb8d53a6121
+#define FREE_BEAM_MEAN_HASH "0d3d24dfbe07b1ce"
+#define FREE_BEAM_MEAN_HASH_0d3d24dfbe07b1ce
 
 /* ---- sizes and indices ---- */
 

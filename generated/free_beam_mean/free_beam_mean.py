@@ -122,7 +122,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "d3caadb8d53a6121"
+HASH = "0d3d24dfbe07b1ce"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -262,9 +262,9 @@ def setup(p):
 
     # integrals (appendix): shape integrals, stiffness, and constants computed from them
     t1 = p_l * p_l
-    C3 = t1 * p_m / 12
-    c8_1_1 = p_m / 5
-    c8_2_2 = p_m / 7
+    C3 = (1 / 12) * (t1 * p_m)
+    c8_1_1 = (1 / 5) * p_m
+    c8_2_2 = (1 / 7) * p_m
     t2 = t1 * p_l
     t3 = p_EI / t2
     K_1_1 = 144 * t3

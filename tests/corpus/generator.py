@@ -30,8 +30,6 @@ from corpus.many_bodies import SHARE, many_bodies
 from corpus.observations import observe
 from corpus.spatial_scenes import FIRST, spatial_scene
 from corpus.spelling import respell
-from derive import JOINTS
-from derive.mechanics.multibody.joints.relative_rows import Axes
 from derive.spec.tables.json_schema import schema_of
 from derive.spec.tables.spatial import spatial_specification_table
 from derive.spec.tables.specification import specification_table
@@ -91,13 +89,9 @@ def corpus_scene(seed: int) -> CorpusScene:
 
 
 def _lower(tables: Table, draws: Draws) -> None:
-    """Ask for loops over instances in a quarter of the scenes where they are possible, and for others in a few."""
+    """Ask for loops over instances in a quarter of the scenes, and for others in a few."""
     lowering = draws.choice(["instances"] * 5 + ["auto", "flat"] + [""] * 13)
-    joints = tables.get("joints", {}).values()
-    fixed = all(
-        JOINTS[joint["kind"]].axes is Axes.INERTIAL or joint["between"][0].startswith("ground.") for joint in joints
-    )
-    if lowering and "bodies" in tables and (fixed or lowering != "instances"):
+    if lowering and "bodies" in tables:
         tables.setdefault("scene", {})["lowering"] = lowering
 
 

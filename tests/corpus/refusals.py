@@ -28,7 +28,6 @@ REFUSALS: dict[str, str] = {
     r"is not that of a rigid rotation of the whole scene": "the stability is that of steady motions",
     r"no model has a steady motion": "likewise",
     r"no motion is steady, since these functions of time never come to rest": "stability is that of a steady motion",
-    r"loops over instances are impossible, .*; use lowering": "a joint or a force that they do not know",
     r"loops have no derivatives by parameters": "the message names the lowering that has them",
     r"an export for arrays or symbols has straight-line code": "likewise",
     r"the steady motion that Newton's method finds is far from the initial state": "the message says what to write",

@@ -119,6 +119,7 @@ def test_positions_of_many_states_are_those_of_each() -> None:
     expected = [model.marker("left", row, V, k)[0] for row in q]
     assert np.array_equal(model.marker_positions("left", q, [V] * 5, k), expected)
     assert np.array_equal(model.marker_positions("left", q[:, ::-1][:, ::-1], [V] * 5, k), expected), "other strides"
+    assert np.array_equal(model.marker_positions("left", q[0][None], np.array(V)[None], k), expected[:1]), "stride 0"
     for wrong in (q[0], q[:, 1:]):
         with pytest.raises(ValueError, match="marker_left: rows of "):
             model.marker_positions("left", wrong, [V] * 5, k)

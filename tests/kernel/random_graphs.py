@@ -12,18 +12,20 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from varying_joints import more_joints, with_varying_joints
 
 import derive
 from derive.ir.interpreter import RequirementError, interpret
 from derive.ir.model import Model
 from derive.lowering.flat.constraints import DependentConstraints
 from derive.lowering.flat.lower import lower as lower_flat
-from derive.lowering.instances.classes import obstacle
 from derive.lowering.instances.lower import lower_instances
 from derive.roles import Role
 
 Edges = list[tuple[int, int]]
 GROUND = -1
+TWIN = "twin_of_"
+"""The first part of the name of a joint that is there twice."""
 WELL_POSED = 1e-9
 """The least eigenvalue of G M^-1 G^T, scaled to ones on the diagonal, for which constraints count as independent."""
 
@@ -51,18 +53,26 @@ def constants(model: Model) -> list[float]:
     return interpret(model.kernel("setup"), {"p": list(model.defaults)})["k"]
 
 
-def graph(seed: int, most: int = 6, ports: bool = False) -> Graph:
+def graph(seed: int, most: int = 6, ports: bool = False, varying: bool = False, twins: int = 0) -> Graph:
     """The graph of a seed, with so many bodies at most; joints that close loops are left out if some are redundant.
 
-    ports: with parameters, an input, springs and outputs, and with the derivatives with respect to these.
+    ports: with parameters, an input, springs and outputs, and with the derivatives with respect to these; varying: with
+    joints whose axes move or that remove functions of several relative motions; twins: the number of joints of which
+    there is another one, so that reactions are those of least norm.
     """
     for kept in (1.0, 0.5, 0.25, 0.0):
-        draws = random.Random(seed)
         shape = SHAPES[seed % len(SHAPES)]
-        tables = _scene(shape, draws, most, kept)
-        scene = derive.scene(f"graph_{seed}", **(_with_ports(tables) if ports else tables))
-        if made := _lowered(scene, shape.__name__.strip("_"), seed, ports):
-            return made
+        tables = _scene(shape, random.Random(seed), most, kept)
+        twin = [*tables["joints"]][:twins]
+        if varying:
+            tables = with_varying_joints(tables, random.Random(f"varying {seed}"), carried=kept > 0)
+        joints = tables["joints"]
+        tables |= {"joints": joints | {f"{TWIN}{name}": joints[name] for name in twin}}
+        with more_joints():
+            scene = derive.scene(f"graph_{seed}", **(_with_ports(tables) if ports else tables))
+            redundant = sum(len(derive.JOINTS[joints[name]["kind"]].removes) for name in twin)
+            if made := lowered(scene, shape.__name__.strip("_"), seed, ports, redundant):
+                return made
     raise AssertionError(f"seed {seed}: the constraints of a tree depend on each other")
 
 
@@ -86,23 +96,52 @@ def ring_of_rods(count: int, order: Sequence[int]) -> Graph:
         },
         joints={name: {"kind": "revolute", "between": between} for name, between in joints.items()},
     )
-    made = _lowered(scene, "ring", count)
+    made = lowered(scene, "ring", count)
     assert made
     return made
 
 
-def _lowered(scene: derive.Scene, shape: str, seed: int, ports: bool = False) -> Graph | None:
-    """A scene both ways with a random state; None if its constraints depend on each other."""
+def sliding_chain(count: int, driven: bool) -> Graph:
+    """Carriages that differ in their numbers alone, each on a guide of the one before, the first one on a free body."""
+    carriage = {"keep_coordinates": True, "markers": {"left": [-0.3, 0.1], "right": [0.4, 0.2]}}
+    joints = {
+        f"guide_{k}": {"kind": "translational", "between": [f"body_{k}.right", f"body_{k + 1}.left"], "axis": [3, 1]}
+        for k in range(count - 1)
+    }
+    scene = derive.scene(
+        f"sliding_{count}",
+        bodies={f"body_{k}": carriage | {"mass": 1 + k, "inertia": 0.1 + 0.02 * k} for k in range(count)},
+        joints=joints,
+        inputs={"pull": {"unit": "m", "value": 0}} if driven else {},
+        drives={f"drive_{k}": {"joint": name, "motion": {"input": "pull"}} for k, name in enumerate(joints)}
+        if driven
+        else {},
+        outputs={f"held_{k}": {"kind": "reaction", "joint": name} for k, name in enumerate(joints)},
+    )
+    made = lowered(scene, "chain", count)
+    assert made
+    return made
+
+
+def lowered(scene: derive.Scene, shape: str, seed: int, ports: bool = False, redundant: int = 0) -> Graph | None:
+    """A scene both ways with a random state; None if more than so many of its constraints depend on others."""
     mechanism = derive.derive(scene)
-    assert obstacle(mechanism) == ""
+    form = {"sensitivities": ports, "proximal": redundant > 0}
     try:
-        flat = lower_flat(mechanism.expanded(), sensitivities=ports)
+        flat = lower_flat(mechanism.expanded(), **form)
     except DependentConstraints:
         return None
     state = _state(flat, scene, np.random.default_rng(seed))
-    if not _independent(flat, state):
+    number = {multiplier.name: k for k, multiplier in enumerate(flat.multipliers)}
+    for name, k in number.items():  # right-hand sides of equal constraints are equal
+        twin = number.get(f"{TWIN}{name}", k)
+        state["r"][twin], state["b"][twin] = state["r"][k], state["b"][k]
+    taken = {i for i, _ in flat.kernel("constraint_jacobian").outputs[0].pattern.entries}
+    for k in set(number.values()) - taken:  # no coordinate can meet these
+        state["r"][k] = state["b"][k] = 0.0
+    if not _independent(flat, state, redundant):
         return None
-    return Graph(scene, shape, flat, lower_instances(mechanism, sensitivities=ports), state)
+    return Graph(scene, shape, flat, lower_instances(mechanism, **form), state)
 
 
 # ---- shapes: the edges of a spanning tree, and those that close loops ----
@@ -192,17 +231,21 @@ def _with_ports(tables: dict[str, Any]) -> dict[str, Any]:
     ground = tables["ground"] | {"at_0": [parameter("x", 0.5), 0.25]}
     first, *_, last = [*bodies, *bodies]
     joint, *_ = tables["joints"]
-    driven = tables["joints"][joint]["kind"] == "revolute"
+    unit = {"revolute": "rad", "translational": "m"}.get(tables["joints"][joint]["kind"], "")
+    driven = bool(unit)
+    pushed = {"push": {"at": f"{last}.left", "components": [{"input": "push"}, "sin(2*t)"]}}
     return tables | {
         "bodies": bodies,
         "ground": ground,
-        "inputs": {"push": {"unit": "N", "value": 0.7}, **({"turn": {"unit": "rad", "value": 0}} if driven else {})},
-        "forces": {"push": {"at": f"{last}.left", "components": [{"input": "push"}, "sin(2*t)"]}},
-        "springs": {
+        "inputs": {"push": {"unit": "N", "value": 0.7}, **({"turn": {"unit": unit, "value": 0}} if driven else {})},
+        "forces": tables.get("forces", {}) | pushed,
+        "springs": tables.get("springs", {})
+        | {
             "held": {"between": ["ground.at_0", f"{last}.right"], "stiffness": parameter("stiffness", 3.0)},
             **({"between": {"between": [f"{first}.left", f"{last}.right"], "stiffness": 2.0}} if first != last else {}),
         },
-        "drives": {"motor": {"joint": joint, "motion": {"input": "turn"}}} if driven else {},
+        "drives": tables.get("drives", {})
+        | ({"motor": {"joint": joint, "motion": {"input": "turn"}}} if driven else {}),
         "outputs": {
             "place": {"kind": "position", "marker": f"{last}.right"},
             "pull": {"kind": "reaction", "joint": joint},
@@ -313,17 +356,23 @@ def _state(model: Model, scene: derive.Scene, rng: np.random.Generator) -> dict[
     }
 
 
-def _independent(model: Model, state: dict[str, Any]) -> bool:
-    """Whether M is positive definite and the constraints are independent of each other."""
+def _independent(model: Model, state: dict[str, Any], redundant: int) -> bool:
+    """Whether M is positive definite and the constraints are independent of each other, but for so many."""
     m, g = (dense(model, name, state) for name in ("mass", "constraint_jacobian"))
     try:
-        root = np.linalg.cholesky(m)
+        values = relative_eigenvalues(m, g)
         interpret(model.kernel("solve"), {a.name: state[a.name] for a in model.kernel("solve").arguments})
     except (np.linalg.LinAlgError, RequirementError, ZeroDivisionError):
         return False
-    half = np.linalg.solve(root, g.T)
-    half /= np.linalg.norm(half, axis=0)
-    return not len(g) or bool(np.linalg.svd(half, compute_uv=False)[-1] ** 2 > WELL_POSED)
+    return int((values > WELL_POSED).sum()) == len(g) - redundant
+
+
+def relative_eigenvalues(m: np.ndarray, g: np.ndarray) -> np.ndarray:
+    """The eigenvalues of G M^-1 G^T, scaled to ones on the diagonal where it is not zero. Raises LinAlgError."""
+    half = np.linalg.solve(np.linalg.cholesky(m), g.T)
+    norms = np.linalg.norm(half, axis=0)
+    values: np.ndarray = np.linalg.svd(half / np.where(norms > 0, norms, 1.0), compute_uv=False) ** 2
+    return values
 
 
 def dense(model: Model, name: str, state: dict[str, Any]) -> np.ndarray:

@@ -80,7 +80,7 @@ def value(expr: Expr, known: dict[str, float]) -> float:
 @pytest.mark.parametrize(
     ("expr", "expected"),
     [
-        (X / 7, Operation(Operator.DIV, (ScalarRef("x"), num(7)))),
+        (X / 7, Operation(Operator.MUL, (num(Fraction(1, 7)), ScalarRef("x")))),
         (X / 4, Operation(Operator.MUL, (num(Fraction(1, 4)), ScalarRef("x")))),
         (X * sp.Rational(2, 7), Operation(Operator.MUL, (ScalarRef("x"), num(Fraction(2, 7))))),
         (X**3, Operation(Operator.MUL, (Operation(Operator.MUL, (ScalarRef("x"), ScalarRef("x"))), ScalarRef("x")))),

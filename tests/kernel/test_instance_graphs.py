@@ -19,7 +19,7 @@ import mpmath
 import numpy as np
 import pytest
 from generated_sine import sines
-from random_graphs import SHAPES, Graph, dense, graph, ring_of_rods
+from random_graphs import SHAPES, TWIN, Graph, dense, graph, relative_eigenvalues, ring_of_rods, sliding_chain
 
 import derive
 from conftest import QUICK
@@ -35,13 +35,20 @@ from derive.runtime.native_scene import NativeScene
 TOLERANCE = 1e-13
 OF_CONDITION = 1e-15
 """Errors of solutions, relative to their terms, for a system of condition 1: a few units in the last place."""
+SINGULAR = 1e-12
+"""Eigenvalues of redundant constraints, which are less than those of others by WELL_POSED."""
+OF_LEAST_NORM = 1e-5
+"""Errors of reactions that are not unique, relative to the largest one; see `derive.lowering.proximal`."""
 SOLVED = ("accel", "solve", "project_velocity", "solve_kkt")
 FEW = 4
 """Bodies of small graphs, at most."""
 SMALL = (0, 1, 4, 6, 9, 12, 14, 15, 30, 35, 38, 39)
 EXACT = (4, 9, 14, 15)
-GENERATED = (0, 9, 12)
 WITH_PORTS = (0, 1, 4, 9, 14, 15)
+VARYING = (31, 53)
+TWINS = (14, 31)
+GENERATED = ((0, False), (9, False), (12, False), (57, True))
+"""Seeds, and whether their joints are varying."""
 
 
 def results(of: Graph, model: Model, name: str) -> dict[str, np.ndarray]:
@@ -87,9 +94,9 @@ class System:
 
     @cached_property
     def condition(self) -> float:
-        """The condition of G M^-1 G^T, scaled to ones on the diagonal."""
-        half = np.linalg.solve(np.linalg.cholesky(self.m), self.g.T)
-        values = np.linalg.svd(half / np.linalg.norm(half, axis=0), compute_uv=False) ** 2
+        """The condition of G M^-1 G^T, scaled to ones on the diagonal, where it has no eigenvalue 0."""
+        values = relative_eigenvalues(self.m, self.g)
+        values = values[values > SINGULAR]
         return float(values[0] / values[-1]) if len(values) else 1.0
 
     def forces(self, lam: np.ndarray) -> np.ndarray:
@@ -126,7 +133,7 @@ def check(of: Graph) -> None:
     assert apart <= system.bound(system.forces(flat["lam"])), f"vdot: {apart:.2g}, condition {system.condition:.2g}"
     assert np.array_equal(results(of, of.instances, "accel")["vdot"], loops["vdot"])
     by_flat, by_loops = (results(of, model, "project_velocity")["dv"] for model in (of.flat, of.instances))
-    reactions = np.linalg.solve(system.g @ system.inverse @ system.g.T, of.state["r"])
+    reactions = np.linalg.pinv(system.g @ system.inverse @ system.g.T) @ of.state["r"]
     assert system.norm(by_loops - by_flat) <= system.bound(abs(system.g.T) @ abs(reactions))
     if of.flat.sensitivities:
         by_flat, by_loops = (results(of, model, "solve_kkt") for model in (of.flat, of.instances))
@@ -187,9 +194,37 @@ def test_graphs_with_parameters_inputs_springs_and_outputs(seed: int) -> None:
     check(of)
 
 
+@pytest.mark.parametrize("seed", VARYING)
+def test_graphs_with_joints_that_depend_on_both_of_their_bodies(seed: int) -> None:
+    """Their axes move, or they remove functions of several relative motions; seed 53 has a drive of such a joint."""
+    of = graph(seed, FEW, ports=True, varying=True)
+    assert {"first_factor", "second_factor"} <= of.instances.kernel("solve").used
+    check(of)
+
+
+@pytest.mark.parametrize("seed", TWINS)
+def test_redundant_joints_that_depend_on_both_of_their_bodies(seed: int) -> None:
+    """Two joints of each scene are there twice, so that reactions are those of least norm: the same in both."""
+    of = graph(seed, FEW, varying=True, twins=2)
+    assert of.instances.proximal and {"first_factor", "second_factor"} <= of.instances.kernel("solve").used
+    check(of)
+    flat, loops = (results(of, model, "solve")["lam"] for model in (of.flat, of.instances))
+    assert np.abs(loops - flat).max() < OF_LEAST_NORM * np.abs(flat).max()
+    number = {multiplier.name: k for k, multiplier in enumerate(of.flat.multipliers)}
+    twins = [(k, number[f"{TWIN}{name}"]) for name, k in number.items() if f"{TWIN}{name}" in number]
+    assert len(twins) > 1
+    assert all(loops[a] == pytest.approx(loops[b], rel=1e-3) for a, b in twins)
+
+
+@pytest.mark.parametrize("driven", [False, True])
+def test_a_chain_in_which_each_body_slides_along_the_one_before(driven: bool) -> None:
+    """The joints are one group whose bodies differ in their numbers."""
+    check(sliding_chain(6, driven))
+
+
 @cache
-def small(seed: int) -> Graph:
-    return graph(seed, FEW)
+def small(seed: int, varying: bool = False) -> Graph:
+    return graph(seed, FEW, varying=varying)
 
 
 def test_rods_that_meet_their_joints_in_either_order() -> None:
@@ -208,6 +243,12 @@ def test_every_shape_is_among_the_small_graphs() -> None:
 @pytest.mark.parametrize("seed", range(100, 170))
 def test_seventy_graphs(seed: int) -> None:
     check(graph(seed))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(200, 290))
+def test_ninety_graphs_with_joints_that_depend_on_both_of_their_bodies(seed: int) -> None:
+    check(graph(seed, FEW, ports=seed % 2 == 0, varying=True))
 
 
 @pytest.mark.long
@@ -264,36 +305,36 @@ def exactly(of: Graph, name: str) -> dict[str, list[Any]]:
 
 
 @cache
-def files(seed: int) -> tuple[derive.File, ...]:
-    model = small(seed).instances
+def files(*of: int) -> tuple[derive.File, ...]:
+    model = small(*of).instances
     return (*CBackend().files(model, ""), *PythonBackend().files(model, ""))
 
 
 @cache
-def native(seed: int) -> NativeScene:
-    return load_scene(files(seed), QUICK)
+def native(*of: int) -> NativeScene:
+    return load_scene(files(*of), QUICK)
 
 
 @cache
-def module(seed: int) -> ModuleType:
-    (file,) = (file for file in files(seed) if file.path.endswith(".py"))
+def module(*of: int) -> ModuleType:
+    (file,) = (file for file in files(*of) if file.path.endswith(".py"))
     result = ModuleType("generated")
     exec(compile(file.text, file.path, "exec"), result.__dict__)
     return result
 
 
-def evaluated(seed: int) -> list[str]:
+def evaluated(*of: int) -> list[str]:
     """The functions besides setup and those of markers."""
-    names = (kernel.name for kernel in small(seed).instances.kernels)
+    names = (kernel.name for kernel in small(*of).instances.kernels)
     return [name for name in names if name.partition("_")[0] not in ("setup", "marker", "load")]
 
 
-@pytest.mark.parametrize("seed", GENERATED)
-def test_python_has_the_bits_of_the_interpreter(seed: int) -> None:
-    of = small(seed)
-    for name in evaluated(seed):
+@pytest.mark.parametrize(("seed", "varying"), GENERATED)
+def test_python_has_the_bits_of_the_interpreter(seed: int, varying: bool) -> None:
+    of = small(seed, varying)
+    for name in evaluated(seed, varying):
         given = [x if isinstance(x, float) else np.array(x) for x in of.arguments(name).values()]
-        found = getattr(module(seed), name)(*given)
+        found = getattr(module(seed, varying), name)(*given)
         expected = results(of, of.instances, name).values()
         for a, b in zip(found if isinstance(found, tuple) else (found,), expected, strict=True):
             assert a.tobytes() == b.tobytes(), name
@@ -305,14 +346,14 @@ SINES: Mapping[str, Callable[[float], float]] = {
 }
 
 
-@pytest.mark.parametrize("seed", GENERATED)
-def test_c_has_the_bits_of_the_interpreter(seed: int) -> None:
+@pytest.mark.parametrize(("seed", "varying"), GENERATED)
+def test_c_has_the_bits_of_the_interpreter(seed: int, varying: bool) -> None:
     """With the sines of C."""
-    of = small(seed)
-    for name in evaluated(seed):
+    of = small(seed, varying)
+    for name in evaluated(seed, varying):
         kernel, given = of.instances.kernel(name), of.arguments(name)
         expected = interpret(kernel, given, functions=SINES).values()
-        found = in_c(native(seed), name)(*given.values())
+        found = in_c(native(seed, varying), name)(*given.values())
         for a, b in zip(found if isinstance(found, tuple) else (found,), expected, strict=True):
             assert np.ravel(a).tobytes() == np.array(b, float).tobytes(), name
 
@@ -328,10 +369,10 @@ def in_c(scene: NativeScene, name: str) -> Any:
 BATCHES = ("mass", "force", "mass_force", "accel", "energy", "momentum", "rates")
 
 
-@pytest.mark.parametrize("seed", GENERATED)
-def test_batches_have_the_bits_of_single_states(seed: int) -> None:
-    scene, rng = native(seed), np.random.default_rng(seed)
-    q = np.array(small(seed).state["q"]) * rng.uniform(0.5, 1.0, (11, scene.nq))
+@pytest.mark.parametrize(("seed", "varying"), GENERATED)
+def test_batches_have_the_bits_of_single_states(seed: int, varying: bool) -> None:
+    scene, rng = native(seed, varying), np.random.default_rng(seed)
+    q = np.array(small(seed, varying).state["q"]) * rng.uniform(0.5, 1.0, (11, scene.nq))
     v, k = rng.uniform(-1, 1, (11, scene.nv)), scene.setup()
     for name in BATCHES:
         given = {"mass": (q,)}.get(name, (q, v))

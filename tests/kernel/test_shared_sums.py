@@ -6,12 +6,16 @@ from functools import cache
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import derive
 from derive.ir.expressions import Expr, Operation, Operator, ScalarRef
 from derive.ir.model import Kernel
 from derive.ir.statements import Let
+from derive.lowering.flat.shared_sums import SharedSums
 from derive.mechanics.bodies.modal_body import ModalBody
+from derive.mechanics.symbols import local
+from derive.mechanics.terms import Intermediate, ModelConstant
 
 
 @cache
@@ -56,6 +60,14 @@ def test_rows_of_shapes_share_the_square_of_the_spin(n: int) -> None:
 def test_no_long_chain_of_additions(name: str) -> None:
     """The sums over 32 shapes are balanced trees of chains of eight terms; what follows takes four more additions."""
     assert longest_chain(model(32).kernel(name)) <= 7 + 2 + 4
+
+
+def test_a_sum_of_equal_quantities_is_a_product() -> None:
+    """Where two such sums were, -a - b with a = b became -2 + a."""
+    a, b = local("a"), local("b")
+    constants = [ModelConstant(symbol, sp.Rational(9, 10), "", "", "") for symbol in (a, b)]
+    sums = SharedSums([Intermediate(local(f"sum_{sign}"), sign * (a + b), "", "", "") for sign in (-1, 1)], constants)
+    assert sums.divided(-a - b) == (-2 * a, ())
 
 
 def longest_chain(kernel: Kernel) -> int:

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 import derive
+from conftest import QUICK
+from derive.backends.model_files import emit
 from derive.cli.specifications import read_changed
 from derive.errors import SpecError
 from derive.spec.as_tables import specification_tables
@@ -336,6 +338,44 @@ def test_drives_may_have_a_count() -> None:
     assert {"motor[0]", "lambda_motor[0]", "lambda_motor[1]"} <= set(motion.columns)
 
 
+PUSHED = (
+    DRIVEN.replace('motion = "0.1*(i + 1)*sin(t)"', 'motion = { input = "turn[i]" }')
+    + """
+[inputs.turn]
+count = 2
+unit = "rad"
+value = "0.1*(i + 1)*sin(t)"
+[inputs.push]
+count = 3
+unit = "N"
+value = "0.3*i"
+[forces.push]
+count = 3
+at = "hub[i].b"
+components = [0, { input = "push[i]" }]
+"""
+)
+
+
+def test_inputs_may_have_a_count() -> None:
+    """They give the motion of the scene in which their values are written, and have names and columns of instances."""
+    by_hand = DRIVEN + '[forces.push]\ncount = 3\nat = "hub[i].b"\ncomponents = [0, "0.3*i"]\n'
+    np.testing.assert_array_equal(derive.simulate(parse(PUSHED)).q, derive.simulate(parse(by_hand)).q)
+    given = {f"turn[{i}]": lambda t, i=i: 0.1 * (i + 1) * np.array([np.sin(t), np.cos(t), -np.sin(t)]) for i in (0, 1)}
+    motion = derive.simulate(parse(PUSHED), inputs=given)
+    np.testing.assert_allclose(motion["u_turn[1]_dot"], 0.2 * np.cos(motion.t), rtol=1e-14)
+    assert [given.name for given in motion.model.inputs][:3] == ["turn_0", "turn_0_dot", "turn_0_ddot"]
+    with pytest.raises(SpecError, match=r'components\[1\]: for i = 2: there is no input "push\[2\]"'):
+        parse(PUSHED.replace('count = 3\nunit = "N"', 'count = 2\nunit = "N"'))
+
+
+@pytest.mark.parametrize("lowering", ["flat", "instances"])
+def test_loaded_inputs_have_names_of_instances(lowering: str) -> None:
+    spec = parse(PUSHED.replace("[ground", f'[scene]\nlowering = "{lowering}"\n[ground'))
+    native = derive.load(emit(derive.lower(derive.derive(spec)), spec), QUICK)
+    assert native.inputs[2:5] == ("turn[0]_ddot", "turn[1]", "turn[1]_dot") and native.inputs[-1] == "push[2]"
+
+
 # ---- faults ----
 
 
@@ -478,7 +518,7 @@ def test_many_instances_with_many_faults_are_few_lines():
 
 
 def test_a_count_belongs_to_some_sections():
-    assert any(text.startswith("45: inputs.m.count: unknown key") for text in errors(more="[inputs.m]\ncount = 2\n"))
+    assert any(text.startswith("45: plots.m.count: unknown key") for text in errors(more="[plots.m]\ncount = 2\n"))
 
 
 def test_warnings_of_instances_are_one(tmp_path: Path):

@@ -5,14 +5,20 @@ from __future__ import annotations
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from made_up import row
 
+import derive
 from derive.artifacts import MARK
 from derive.cli.main import main
 from derive.lowering.elimination_orders import EliminationRule
+from derive.lowering.flat.constraints import DependentConstraints
+from derive.spec.model.scene import Scene
+from derive.spec.toml.read import parse
+from derive.study.frame_cost import _lowered
 from derive.study.frame_cost_chart import frame_cost_svg
 from derive.study.frame_cost_table import frame_cost_data, frame_cost_text
 from derive.study.timing import interleaved, ratio
@@ -48,6 +54,59 @@ def test_shapes_that_do_not_fit_a_frame_are_named_with_their_place(study: str, t
     assert main(["study", study, str(path), "--pieces", "1"]) == 2
     message = capsys.readouterr().err
     assert message.startswith(f"{path}:4: bodies.rod.ansatz: in the frame mean: pinned shapes do not fulfil")
+
+
+TWICE = """
+name = "twice"
+scene.gravity = [0, -9.81]
+ground.markers = { o = [0, 0] }
+[bodies.arm]
+mass = 1
+inertia = 0.1
+markers = { o = [0, 0], tip = [1, 0] }
+[bodies.rod]
+ansatz = ["1", "xi", "xi^2"]
+mass = 0.1
+length = 0.5
+bending_stiffness = 5
+markers = { left = -1 }
+start = { position = [1.25, 0] }
+[joints.one]
+kind = "revolute"
+between = ["ground.o", "arm.o"]
+[joints.other]
+kind = "revolute"
+between = ["ground.o", "arm.o"]
+[joints.pin]
+kind = "revolute"
+between = ["arm.tip", "rod.left"]
+[simulation]
+duration = 0.1
+output = 0.05
+"""
+
+
+def test_redundant_joints_have_a_proximal_term() -> None:
+    scene = parse(TWICE)
+    assert isinstance(scene, Scene)
+    equations = derive.derive(scene).expanded()
+    assert _lowered(equations, scene, EliminationRule.SAFE).proximal
+    with pytest.raises(DependentConstraints, match="other_1"):
+        _lowered(equations, replace(scene, redundant="error"), EliminationRule.SAFE)
+    (text,) = (
+        line
+        for line in frame_cost_text("twice", FRAMES, [replace(row(1), redundant=True)]).splitlines()
+        if "redund" in line
+    )
+    assert "joints are redundant: pivots of multipliers have a proximal term" in text
+
+
+def test_pivots_of_redundant_joints_are_not_compared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "twice.toml"
+    path.write_text(TWICE)
+    assert main(["study", "pivots", str(path), "--pieces", "1"]) == 2
+    message = capsys.readouterr().err
+    assert "a pivot vanishes in every order" in message and "other_1" in message
 
 
 def test_frames_take_turns() -> None:

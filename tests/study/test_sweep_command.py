@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 from sweep_scenes import SLIDER, kill_at_seven, slider
 
+import derive
 from derive.cli.main import main
+from derive.spec.toml.read import parse
 from derive.study.sweep import executors
 from derive.study.sweep.picture import sweep_svg
 from derive.study.sweep.result import SweepResult
@@ -194,3 +196,51 @@ def test_pictures_are_lines_and_maps() -> None:
     points = sweep_svg(made_up(random_samples({"a.x": uniform(0, 1), "b.x": uniform(0, 1)}, 20)))
     assert points and "peak of s over a.x and b.x" in points and points.count("<use") > 20
     assert sweep_svg(made_up(grid({"x": x, "y": y, "z": [1, 2]}))) is None
+
+
+CHAIN = """
+name = "chain"
+ground.markers = { hook = [0, 0] }
+scene.gravity = [0, -9.81]
+[bodies.link]
+count = 4
+mass = 0.05
+inertia = 1e-4
+markers = { left = [0, 0], right = [0.1, 0] }
+start = { position = ["0.1*i", 0] }
+[joints.hinge]
+kind = "revolute"
+between = ["ground.hook", "link[0].left"]
+[joints.pin]
+count = 3
+kind = "revolute"
+between = ["link[i].right", "link[i+1].left"]
+[simulation]
+duration = 0.2
+output = 0.01
+"""
+
+
+def test_numbers_of_instances_are_swept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each number has a model of its own, whose outputs are those of a simulation with these counts."""
+    spec, table = tmp_path / "chain.toml", tmp_path / "counts.csv"
+    spec.write_text(CHAIN)
+    table.write_text("bodies.link.count,joints.pin.count\n2,1\n5,4\n")
+    assert run(spec, "--list", str(table), "--output", "final:link[1]_phi") == 0
+    printed = capsys.readouterr().out
+    assert "set bodies.link.count: 4 -> 2 values, 2 ... 5\n" in printed and "2 compiled models" in printed
+    assert "link.count = 5, pin.count = 4" in printed
+    rows = list(csv.reader((tmp_path / "chain" / "sweep.csv").read_text().splitlines()))
+    for given_count, given_joints, value, failure in rows[1:]:
+        count, joints = (int(float(text)) for text in (given_count, given_joints))
+        text = CHAIN.replace("count = 4", f"count = {count}").replace("count = 3", f"count = {joints}")
+        assert float(value) == derive.simulate(parse(text))["link[1]_phi"][-1] and not failure
+
+
+def test_counts_that_do_not_go_together_have_the_lines_of_the_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    spec = tmp_path / "chain.toml"
+    spec.write_text(CHAIN)
+    assert run(spec, "--set", "bodies.link.count=4,3", "--output", "final:link[1]_phi") == 2
+    assert f"{spec}:17: joints.pin.between[1]: for i = 2: there is no link[3]" in capsys.readouterr().err

@@ -52,7 +52,7 @@ def _block(model: Model, kernel: Kernel) -> StateBlock:
     if straight.is_straight:
         return straight
     widths = REPEATED if straight.repeats else WIDTHS
-    blocks = ((StateBlock(kernel, model.name, width), most) for width, most in widths.items())
+    blocks = ((straight.of_width(width), most) for width, most in widths.items())
     return next(block for block, most in blocks if _fits(stack(block), most))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 from derive.backends.c.loop_text import declarations
 from derive.backends.c.nests import CNests
 from derive.ir.batches import SHARED, batch, state_arguments, state_elements, state_views
@@ -20,6 +22,12 @@ class StateBlock:
         self.checked = kernel.checked
         self.repeats = kernel.repeats
         self.multiplies = any(isinstance(node, BlockProduct) for node in every(self.batch.nodes))
+
+    def of_width(self, width: int) -> StateBlock:
+        """The function for a block of another number of states."""
+        other = copy(self)
+        other.width = width
+        return other
 
     @property
     def is_straight(self) -> bool:

@@ -16,15 +16,14 @@ from derive.spec.model.instances import identifier
 class SeriesTable:
     """The series of a table of variables or names.
 
-    name: that of the table; kind: q, v, lambda, u or out of variables, else what is named; shown: whether the names are
-    those for people, with indices in brackets.
+    name: that of the table: q, v, lambda, u or out of variables, else that of what is named. The names are those for
+    people, with indices in brackets.
     """
 
     name: str
     series: tuple[VariableSeries, ...]
     text_size: int
     variables: bool = True
-    shown: bool = False
 
     @property
     def size(self) -> int:
@@ -118,5 +117,5 @@ def composed_names(model: Model) -> ComposedNames:
 
 def _table(name: str, of: Iterable[Variable], variables: bool = True) -> SeriesTable:
     own = tuple(of)
-    size = sum(len(v.name) + 1 for v in own)
-    return SeriesTable(name, variable_series(own), size, variables, shown=name == "bodies")
+    size = sum(len(v.title) + 1 for v in own)
+    return SeriesTable(name, variable_series(own), size, variables)

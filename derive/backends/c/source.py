@@ -109,7 +109,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "batch_width": " or ".join(str(w) for w in sorted({block.width for block in blocks.values()})),
         "batch_stack": -(-max(map(stack, blocks.values())) // 1024),
         "patterns": pattern_texts(model, "    "),
-        "markers": [(m.name, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
+        "markers": [(m.name, m.title, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
         "forms": FORMS if model.bodies and not model.explicit else {},
         "reduced_forms": REDUCED_FORMS,
         "without": {part.name.lower(): part.value for part in OptionalPart},

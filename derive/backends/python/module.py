@@ -275,10 +275,10 @@ def _tables(model: Model) -> list[TupleConstant]:
         literals = [f'"{item}"' if isinstance(item, str) else repr(item) for item in items]
         return TupleConstant(name, _lines(literals))
 
-    def names(name: str, variables: tuple[Variable, ...], form: str = "") -> TupleConstant:
+    def names(name: str, variables: tuple[Variable, ...]) -> TupleConstant:
         if model.lowering == "instances":
-            return TupleConstant(name, _composed(variables, form))
-        return table(name, _each_name(variables))
+            return TupleConstant(name, _composed(variables))
+        return table(name, (column for v in variables for column in v.columns))
 
     bodies = tuple(Variable(name, "", "", shown=name) for name in model.bodies)
     return [
@@ -288,19 +288,17 @@ def _tables(model: Model) -> list[TupleConstant]:
         table("SIZES", (v.size for v in model.parameters)),
         table("UNITS", (v.unit for v in model.parameters)),
         table("CONSTANTS", (v.name for v in model.constants)),
-        table("MARKERS", (v.name for v in model.markers)),
-        *((names("MULTIPLIERS", model.multipliers), names("BODIES", bodies, "{}[{}]")) if model.bodies else ()),
+        table("MARKERS", (v.title for v in model.markers)),
+        *((names("MULTIPLIERS", model.multipliers), names("BODIES", bodies)) if model.bodies else ()),
     ]
 
 
-def _composed(variables: tuple[Variable, ...], form: str = "") -> str:
+def _composed(variables: tuple[Variable, ...]) -> str:
     """The call that composes the names of variables."""
     parts = []
     for series in variable_series(variables):
         labels = _lines([f'"{label.name}"' for label in series.labels])
         parts.append(f'("{series.table}", {series.first}, {series.count}, {labels})')
-    if form:
-        parts.append(f'form="{form}"')
     return "\n".join(["_names(", *(f"    {part}," for part in parts), ")"])
 
 
@@ -310,11 +308,6 @@ def _marker_class(of: MarkerClass) -> str:
     names = "\n".join(f"    {line}" for line in _composed(of.markers).splitlines()).strip()
     parts = [f'"{of.name}"', names, columns, f"MARKER_{of.name.upper()}"]
     return "\n".join([f"{of.name.upper()}_MARKERS = MarkerClass(", *(f"    {part}," for part in parts), ")"])
-
-
-def _each_name(variables: tuple[Variable, ...]) -> list[str]:
-    """Names; the elements of an array are numbered from 1."""
-    return [f"{v.name}{k}" if v.size > 1 else v.name for v in variables for k in range(1, v.size + 1)]
 
 
 def _defaults(model: Model) -> str:

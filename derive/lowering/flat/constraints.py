@@ -19,8 +19,8 @@ from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.graph import LoweringError
-from derive.lowering.flat.schedule import NamedValue, RequiredValue, Step
-from derive.lowering.ldlt import Factorisation, factorise, solve
+from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue, Step, StepItem
+from derive.lowering.ldlt import Factorisation, backward, factorise, forward, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.lowering.proximal import PROXIMAL, REFINEMENTS
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
@@ -164,9 +164,10 @@ def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
     return factorise(shape, entries, kkt_order(context, shape), n, proximal)
 
 
-def _solution(context: Context, symbols: Symbols, factors: Factorisation, right: list[ca.SX]) -> list[ca.SX]:
-    """The solution of the system with the KKT matrix; with a proximal term, after its refinement."""
-    solution = solve(factors, right)
+def _refined(
+    context: Context, symbols: Symbols, factors: Factorisation, right: list[ca.SX], solution: list[ca.SX]
+) -> list[ca.SX]:
+    """The solution of the system with the KKT matrix after the refinement that a proximal term needs."""
     scales = zip(factors.order, factors.scales, strict=True)
     weights = {j: symbols.number(PROXIMAL) * scale for j, scale in scales if j >= factors.coordinates}
     for _ in range(REFINEMENTS if context.proximal else 0):
@@ -239,12 +240,18 @@ def _with_pivots(
     right: list[ca.SX],
     inputs: tuple[Input, ...],
 ) -> Kernel:
-    """The kernel that solves the system. Raises LoweringError."""
+    """The kernel that solves the system. Raises LoweringError.
+
+    The right-hand sides are eliminated beside the pivots, since each pivot waits for the division before; and all
+    checks come last, since compilers move nothing across their branches.
+    """
     factors = kkt_factors(context, symbols)
     names = (*context.rows, *context.multipliers)
-    solution = _solution(context, symbols, factors, right)
-    pivots = zip(factors.pivots, factors.order, strict=True)
-    named = tuple(NamedValue(f"pivot_{names[j]}", pivot) for pivot, j in pivots)
+    eliminated = forward(factors, right)
+    solution = _refined(context, symbols, factors, right, backward(factors, eliminated))
+    items: list[StepItem] = []
+    for j, pivot in zip(factors.order, factors.pivots, strict=True):
+        items += [NamedValue(f"pivot_{names[j]}", pivot), EarlyValue(eliminated[j])]
     checks = pivot_checks(symbols, factors, names)
     results, start = [], 0
     for name, elements in outputs.items():
@@ -258,13 +265,13 @@ def _with_pivots(
         function,
         outputs,
         symbols,
-        Step("pivots", Source.FACTORISATION, f"eliminate {order}; fill-in {factors.fill}{term}", (*named, *checks)),
+        Step("pivots", Source.FACTORISATION, f"eliminate {order}; fill-in {factors.fill}{term}", tuple(items)),
         Step(
             "solution",
             Source.FACTORISATION,
             "forward, diagonal and back substitution",
             tuple(item for items in results for item in items),
         ),
-        Step("check", "", "check that the result is finite", (finite,)),
+        Step("check", "", "check the pivots and that the result is finite", (*checks, finite)),
         inputs=inputs,
     )

@@ -33,8 +33,8 @@ def _stabilising(context: Context) -> tuple[sp.Symbol, ...]:
     return tuple(local(f"mu_{name}") for name in context.multipliers)
 
 
-def residual_rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
-    """The rows of F."""
+def residual_rows(context: Context, form: str, symbols: Symbols, joints_alone: bool = False) -> list[ca.SX]:
+    """The rows of F; joints_alone: without qdot - v."""
     eq = context.equations
     entries = jacobian_entries(context, symbols)
 
@@ -45,12 +45,13 @@ def residual_rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
             total[j] = total[j] + value * symbols.values[multipliers[i]]
         return total
 
-    rows = [symbols.values[state_rate(c.q)] - symbols(rate) for c, rate in zip(eq.coordinates, eq.rates, strict=True)]
+    rows = [ca.SX(0) for _ in eq.coordinates]
+    if not joints_alone:
+        kinematics = zip(eq.coordinates, eq.rates, strict=True)
+        rows = [symbols.values[state_rate(c.q)] - symbols(rate) for c, rate in kinematics]
     if form == "ggl":
-        rows = [
-            row + part
-            for row, part in zip(rows, _rates_of(context, symbols, transposed(_stabilising(context))), strict=True)
-        ]
+        stabilising = _rates_of(context, symbols, transposed(_stabilising(context)))
+        rows = [row + part for row, part in zip(rows, stabilising, strict=True)]
     reactions = transposed(context.forces)
     rows += [symbols(eq.sum_of(row.name)) - f for row, f in zip(eq.rows, reactions, strict=True)]
     if form == "ggl":

@@ -154,9 +154,10 @@ class Graph:
         return self._neutral(kind, args, values)
 
     def _neutral(self, kind: Operator, args: tuple[int, ...], values: list[Fraction | None]) -> int | None:
-        """Simplify x * 1, x / 1, x * -1 and a + (-b), write x * number as number * x, and let setup invert constants.
+        """Simplify x * 1, x / 1, x * -1 and a + (-b), write x * number and x / number as number * x.
 
-        Zeros do not occur: the derivation removes them, with their reasons.
+        Setup inverts constants. Products take a fraction of the time of divisions. Zeros do not occur: the derivation
+        removes them, with their reasons.
         """
         (a, b), (va, vb) = args, values
         negated = self.nodes[b].args[0] if self.nodes[b].kind is Operator.NEG else None
@@ -170,6 +171,8 @@ class Graph:
             return self.apply(Operator.SUB if kind is Operator.ADD else Operator.ADD, a, negated)
         if kind is Operator.MUL and vb is not None:
             return self.apply(Operator.MUL, b, a)
+        if kind is Operator.DIV and vb is not None and MIN_DOUBLE <= abs(1 / vb) <= MAX_DOUBLE:
+            return self.apply(Operator.MUL, self.number(1 / vb), a)
         if kind is Operator.DIV and vb is None and self._constant[b] and not self._constant[a]:
             return self.apply(Operator.MUL, a, self.apply(Operator.DIV, self.number(1), b))  # setup computes 1 / b
         return None

@@ -27,6 +27,13 @@ class NamedValue:
 
 
 @dataclass(frozen=True)
+class EarlyValue:
+    """A value without a name that the step computes already, if others use it; else it is computed where it is used."""
+
+    value: ca.SX
+
+
+@dataclass(frozen=True)
 class OutputValue:
     """The value of element `index` of an output."""
 
@@ -50,7 +57,7 @@ class RequiredValue:
     needed_by: str = ""
 
 
-StepItem = NamedValue | OutputValue | RequiredValue
+StepItem = NamedValue | EarlyValue | OutputValue | RequiredValue
 
 
 @dataclass(frozen=True)
@@ -153,7 +160,7 @@ class _Writer:
     def __init__(self, graph: Graph, items: list[tuple[StepItem, int]], temporaries: Iterator[str]) -> None:
         self.graph = graph
         self.temporaries = temporaries
-        self.uses = _uses(graph, [node for item, node in items if not isinstance(item, NamedValue)])
+        self.uses = _uses(graph, [node for item, node in items if not isinstance(item, NamedValue | EarlyValue)])
         self.names = {node: item.name for item, node in reversed(items) if isinstance(item, NamedValue)}
         self.divisors = _divisors(graph, self.uses)
         self.interrupted: frozenset[int] = frozenset()
@@ -167,7 +174,7 @@ class _Writer:
         for item, node in items:
             for below in self._interrupted_below(node):
                 self._expr(below, out)
-            if isinstance(item, NamedValue):
+            if isinstance(item, NamedValue | EarlyValue):
                 if self.uses[node]:
                     self._expr(node, out)
                 continue

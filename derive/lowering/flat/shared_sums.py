@@ -50,7 +50,7 @@ class SharedSums:
 
     def _parts(self, expr: sp.Expr) -> tuple[sp.Expr, Sequence[sp.Expr]]:
         constant = [term for term in expr.args if term.free_symbols <= self._constants]
-        if not constant:
+        if not constant or not expr.is_Add:  # equal quantities make a product of a sum
             return expr, ()
         return sp.Add(*(term for term in expr.args if term not in constant)), sorted(constant, key=sp.default_sort_key)
 

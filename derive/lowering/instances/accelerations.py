@@ -44,6 +44,7 @@ from derive.lowering.instances.local_system import LocalSystem, Right, local_sys
 from derive.lowering.instances.path_elimination import along_path
 from derive.lowering.instances.places import Place
 from derive.lowering.instances.proximal_elimination import with_proximal_term
+from derive.lowering.instances.varying_factors import VaryingFactors
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.symbols import local
 from derive.roles import Source
@@ -67,15 +68,17 @@ def _system(
     in_lanes: bool,
 ) -> _Solution:
     """The loops of a class: the compliance of its markers, and its unknowns from the reactions."""
-    ctx = of.context
+    ctx = of.system
     side = right(context, of)
-    given = (*given_inputs(of, *names), *(given for _, _, given in side.inputs), ctx.lam)
+    read = [*side.inputs, *VaryingFactors(context).reads(of)]
+    loads = [*state(of, *names), *read]
+    given = (*given_inputs(of, *names), *(given for _, _, given in read), ctx.lam)
     symbols = ctx.symbols(*given)
     system = local_system(of, symbols, side)
     unknowns, kept, values = kept_values(symbols, system.unknowns, symbols.values_of(ctx.forces), system.inverses)
     items: list[StepItem] = [*system.checks]
     targets: dict[str, LoopTarget] = {}
-    if context.blocks and of.rows:
+    if context.blocks and of.system_rows:
         more, targets = _block_items(context, of, system)
         items += more
     work = Work(f"kept_{of.name}", len(kept) * spaced(of.count), spacing=spaced(of.count)) if kept else None
@@ -83,10 +86,9 @@ def _system(
     if work:
         items += stores("kept", values)
         targets["kept"] = of.target(work.array, place)
-    loads = [*state(of, *names), *side.inputs]
     before = of.loop(symbols, [Step(of.name, "", "", tuple(items))], loads, targets, in_lanes)
     later = symbols.copy()
-    inputs = [*state(of, *names), *side.inputs]
+    inputs = list(loads)
     if work:
         labels = [local(f"kept_{k + 1}") for k in range(len(kept))]
         for symbol in labels:
@@ -94,7 +96,7 @@ def _system(
         inputs.append((work.array, place, array_input(work.array, labels, "")))
         unknowns = ca.vertsplit(ca.substitute([ca.vertcat(*unknowns)], kept, later.values_of(labels))[0])
     if context.blocks:
-        for h, rows in enumerate(of.rows):
+        for h, rows in enumerate(of.system_rows):
             names_of = array_input(FORCE, [ctx.forces[r] for r in rows], "")
             inputs.append((FORCE, _joint_place(context.blocks, of, h), names_of))
     after = of.loop(
@@ -115,7 +117,7 @@ def _block_items(
     assert system is not None
     items: list[StepItem] = []
     targets: dict[str, LoopTarget] = {}
-    for h, rows in enumerate(of.rows):
+    for h, rows in enumerate(of.system_rows):
         place, side = _joint_place(system, of, h), 0 if of.of.first.handles[h].is_first else 1
         pairs = [(i, j) for i in range(len(rows)) for j in range(i, len(rows))]
         index = [packed(system.size, i, j) for i, j in pairs]
@@ -123,7 +125,7 @@ def _block_items(
         items += stores(f"diagonal_{h}", [local_of.compliance(rows[i], rows[j]) for i, j in pairs])
         targets[f"right_{h}"] = of.target(RIGHT[side], place)
         items += stores(f"right_{h}", [local_of.right[r] for r in rows])
-    for a, b in combinations(range(len(of.rows)), 2):
+    for a, b in combinations(range(len(of.system_rows)), 2):
         items_of, targets_of = _coupling(system, of, (a, b), local_of)
         items += items_of
         targets |= targets_of
@@ -142,7 +144,7 @@ def _coupling(
 ) -> tuple[list[StepItem], dict[str, LoopTarget]]:
     """The items that write a block beside the diagonal: two joints of one body."""
     a, b = handles
-    first, second = of.rows[a], of.rows[b]
+    first, second = of.system_rows[a], of.system_rows[b]
     size = system.size
     at = [(system.position[m.handles[a].joint], system.position[m.handles[b].joint]) for m in of.of.members]
     turned = [x > y for x, y in at]
@@ -195,6 +197,9 @@ def solved(
     systems = [_system(context, of, right, names, unknown, in_lanes) for of in context.classes]
     works = [s.work for s in systems if s.work]
     applied = applied_sums(context) if right is _forces else ()
+    has_bias = bool(context.joints) and right is _forces
+    has_known = bool(given) or has_bias
+    factors = VaryingFactors(context)
     steps: list[Part] = [
         (
             "bodies",
@@ -204,16 +209,18 @@ def solved(
         )
     ]
     if context.blocks:
-        steps.insert(
-            0, ("system", Source.FACTORISATION, "the blocks of the joints", declared(context.blocks, bool(given)))
-        )
-        steps.insert(1, ("known", "(5)", "what is known of the right-hand sides", list(given)))
+        varying: list[Statement] = [*factors.works(), *factors.loops(context.blocks, names, has_bias, in_lanes)]
+        steps[:0] = [
+            ("system", Source.FACTORISATION, "the blocks of the joints", declared(context.blocks, has_known)),
+            ("known", "(5)", "what is known of the right-hand sides", list(given)),
+            ("factors", "(6)", "what the rows of G of one body owe to another", varying),
+        ]
         steps.append(
             (
                 "joints",
                 Source.FACTORISATION,
                 "elimination of the joints, and back substitution",
-                _eliminated(context, context.blocks, bool(given)),
+                _eliminated(context, context.blocks, has_known),
             )
         )
     steps.append(
@@ -264,7 +271,7 @@ def _known_bias(context: InstanceContext) -> list[Statement]:
 
 
 def _forces(context: InstanceContext, of: ClassCode) -> Right:
-    eq = of.context.equations
+    eq = of.system.equations
     applied = applied_forces(context, of)
     own = (*(applied[0][2].symbols if applied else [sp.S.Zero] * len(eq.rows)),)
     return Right([-h - more for h, more in zip(eq.force, own, strict=True)], [-c.bias for c in eq.constraints], applied)

@@ -152,6 +152,15 @@ class Adjugate:
         """The solutions of a system without the factor `inverse`, so that nothing waits for the division."""
         return product(self.adjugate, right)
 
+    @staticmethod
+    def forward(right: Block) -> Block:
+        """The first part of a solution, here none."""
+        return right
+
+    def middle(self, right: Block) -> Block:
+        """The second part of a solution, with a symmetric block: here all of it."""
+        return self.solve(right)
+
     @property
     def block(self) -> Block:
         """The inverse, a symmetric block."""
@@ -185,20 +194,29 @@ class Factors:
         """The factors from such a block."""
         return Factors(block, [row[k] for k, row in enumerate(block)])
 
+    def forward(self, right: Block) -> Block:
+        """L^-1 times the columns of `right`."""
+        x = [list(row) for row in right]
+        for i in range(len(x)):
+            for k in range(i):
+                x[i] = [value - self.lower[i][k] * other for value, other in zip(x[i], x[k], strict=True)]
+        return x
+
+    def middle(self, right: Block) -> Block:
+        """D^-1 times the columns of `right`."""
+        return [[value * inverse for value in row] for row, inverse in zip(right, self.inverses, strict=True)]
+
+    def backward(self, right: Block) -> Block:
+        """L^-T times the columns of `right`."""
+        x = [list(row) for row in right]
+        for i in reversed(range(len(x))):
+            for k in range(i + 1, len(x)):
+                x[i] = [value - self.lower[k][i] * other for value, other in zip(x[i], x[k], strict=True)]
+        return x
+
     def solve(self, right: Block) -> Block:
         """The solutions of a system with the block for the columns of `right`, by substitution."""
-        columns = []
-        for column in transposed(right):
-            x = list(column)
-            for i in range(len(x)):
-                for k in range(i):
-                    x[i] = x[i] - self.lower[i][k] * x[k]
-            x = [value * inverse for value, inverse in zip(x, self.inverses, strict=True)]
-            for i in reversed(range(len(x))):
-                for k in range(i + 1, len(x)):
-                    x[i] = x[i] - self.lower[k][i] * x[k]
-            columns.append(x)
-        return transposed(columns)
+        return self.backward(self.middle(self.forward(right)))
 
 
 def has_adjugate(size: int, exact: bool) -> bool:

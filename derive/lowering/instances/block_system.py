@@ -17,7 +17,7 @@ from derive.ir.expressions import Element, Number
 from derive.ir.indices import LANES, constant, padded
 from derive.ir.patterns import pattern
 from derive.ir.statements import InstanceStatement, StoreElement, Work
-from derive.lowering.elimination_orders import elimination_order
+from derive.lowering.elimination_orders import elimination_order, rounds_of_least_degree, work
 
 DIAGONAL, RIGHT = ("first_diagonal", "second_diagonal"), ("first_right", "second_right")
 """The local arrays of what the first and the second body of a joint contribute."""
@@ -25,6 +25,8 @@ COUPLING, KNOWN, FORCE = "coupling", "known_right", "reaction"
 """The local arrays of the blocks beside the diagonal, of what is known of the right-hand side, and of the solution."""
 FEW = 24
 """Elements that no body writes and that are stored one by one; where there are more, an array begins as zeros."""
+FEW_NEIGHBOURS = 4
+"""Coupled pairs of joints, divided by the number of joints, up to which their number counts as small."""
 ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
 
 
@@ -103,7 +105,7 @@ def _closes_loops(count: int, handles: Sequence[Sequence[tuple[int, bool]]]) -> 
         return body
 
     for bodies in ends:
-        first, second = (root(body) for body in [*bodies, len(handles)][:2])
+        first, second = (root(body) for body in [*bodies, len(handles), len(handles)][:2])
         if first == second:
             return True
         parent[first] = second
@@ -146,12 +148,20 @@ def blocks(rows: Sequence[int], handles: Iterable[Sequence[tuple[int, bool]]]) -
 
 
 def _order(adjacent: list[set[int]]) -> tuple[int, ...]:
-    """An order of little fill-in: paths from one end to the other, in the order of the joints; else minimum degree."""
+    """An order of little fill-in: paths from one end to the other, in the order of the joints; else minimum degree.
+
+    Of two such orders that take the same work it is the one in rounds of joints that do not wait for each other, if
+    joints have few neighbours; where they have many, the elimination of a single joint occupies a processor.
+    """
     if all(others <= {joint - 1, joint + 1} for joint, others in enumerate(adjacent)):
         return tuple(range(len(adjacent)))
     count = len(adjacent)
     entries = {(max(i, j), min(i, j)) for i, others in enumerate(adjacent) for j in others}
-    return elimination_order(pattern(count, count, entries, symmetric=True))
+    shape = pattern(count, count, entries, symmetric=True)
+    order = elimination_order(shape)
+    if len(entries) > FEW_NEIGHBOURS * count:
+        return order
+    return min(rounds_of_least_degree(shape), order, key=lambda other: work(shape, other))
 
 
 def spaced(count: int) -> int:

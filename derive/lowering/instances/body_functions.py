@@ -20,7 +20,6 @@ from derive.lowering.instances.context import (
     force_loops,
     given_inputs,
     kernel,
-    loads,
     loops_of,
 )
 from derive.lowering.model_functions import ModelFunction
@@ -99,6 +98,8 @@ def energy(context: InstanceContext, function: ModelFunction) -> Kernel:
         values = [(k, symbols(e)) for k, e in enumerate(every) if e is not None and e != 0]
         return _added("energy", values)
 
+    known = context.known.potentials
+    stored = (StoreElement(Element("energy", constant(1)), potential, Operator.ADD) for potential in known)
     return kernel(
         context,
         function,
@@ -107,7 +108,7 @@ def energy(context: InstanceContext, function: ModelFunction) -> Kernel:
             "energy",
             "(22)",
             "1/2 int rho xdot . xdot and the strain energy",
-            [*_sums("energy", len(labels)), *loops_of(context, items, "q", "v"), *_potentials(context)],
+            [*_sums("energy", len(labels)), *stored, *loops_of(context, items, "q", "v"), *_potentials(context)],
         ),
     )
 
@@ -121,7 +122,7 @@ def _potentials(context: InstanceContext) -> list[ForEach]:
         if potential != 0 and not potential.free_symbols & set(ctx.t.symbols + ctx.u.symbols + of.given.symbols):
             symbols = ctx.symbols(*given_inputs(of, "q", "v"))
             items, targets = _added("energy", [(1, symbols(potential))])
-            inputs = [*loads(of, "q", ctx.q, group.coordinates), *loads(of, "v", ctx.v, group.coordinates)]
+            inputs = group.state("q", "v")
             result.append(of.loop(symbols, [Step(of.name, "(22)", "", tuple(items))], inputs, targets))
     return result
 

@@ -157,13 +157,21 @@ class LoopCode:
 
 
 class ClassCode(LoopCode):
-    """The code of a class of bodies; `rows` are the numbers of its constraints for each of its handles."""
+    """The code of a class of bodies; `rows` are the numbers of its constraints for each of its handles.
+
+    system, system_rows: the context and these numbers in the system of the joints, where it contributes to all of them;
+    varying: what it contributes to varying joints, by its handle.
+    """
 
     def __init__(
         self, of: BodyClass, equations: ClassEquations, places: Places, constants: Constants, name: str = ""
     ) -> None:
         super().__init__(of, equations, places, constants, name)
         self.of, self.rows = of, equations.rows
+        self.varying, self.system_rows, self.system = equations.varying, equations.system_rows, self.context
+        if self.varying:
+            self.system = Context(replace(self.context.equations, constraints=equations.system.constraints))
+            self.system.constants = constants
         self.coordinate = self.place("coordinate", [m.coordinate for m in of.members])
 
 

@@ -1,17 +1,23 @@
 """The equations of a class of bodies: those of its first member with what it contributes to its joints.
 
-Constraints are linear in the displacement and the rotation between the two markers of a joint, so that g, gdot and
-gamma are sums of what each body contributes, and of the contribution of what is known.
+Most constraints are linear in the displacement and the rotation between the two markers of a joint, so that g, gdot and
+gamma are sums of what each body contributes, and of the contribution of what is known. Varying joints compute these
+themselves, and a body contributes its rows of G to the system of the joints alone.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate, chain
+from types import MappingProxyType
 
 import sympy as sp
 
 from derive.lowering.instances.classes import BodyClass, Handle
-from derive.lowering.instances.known_motion import STILL, KnownMotion, canonical, known_constraints, moving_symbols
+from derive.lowering.instances.known_motion import STILL, KnownMotion, canonical, moving_symbols
+from derive.lowering.instances.varying_joints import at_rest, varies
+from derive.lowering.instances.varying_parts import VaryingPart, varying_part
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import mass_matrix
 from derive.mechanics.multibody.constraints import constraints
@@ -31,9 +37,10 @@ class ClassEquations:
     """The equations of the first member of a class.
 
     Its `constraints` are what it contributes to those of its joints, one joint after the other; `rows` are their
-    numbers for each of its handles. given: the symbols of what is known that the equations contain,
-    given_still: those that do not depend on the time; constants: those of
-    the body itself, whose values may differ from member to member, first among the coefficients.
+    numbers for each of its handles, none for varying joints. system, system_rows: the same with varying joints, of
+    which there are rows of G alone; varying: what it contributes to these by its handle. given: the symbols of what is
+    known that the equations contain, given_still: those that do not depend on the time; constants: those of the body
+    itself, whose values may differ from member to member, first among the coefficients.
     """
 
     equations: Equations
@@ -41,6 +48,9 @@ class ClassEquations:
     given: tuple[sp.Symbol, ...]
     given_still: tuple[sp.Symbol, ...]
     constants: int
+    system: Equations
+    system_rows: tuple[tuple[int, ...], ...]
+    varying: Mapping[int, VaryingPart]
 
 
 def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> ClassEquations:
@@ -50,13 +60,16 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
     forces = [_force(force, instance.name, own, known) for force in of.first.forces]
     definitions = [d for d in own.definitions if d.symbol not in known.symbols]
     definitions += [d for force in forces for d in force.definitions]
-    conditions, rows = list[Constraint](), []
-    for handle in of.first.handles:
+    parts, varying = list[tuple[Constraint, ...]](), dict[int, VaryingPart]()
+    for h, handle in enumerate(of.first.handles):
         joint = mechanism.joints[handle.joint]
-        defined, contributed = _contribution(joint, handle, own)
+        if varies(joint):
+            part = varying[h] = varying_part(joint, handle.marker, handle.is_first, own)
+            defined, contributed = part.definitions, part.constraints
+        else:
+            defined, contributed = _contribution(joint, handle, own)
         definitions += defined
-        rows.append(tuple(range(len(conditions), len(conditions) + len(contributed))))
-        conditions += contributed
+        parts.append(contributed)
     terms = (*own.terms, *(term for force in forces for term in force.terms))
     number = {row.name: i for i, row in enumerate(own.rows)}
     inputs = input_symbols(mechanism.scene)
@@ -90,21 +103,44 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
         linear_momentum=tuple(map(still, own.linear)),
         angular_momentum=tuple(map(still, own.angular)),
         markers=tuple(m for m in own.markers if not _depends_on(m, moving)),
-        constraints=tuple(conditions),
+        constraints=tuple(c for k, of_joint in enumerate(parts) for c in of_joint if k not in varying),
         inputs=inputs,
         poses=(pose(instance.name, own),),
         eliminated=_carried(instance.name, own, moving),
         splines=known.context.equations.splines,
     )
-    return with_known(equations, tuple(rows), known, len(of_body))
+    return with_known(equations, known, len(of_body), parts, varying)
 
 
 def with_known(
-    equations: Equations, rows: tuple[tuple[int, ...], ...], known: KnownMotion, constants: int
+    equations: Equations,
+    known: KnownMotion,
+    constants: int,
+    parts: Sequence[tuple[Constraint, ...]] = (),
+    varying: Mapping[int, VaryingPart] = MappingProxyType({}),
 ) -> ClassEquations:
-    """The equations of a class or a group with the symbols of what is known in them."""
-    given = given_symbols(equations, known)
-    return ClassEquations(equations, rows, given, tuple(s for s in given if s not in known.moving), constants)
+    """The equations of a class or a group with the symbols of what is known in them.
+
+    parts: what a body contributes to the constraints of its joints, of which some are varying.
+    """
+    system = replace(equations, constraints=tuple(chain.from_iterable(parts))) if varying else equations
+    given = given_symbols(system, known)
+    return ClassEquations(
+        equations=equations,
+        rows=_numbers([0 if k in varying else len(part) for k, part in enumerate(parts)]),
+        given=given,
+        given_still=tuple(s for s in given if s not in known.moving),
+        constants=constants,
+        system=system,
+        system_rows=_numbers([len(part) for part in parts]),
+        varying=varying,
+    )
+
+
+def _numbers(counts: list[int]) -> tuple[tuple[int, ...], ...]:
+    """The numbers of elements in parts of so many."""
+    firsts = accumulate(counts, initial=0)
+    return tuple(tuple(range(first, first + count)) for first, count in zip(firsts, counts, strict=False))
 
 
 def _contribution(
@@ -113,9 +149,8 @@ def _contribution(
     """The definitions and the parts of the constraints of a joint that depend on one of its bodies."""
     point = own.points[handle.marker]
     relative = RelativeMotion(point, STILL) if handle.is_first else RelativeMotion(STILL, point)
-    still = replace(joint, drive=None)
     definitions, conditions = constraints(joint.joint, joint.type, relative, None, own.rows)
-    offsets = known_constraints(still, STILL, STILL)
+    _, offsets = constraints(joint.joint, joint.type, RelativeMotion(STILL, STILL), None, ())
     contributed = [
         replace(c, position=sp.expand(c.position - offset.position))
         for c, offset in zip(conditions, offsets, strict=True)
@@ -127,10 +162,9 @@ def _contribution(
 
 def _driven(joint: JointInstance, relative: RelativeMotion, own: InstanceEquations) -> Constraint:
     """The part of the constraint of a drive that depends on one body: the relative motion that it prescribes."""
-    assert joint.drive is not None
-    at_rest = replace(joint.drive, motion=(sp.S.Zero, sp.S.Zero, sp.S.Zero))
-    _, conditions = constraints(joint.joint, joint.type, relative, at_rest, own.rows)
-    _, offsets = constraints(joint.joint, joint.type, RelativeMotion(STILL, STILL), at_rest, ())
+    drive = at_rest(joint.drive)
+    _, conditions = constraints(joint.joint, joint.type, relative, drive, own.rows)
+    _, offsets = constraints(joint.joint, joint.type, RelativeMotion(STILL, STILL), drive, ())
     return replace(conditions[-1], position=sp.expand(conditions[-1].position - offsets[-1].position))
 
 

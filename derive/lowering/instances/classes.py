@@ -9,7 +9,6 @@ from itertools import accumulate
 import sympy as sp
 
 from derive.mechanics.multibody.bodies.body_type import CrossSection
-from derive.mechanics.multibody.joints.relative_rows import Axes
 from derive.mechanics.multibody.kinds import BodyInstance, ForceInstance, JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.terms import ModelConstant
@@ -58,20 +57,6 @@ class BodyClass:
     def name(self) -> str:
         """The name of the class in the generated code."""
         return identifier(self.first.instance.name)
-
-
-def obstacle(mechanism: Mechanism) -> str:
-    """The reason why a mechanism cannot be lowered to loops over its instances; empty if it can be."""
-    for force in mechanism.forces:
-        if not moving_bodies(mechanism, force):
-            return f"{force.element.name} acts where all motion is known"
-    for joint in mechanism.joints:
-        axes, first = joint.type.axes, joint.joint.first
-        if axes is not Axes.INERTIAL and first.body != GROUND:
-            return f"the axes of joint {joint.joint.name} move"
-        if not set(joint.type.removes) <= set(axes.rows):
-            return f"joint {joint.joint.name} removes a function of several relative motions"
-    return ""
 
 
 def moving_bodies(mechanism: Mechanism, force: ForceInstance) -> tuple[str, ...]:
@@ -130,7 +115,7 @@ def _key(member: Member, mechanism: Mechanism) -> Hashable:
         return instance.name  # what it follows is known, and is written out for this body
     sections = tuple((name, _without_values(section)) for name, section in component.sections.items())
     of = ((h, joints[h.joint]) for h in member.handles)  # a drive adds a multiplier, and codes differ by it
-    at = tuple((h.is_first, h.marker, joint.type, joint.multipliers, _plain(joint)) for h, joint in of)
+    at = tuple((h.is_first, h.marker, joint.type, joint.multipliers, plain_joint(joint)) for h, joint in of)
     forces = tuple(map(force_key, member.forces))
     return instance.kind, component.markers, sections, at, forces, fixed_values(member.constants, mechanism)
 
@@ -155,7 +140,8 @@ def _is_marker(value: object) -> bool:
     return isinstance(value, MarkerRef) or (isinstance(value, tuple) and any(map(_is_marker, value)))
 
 
-def _plain(joint: JointInstance) -> Hashable:
+def plain_joint(joint: JointInstance) -> Hashable:
+    """A joint without its name and the bodies that it connects."""
     nowhere = MarkerRef(GROUND, "")
     return replace(joint.joint, name="", first=nowhere, second=nowhere)
 

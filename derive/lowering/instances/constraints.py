@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from derive.ir.expressions import Element, Operator
 from derive.ir.indices import constant
 from derive.ir.model import Kernel
@@ -10,9 +12,19 @@ from derive.ir.statements import Clear, Statement, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries, jacobian_pattern
 from derive.lowering.flat.context import stores
-from derive.lowering.flat.schedule import StepItem
+from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.instances.class_code import ClassCode, LoopTarget
-from derive.lowering.instances.context import InstanceContext, Result, kernel, known_value, loops_of, merged, scatter
+from derive.lowering.instances.context import (
+    InstanceContext,
+    Result,
+    given_inputs,
+    kernel,
+    known_value,
+    loops_of,
+    merged,
+    scatter,
+)
+from derive.lowering.instances.group_code import JointCode, spread
 from derive.lowering.model_functions import ModelFunction
 
 
@@ -27,8 +39,21 @@ def _constraint_sums(
         values = [bias_sign * symbols(getattr(c, part)) for c in of.context.equations.constraints]
         return [*stores(output, values)], {output: merged(of, output, context.rows_of(of), Operator.ADD)}
 
+    loops = [*loops_of(context, items, *names), *_varying_sums(context, output, part, names, bias_sign)]
     count = len(context.multipliers)
-    return [Clear(output, count), *given, *loops_of(context, items, *names)] if count else []
+    return [Clear(output, count), *given, *loops] if count else []
+
+
+def _varying_sums(
+    context: InstanceContext, output: str, part: str, names: tuple[str, ...], sign: int
+) -> Iterator[Statement]:
+    """The loops over varying joints, whose constraints are known but for the motion of a drive."""
+    for group in context.joints:
+        code, ctx = group.code, group.code.context
+        symbols = ctx.symbols(*given_inputs(code, *names))
+        items = stores(output, [sign * symbols(getattr(c, part)) for c in ctx.equations.constraints])
+        target = spread(code, output, group.own_rows(context.first_rows), Operator.ADD)
+        yield code.loop(symbols, [Step(code.name, "(1)", "", items)], group.state(*names), {output: target})
 
 
 def constraints(context: InstanceContext, function: ModelFunction) -> Kernel:
@@ -67,6 +92,7 @@ def constraint_bias(context: InstanceContext, function: ModelFunction) -> Kernel
 def constraint_pattern(context: InstanceContext) -> Pattern:
     """The pattern of G."""
     entries = {entry for of in context.classes for own in _jacobian_positions(context, of) for entry in own}
+    entries |= {entry for group in context.joints for own in _varying_positions(context, group) for entry in own}
     return pattern(len(context.multipliers), len(context.rows), entries)
 
 
@@ -85,6 +111,13 @@ def _jacobian_positions(context: InstanceContext, of: ClassCode) -> list[list[tu
     return result
 
 
+def _varying_positions(context: InstanceContext, group: JointCode) -> list[list[tuple[int, int]]]:
+    """The rows and columns in G of the entries of each varying joint of a group."""
+    entries = jacobian_pattern(group.code.context).entries
+    of_joints = zip(group.own_rows(context.first_rows), group.coordinates, strict=True)
+    return [[(rows[i], columns[j]) for i, j in entries] for rows, columns in of_joints]
+
+
 def constraint_jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the constraint Jacobian G(t, q) = d gdot / dv."""
     shape = constraint_pattern(context)
@@ -96,9 +129,18 @@ def constraint_jacobian(context: InstanceContext, function: ModelFunction) -> Ke
         target = scatter(of, "jacobian", "G", positions, None)
         return [*stores("G", [values[entry] for entry in jacobian_pattern(of.context).entries])], {"G": target}
 
+    loops = loops_of(context, items, "q")
+    for group in context.joints:
+        code, ctx = group.code, group.code.context
+        symbols = ctx.symbols(*given_inputs(code, "t", "q"))
+        values = jacobian_entries(ctx, symbols)
+        positions = [[number[entry] for entry in own] for own in _varying_positions(context, group)]
+        target = scatter(code, "jacobian", "G", positions, None)
+        step = Step(code.name, "(6)", "", stores("G", [values[entry] for entry in jacobian_pattern(ctx).entries]))
+        loops.append(code.loop(symbols, [step], group.state("t", "q"), {"G": target}))
     return kernel(
         context,
         function,
         {"G": Result(pattern=shape)},
-        ("G", "(6)", "factors of the generalised velocities", loops_of(context, items, "q")),
+        ("G", "(6)", "factors of the generalised velocities", loops),
     )

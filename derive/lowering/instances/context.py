@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import accumulate
@@ -21,14 +21,9 @@ from derive.lowering.instances.block_system import Blocks, blocks
 from derive.lowering.instances.class_code import ClassCode, Loaded, LoopCode, LoopTarget
 from derive.lowering.instances.class_equations import class_equations, with_known
 from derive.lowering.instances.classes import body_classes, marker_classes
-from derive.lowering.instances.groups import (
-    Bodies,
-    Group,
-    GroupElement,
-    force_equations,
-    force_groups,
-    output_groups,
-)
+from derive.lowering.instances.group_code import GroupCode, JointCode, spread
+from derive.lowering.instances.groups import Bodies, Group, force_equations, force_groups, output_groups
+from derive.lowering.instances.joint_groups import joint_equations, joint_groups
 from derive.lowering.instances.known_motion import KnownMotion, known_symbol
 from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
@@ -64,6 +59,7 @@ class InstanceContext:
         bodies = Bodies(mechanism, [of.of for of in self.classes], self.known)
         self.forces = [self._group(group, force_equations(bodies, group)) for group in force_groups(bodies)]
         self.outputs = [self._group(group, equations) for group, equations in output_groups(bodies)]
+        self.joints = [self._joint(group, joint_equations(bodies, group)) for group in joint_groups(bodies)]
         self.loaded = {m.number for group in self.forces for e in group.elements for m in e.bodies}
         rows = [joint.multipliers for joint in mechanism.joints]
         self.first_rows = [0, *accumulate(rows)]
@@ -72,15 +68,29 @@ class InstanceContext:
         self.rows = tuple(row.name for row in mechanism.rows)
         self.multipliers = tuple(c.name for c in self.conditions)
         if sensitivities:
-            self.known.differentiate()
+            self.known.differentiate(by_parameters=True)
             for code in self.codes:
                 for constant in derivatives(code.context.equations):
                     code.context.add_constant(constant)
+        elif mechanism.outputs and mechanism.scene.inputs:
+            self.known.differentiate(by_parameters=False)
 
     def _group(self, group: Group, equations: Equations) -> GroupCode:
+        return GroupCode(self._code(group, equations), group.members)
+
+    def _joint(self, group: Group, equations: Equations) -> JointCode:
+        factors, first = dict[int, tuple[tuple[int, int], ...]](), 0
+        for member in group.first.bodies:
+            (of,) = (code for code in self.classes if member in code.of.members)
+            (h,) = (h for h, handle in enumerate(member.handles) if handle.joint == group.first.number)
+            own = of.varying[h].factors
+            factors[0 if member.handles[h].is_first else 1] = tuple((k, first + j) for k, j in own)
+            first += len(member.instance.coordinates.rows)
+        return JointCode(self._code(group, equations), group.members, factors)
+
+    def _code(self, group: Group, equations: Equations) -> LoopCode:
         constants = sum(len(m.constants) for m in group.first.bodies)
-        local_of = with_known(equations, (), self.known, constants)
-        return GroupCode(LoopCode(group, local_of, self.places, self.constants), group.members)
+        return LoopCode(group, with_known(equations, self.known, constants), self.places, self.constants)
 
     def is_loaded(self, of: ClassCode) -> bool:
         """Whether a force that acts between bodies acts on a body of a class."""
@@ -89,7 +99,7 @@ class InstanceContext:
     @property
     def codes(self) -> tuple[LoopCode, ...]:
         """All codes of loops over instances."""
-        groups = (group.code for group in (*self.forces, *self.outputs))
+        groups = (group.code for group in (*self.forces, *self.outputs, *self.joints))
         return (*self.classes, *self.marker_classes.values(), *groups)
 
     @property
@@ -111,6 +121,15 @@ class InstanceContext:
         """The known parts of all constraints, one joint after the other."""
         return tuple(c for of in self.known.constraints for c in of)
 
+    def constraint(self, joint: int, row: int) -> Constraint:
+        """A constraint: what is known of it, and what a varying joint adds in symbols of the first one of its group."""
+        known = self.known.constraints[joint][row]
+        for group in self.joints:
+            if joint in group.joints:
+                of = group.code.context.equations.constraints[row]
+                return replace(known, position=known.position + of.position, jacobian=of.jacobian)
+        return known
+
     def rows_of(self, of: ClassCode) -> list[Place]:
         """For each handle of a class the place of the first constraint of its joint."""
         return [
@@ -129,6 +148,13 @@ def idle_rows(context: InstanceContext) -> list[tuple[int, int]]:
         if of.context.equations.constraints[row].jacobian
         for m in of.of.members
     }
+    met |= {
+        (joint, k)
+        for group in context.joints
+        for k, condition in enumerate(group.code.context.equations.constraints)
+        if condition.jacobian
+        for joint in group.joints
+    }
     every = ((joint, k) for joint, of in enumerate(context.known.constraints) for k in range(len(of)))
     return [row for row in every if row not in met]
 
@@ -139,49 +165,6 @@ def merged(of: ClassCode, array: str, rows: Iterable[Place], operator: Operator 
     index = [place.at(k) for place, own in zip(places, of.rows, strict=True) for k in range(len(own))]
     entries = tuple(place.entry for place in places if place.entry)
     return LoopTarget(array, index.__getitem__, operator, entries)
-
-
-@dataclass(frozen=True)
-class GroupCode:
-    """The code of a group of elements, each with several bodies."""
-
-    code: LoopCode
-    elements: tuple[GroupElement, ...]
-
-    @property
-    def coordinates(self) -> list[list[int]]:
-        """For each element the indices of the coordinates of its bodies."""
-        return [list(element.coordinates) for element in self.elements]
-
-    def reactions(self, first_rows: Sequence[int]) -> list[list[int]]:
-        """For each element the indices of the multipliers of the joints of its bodies."""
-        return [[k for j in e.joints for k in range(first_rows[j], first_rows[j + 1])] for e in self.elements]
-
-
-def loads(of: LoopCode, array: str, given: Input, positions: list[list[int]]) -> list[Loaded]:
-    """The elements of an array at given positions for each member, which are named as those of an argument."""
-    return [
-        (array, of.place(f"{array}_{start}", [own[start] for own in positions]), array_input(array, symbols, ""))
-        for start, stop in _runs(positions)
-        if (symbols := given.symbols[start:stop])
-    ]
-
-
-def spread(of: LoopCode, array: str, positions: list[list[int]], operator: Operator | None) -> LoopTarget:
-    """The target of outputs at given positions for each member."""
-    places: dict[int, tuple[Place, int]] = {}
-    for start, stop in _runs(positions):
-        place = of.place(f"{array}_{start}", [own[start] for own in positions])
-        places |= {k: (place, k - start) for k in range(start, stop)}
-    entries = tuple(dict.fromkeys(place.entry for place, _ in places.values() if place.entry))
-    return LoopTarget(array, lambda k: places[k][0].at(places[k][1]), operator, entries)
-
-
-def _runs(positions: list[list[int]]) -> list[tuple[int, int]]:
-    """The ranges of elements that follow each other for all members."""
-    count = len(positions[0])
-    breaks = [k for k in range(1, count) if any(own[k] != own[k - 1] + 1 for own in positions)]
-    return list(zip([0, *breaks], [*breaks, count], strict=True)) if count else []
 
 
 # ---- kernels ----
@@ -294,7 +277,7 @@ def force_loops(context: InstanceContext, array: str, sign: int = 1) -> list[For
     for group in context.forces:
         of, ctx = group.code, group.code.context
         symbols = ctx.symbols(*given_inputs(of, "t", "q", "v"))
-        inputs = [*loads(of, "q", ctx.q, group.coordinates), *loads(of, "v", ctx.v, group.coordinates)]
+        inputs = group.state("q", "v")
         items = stores(array, [sign * symbols(ctx.equations.sum_of(row.name)) for row in ctx.equations.rows])
         target = spread(of, array, group.coordinates, Operator.ADD)
         result.append(of.loop(symbols, [Step(of.name, "(10)", "", items)], inputs, {array: target}))

@@ -11,24 +11,24 @@ from derive.ir.indices import constant
 from derive.ir.model import Argument, Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, StoreElement
+from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.dae import residual_rows, states
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.class_code import ClassCode, Loaded
 from derive.lowering.instances.classes import Member
 from derive.lowering.instances.context import (
-    GroupCode,
     InstanceContext,
     Result,
     given_inputs,
     kernel,
     known_value,
-    loads,
     scatter,
-    spread,
     whole,
 )
+from derive.lowering.instances.group_code import GroupCode, JointCode, loads, spread
 from derive.lowering.model_functions import ModelFunction
+from derive.mechanics.symbols import local
 
 PARTS = {"": ("position",), "ggl": ("rate", "position"), "index1": ("bias",)}
 """For each form the parts of the constraints that the blocks of F after the equations of motion contain."""
@@ -79,6 +79,30 @@ class DaeLayout:
         """For each element of a group the indices in y of the velocities of its bodies."""
         return [[self.coordinates + k for k in own] for own in group.coordinates]
 
+    def joint_positions(self, group: JointCode) -> list[list[int]]:
+        """For each varying joint of a group the indices in y, and in F, of what its equations have."""
+        return self._of_joints(group, 2, self.coordinates * 2, self.blocks)
+
+    def joint_parameter_rows(self, group: JointCode) -> list[list[int]]:
+        """For each varying joint of a group the rows of its derivatives with respect to the parameters."""
+        return self._of_joints(group, 1, self.coordinates, 3)
+
+    def _of_joints(self, group: JointCode, parts: int, first: int, blocks: int) -> list[list[int]]:
+        """The indices of coordinates in so many parts of all, then those of constraints in blocks of all."""
+        of_joints = zip(group.coordinates, group.own_rows(self.context.first_rows), strict=True)
+        return [
+            [
+                *(part * self.coordinates + k for part in range(parts) for k in own),
+                *(first + b * self.constraints + r for b in range(blocks) for r in rows),
+            ]
+            for own, rows in of_joints
+        ]
+
+    def joint_reads(self, group: JointCode, y: Input, ydot: Input) -> list[Loaded]:
+        """Where the elements of y and ydot are that the equations of varying joints have."""
+        positions = self.joint_positions(group)
+        return [*loads(group.code, "y", y, positions), *loads(group.code, "ydot", ydot, positions)]
+
     def states(self, group: GroupCode) -> list[Loaded]:
         """Where the coordinates and the velocities of the bodies of a group are."""
         ctx, positions = group.code.context, zip(group.coordinates, self.velocities(group), strict=True)
@@ -111,6 +135,7 @@ def residual(context: InstanceContext, function: ModelFunction) -> Kernel:
         given = (*form.reads(of, "y", y, f"state_{form.form}"), *form.reads(of, "ydot", ydot, f"state_{form.form}"))
         body.append(of.loop(symbols, [Step(of.name, "", "", stores("F", rows))], given, {"F": target}))
     body += _between_bodies(context, form)
+    body += _of_varying_joints(context, form)
     text = "kinematics, equations of motion, constraints"
     results = {"F": Result(("in the order of y",), count=form.size)}
     return kernel(context, function, results, ("residual", "(15)", text, body), inputs=form.arguments)
@@ -128,22 +153,32 @@ def _between_bodies(context: InstanceContext, form: DaeLayout) -> list[Statement
     return result
 
 
+def _of_varying_joints(context: InstanceContext, form: DaeLayout) -> Iterator[Statement]:
+    """The loops that add the reactions of varying joints and their constraints to F."""
+    for group in context.joints:
+        code, ctx = group.code, group.code.context
+        y, ydot = states(ctx, form.form)
+        symbols = ctx.symbols(ctx.t, code.given, y, ydot)
+        rows = residual_rows(ctx, form.form, symbols, joints_alone=True)
+        present = [k for k, row in enumerate(rows) if not row.is_zero()]
+        positions = [[at[k] for k in present] for at in form.joint_positions(group)]
+        target = spread(code, "F", positions, Operator.ADD, f"F_{form.form}")
+        step = Step(code.name, "", "", stores("F", [rows[k] for k in present]))
+        yield code.loop(symbols, [step], form.joint_reads(group, y, ydot), {"F": target})
+
+
 def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
     """The kernel of the iteration matrix dF/dy + cj dF/dydot."""
     form = DaeLayout(context, function.variant)
     entries = {(i, i) for i in range(form.size)}
-    local, between = [], []
+    of_bodies, between = [], []
     for of in context.classes:
         y, ydot = states(of.context, form.form)
         symbols = of.context.symbols(of.context.t, of.given, y, ydot, of.context.cj)
-        rows = ca.vertcat(*residual_rows(of.context, form.form, symbols))
-        by_y, by_ydot = (ca.jacobian(rows, ca.vertcat(*symbols.values_of(a.symbols))) for a in (y, ydot))
-        (cj,) = symbols.values_of(of.context.cj.symbols)
-        matrix = by_y + cj * by_ydot
-        own = sorted(zip(*matrix.sparsity().get_triplet(), strict=True), key=lambda entry: (entry[1], entry[0]))
+        own, values = _iteration_matrix(symbols, residual_rows(of.context, form.form, symbols), y, ydot)
         positions = [[(at[i], at[j]) for i, j in own] for at in form.positions(of)]
         entries |= {entry for member in positions for entry in member}
-        local.append((of, symbols, (y, ydot), [matrix[i, j] for i, j in own], positions))
+        of_bodies.append((of, symbols, (y, ydot), values, positions))
     for group in context.forces:
         code, ctx = group.code, group.code.context
         symbols = ctx.symbols(*given_inputs(code, "t", "q", "v"))
@@ -155,18 +190,36 @@ def jacobian(context: InstanceContext, function: ModelFunction) -> Kernel:
             for at in group.coordinates
         ]
         entries |= {entry for member in positions for entry in member}
-        between.append((group, symbols, [matrix[i, j] for i, j in own], positions))
+        between.append((group, symbols, form.states(group), [matrix[i, j] for i, j in own], positions))
+    for group in context.joints:
+        code, ctx = group.code, group.code.context
+        y, ydot = states(ctx, form.form)
+        symbols = ctx.symbols(ctx.t, code.given, y, ydot, ctx.cj)
+        own, values = _iteration_matrix(symbols, residual_rows(ctx, form.form, symbols, joints_alone=True), y, ydot)
+        positions = [[(at[i], at[j]) for i, j in own] for at in form.joint_positions(group)]
+        entries |= {entry for member in positions for entry in member}
+        between.append((group, symbols, form.joint_reads(group, y, ydot), values, positions))
     shape = pattern(form.size, form.size, entries)
     number = {entry: k for k, entry in enumerate(shape.entries)}
     body: list[Statement] = [Clear("jac", len(number))]
-    for of, symbols, (y, ydot), values, positions in local:
+    for of, symbols, (y, ydot), values, positions in of_bodies:
         target = scatter(of, f"iteration_{form.form}", "jac", [[number[e] for e in m] for m in positions], None)
         given = (*form.reads(of, "y", y, f"state_{form.form}"), *form.reads(of, "ydot", ydot, f"state_{form.form}"))
         body.append(of.loop(symbols, [Step(of.name, "", "", stores("jac", values))], given, {"jac": target}))
-    for group, symbols, values, positions in between:
-        code, inputs = group.code, form.states(group)
+    for group, symbols, inputs, values, positions in between:
+        code = group.code
         target = scatter(code, f"force_{form.form}", "jac", [[number[e] for e in m] for m in positions], Operator.ADD)
         body.append(code.loop(symbols, [Step(code.name, "", "", stores("jac", values))], inputs, {"jac": target}))
     results = {"jac": Result(pattern=shape)}
     text = "derivatives of the residual"
     return kernel(context, function, results, ("jacobian", "(15)", text, body), inputs=form.arguments)
+
+
+def _iteration_matrix(
+    symbols: Symbols, rows: list[ca.SX], y: Input, ydot: Input
+) -> tuple[list[tuple[int, int]], list[ca.SX]]:
+    """The entries of dF/dy + cj dF/dydot that do not vanish, by columns, and their values."""
+    by_y, by_ydot = (ca.jacobian(ca.vertcat(*rows), ca.vertcat(*symbols.values_of(a.symbols))) for a in (y, ydot))
+    matrix = by_y + symbols.values[local("cj")] * by_ydot
+    own = sorted(zip(*matrix.sparsity().get_triplet(), strict=True), key=lambda entry: (entry[1], entry[0]))
+    return own, [matrix[i, j] for i, j in own]

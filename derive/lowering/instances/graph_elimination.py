@@ -1,20 +1,36 @@
-"""The elimination of joints in any graph, along constant arrays of the neighbours of each joint and of their pairs."""
+"""The elimination of joints in any graph, along constant arrays of the neighbours of each joint and of their pairs.
+
+The blocks of the joints are factorised as L D L^T, or inverted, which is D without L. Between a joint and a neighbour
+is Z = L^-1 S: the elimination subtracts Z^T D^-1 Z from the block of the neighbour. The back substitution multiplies by
+L^-T once for each joint, and not once for each neighbour.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import accumulate, chain
 
+import casadi as ca
+
 from derive.ir.expressions import Element, Operator
 from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.statements import Entry, ForEach, InstanceItem, InstanceStatement, Work
-from derive.lowering.instances.block_body import BlockBody, diagonal, plus, product, transposed
+from derive.lowering.instances.block_body import (
+    Adjugate,
+    Block,
+    BlockBody,
+    Factors,
+    diagonal,
+    plus,
+    product,
+    transposed,
+)
 from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks
 from derive.lowering.instances.places import Places
 
-FACTOR, INVERSE, SCALE = "factor", "inverse", "scale"
-"""The local arrays of the blocks after the elimination of their first joint, of the inverse of a block, and of
-the diagonals before, with which pivots are compared."""
+FACTOR, INVERSE, SCALE, LOWER = "factor", "inverse", "scale", "lower"
+"""The local arrays of D^-1 Z, of the inverse or the factors of one block, of the diagonals before, with which pivots
+are compared, and of L below its diagonal."""
 JOINT, NEIGHBOUR, PAIR = "joint", "neighbour", "pair"
 """The variables of the loops over joints, their neighbours and pairs of these."""
 
@@ -22,77 +38,143 @@ JOINT, NEIGHBOUR, PAIR = "joint", "neighbour", "pair"
 def in_graph(of: Blocks, places: Places, has_known: bool) -> tuple[InstanceStatement, ...]:
     """The elimination of all joints and the back substitution; has_known: whether there is an array KNOWN.
 
-    What elimination subtracts from a neighbour goes to the array of its first body. The solution begins as what is left
-    of the right-hand side.
+    The arrays of the first body of a joint take what its bodies contribute together, and what elimination leaves of it.
+    The solution begins as D^-1 L^-1 times what is left of the right-hand side.
     """
-    size, square, spacing, blocks = of.size, of.size**2, of.spacing, of.coupling_spacing
-    others = [other for neighbours in of.neighbours for other, _ in neighbours]
-    starts = list(accumulate(map(len, of.neighbours), initial=0))
-    every_pair = [list(pairs_of(of, place)) for place in range(of.joints)]
-    pairs = list(chain(*every_pair))
-    first_pairs = list(accumulate(map(len, every_pair), initial=0))
-    first_neighbours = places.integers("first_neighbours", starts)
-    bounds = [
-        Entry("first_neighbour", first_neighbours, index_of(JOINT)),
-        Entry("last_neighbour", first_neighbours, index_of(JOINT).plus(1)),
-    ]
-    every = index_of("first_neighbour"), index_of("last_neighbour")
-    head = BlockBody(size)
-    block = plus(*(head.symmetric(f"{name}_", at(name, spacing, JOINT)) for name in DIAGONAL))
-    scales = head.vector("scale", at(SCALE, spacing, JOINT))
-    names = [*RIGHT, *([KNOWN] if has_known else [])]
-    right = plus(*(head.vector(f"{name}_", at(name, spacing, JOINT)) for name in names))
-    inverse = head.inverse(block, [value for (value,) in scales], of.closes_loops)
-    head.store_rows(at(FORCE, spacing, JOINT), inverse.solve(right))
-    forward: list[InstanceItem] = []
-    backward: list[InstanceItem] = []
-    works = [Work(FACTOR, blocks * square, spacing=blocks), Work(INVERSE, of.packed)] if others else []
-    if others:
-        other = Entry("other", places.integers("neighbours", others), index_of(NEIGHBOUR))
-        head.store_symmetric(_fixed(INVERSE), inverse.block)
-        inner = BlockBody(size)
-        s = inner.matrix("s", at(COUPLING, blocks, NEIGHBOUR))
-        y = type(inverse).of_block(inner.symmetric("a", _fixed(INVERSE))).solve(s)
-        w = inner.vector("w", at(FORCE, spacing, JOINT))
-        inner.store_rows(at(FACTOR, blocks, NEIGHBOUR), y)
-        inner.store_symmetric(at(DIAGONAL[0], spacing, "other"), product(transposed(s), y), Operator.SUB)
-        inner.store_rows(at(RIGHT[0], spacing, "other"), product(transposed(s), w), Operator.SUB)
-        forward += [*bounds, ForEach(NEIGHBOUR, *every, (other, *inner.statements()))]
-        back = BlockBody(size)
-        known = product(back.matrix("y", at(FACTOR, blocks, NEIGHBOUR)), back.vector("f", at(FORCE, spacing, "other")))
-        back.store_rows(at(FORCE, spacing, JOINT), known, Operator.SUB)
-        backward += [*bounds, ForEach(NEIGHBOUR, *every, (other, *back.statements()))]
-    if pairs:
-        update = BlockBody(size)
-        s = update.matrix("s", at(COUPLING, blocks, "first_block"))
-        y = update.matrix("y", at(FACTOR, blocks, "second_block"))
-        update.store_rows(at(COUPLING, blocks, "filled_block"), product(transposed(s), y), Operator.SUB)
-        columns = {
-            name: places.integers(f"{name}s", [pair[k] for pair in pairs])
-            for k, name in enumerate(("first_block", "second_block", "filled_block"))
-        }
-        entries = (Entry(name, array, index_of(PAIR)) for name, array in columns.items())
-        starts_of_pairs = places.integers("first_pairs", first_pairs)
-        forward += [
-            Entry("first_pair", starts_of_pairs, index_of(JOINT)),
-            Entry("last_pair", starts_of_pairs, index_of(JOINT).plus(1)),
-            ForEach(PAIR, index_of("first_pair"), index_of("last_pair"), (*entries, *update.statements())),
-        ]
-    whole = constant(0), constant(of.joints)
-    works.append(Work(SCALE, size * spacing, spacing=spacing))
-    result: list[InstanceStatement] = [*works, ForEach(JOINT, *whole, _scales(of))]
-    result.append(ForEach(JOINT, *whole, (*head.statements(), *forward)))
-    if backward:
-        result.append(ForEach(JOINT, *whole, tuple(backward), backward=True))
-    return tuple(result)
+    return _Graph(of, places).statements(has_known)
 
 
-def _scales(of: Blocks) -> tuple[InstanceItem, ...]:
-    """The diagonal of a block before the elimination of other joints."""
-    body, spacing = BlockBody(of.size), of.spacing
-    assembled = plus(*(body.symmetric(f"{name}_", at(name, spacing, JOINT)) for name in DIAGONAL))
-    body.store_rows(at(SCALE, spacing, JOINT), [[value] for value in diagonal(assembled)])
-    return body.statements()
+class _Graph:
+    """The loops over the joints of a system."""
+
+    def __init__(self, of: Blocks, places: Places) -> None:
+        self.of, self.places, self.size = of, places, of.size
+        self.others = [other for neighbours in of.neighbours for other, _ in neighbours]
+        self.pairs = [list(pairs_of(of, place)) for place in range(of.joints)]
+        self.below = [(i, j) for i in range(of.size) for j in range(i)]
+
+    def statements(self, has_known: bool) -> tuple[InstanceStatement, ...]:
+        """All loops, and the arrays that they need."""
+        of = self.of
+        head, inverse = self._head()
+        has_factors = isinstance(inverse, Factors) and bool(self.others and self.below)
+        forward, backward = list[InstanceItem](head), list[InstanceItem]()
+        works = [Work(SCALE, of.size * of.spacing, spacing=of.spacing)]
+        if self.others:
+            works.append(Work(FACTOR, of.coupling_spacing * of.size**2, spacing=of.coupling_spacing))
+            works.append(Work(INVERSE, of.packed))
+            forward += self._each_neighbour(self._neighbour(inverse))
+            backward += self._each_neighbour(self._known())
+        if has_factors:
+            works.append(Work(LOWER, len(self.below) * of.spacing, spacing=of.spacing))
+            backward += self._transposed_factor()
+        if any(self.pairs):
+            forward += self._each_pair()
+        loops = [self._joints(self._assembled(has_known)), self._joints(tuple(forward))]
+        return (*works, *loops, *([self._joints(tuple(backward), backward=True)] if backward else []))
+
+    def _joints(self, body: tuple[InstanceItem, ...], backward: bool = False) -> ForEach:
+        return ForEach(JOINT, constant(0), constant(self.of.joints), body, backward)
+
+    def _own(self, array: str) -> Callable[[int], Element]:
+        """The components of a joint in an array."""
+        return at(array, self.of.spacing, JOINT)
+
+    def _between(self, array: str, block: str = NEIGHBOUR) -> Callable[[int], Element]:
+        """The components of a block beside the diagonal."""
+        return at(array, self.of.coupling_spacing, block)
+
+    def _assembled(self, has_known: bool) -> tuple[InstanceItem, ...]:
+        """The block and the right-hand side of a joint, and its diagonal before the elimination of other joints."""
+        body = BlockBody(self.size)
+        block = plus(*(body.symmetric(f"{name}_", self._own(name)) for name in DIAGONAL))
+        names = [*RIGHT, *([KNOWN] if has_known else [])]
+        right = plus(*(body.vector(f"{name}_", self._own(name)) for name in names))
+        body.store_rows(self._own(SCALE), [[value] for value in diagonal(block)])
+        body.store_symmetric(self._own(DIAGONAL[0]), block)
+        body.store_rows(self._own(RIGHT[0]), right)
+        return body.statements()
+
+    def _head(self) -> tuple[tuple[InstanceItem, ...], Factors | Adjugate]:
+        """The factors of the block of a joint, with which its neighbours are computed, and how the solution begins."""
+        body = BlockBody(self.size)
+        block = body.symmetric("d", self._own(DIAGONAL[0]))
+        scales = body.vector("scale", self._own(SCALE))
+        right = body.vector("r", self._own(RIGHT[0]))
+        inverse = body.inverse(block, [value for (value,) in scales], self.of.closes_loops)
+        if not self.others:
+            body.store_rows(self._own(FORCE), inverse.solve(right))
+            return body.statements(), inverse
+        body.store_rows(self._own(FORCE), inverse.middle(inverse.forward(right)))
+        body.store_symmetric(lambda k: Element(INVERSE, constant(k)), inverse.block)
+        if isinstance(inverse, Factors):
+            for k, (i, j) in enumerate(self.below):
+                body.store(self._own(LOWER)(k), inverse.lower[i][j])
+        return body.statements(), inverse
+
+    def _neighbour(self, inverse: Factors | Adjugate) -> tuple[InstanceItem, ...]:
+        """What the elimination of a joint subtracts from a neighbour; pairs of neighbours read Z in the place of S."""
+        body = BlockBody(self.size)
+        s = body.matrix("s", self._between(COUPLING))
+        factors = inverse.of_block(body.symmetric("a", lambda k: Element(INVERSE, constant(k))))
+        z = factors.forward(s)
+        y = factors.middle(z)
+        w = body.vector("w", self._own(FORCE))
+        if any(self.pairs):
+            _replace(body, self._between(COUPLING), s, z)
+        body.store_rows(self._between(FACTOR), y)
+        spacing = self.of.spacing
+        body.store_symmetric(at(DIAGONAL[0], spacing, "other"), product(transposed(z), y), Operator.SUB)
+        body.store_rows(at(RIGHT[0], spacing, "other"), product(transposed(z), w), Operator.SUB)
+        return body.statements()
+
+    def _known(self) -> tuple[InstanceItem, ...]:
+        """What the reactions of a neighbour subtract from the solution of a joint."""
+        body = BlockBody(self.size)
+        f = body.vector("f", at(FORCE, self.of.spacing, "other"))
+        body.store_rows(self._own(FORCE), product(body.matrix("y", self._between(FACTOR)), f), Operator.SUB)
+        return body.statements()
+
+    def _transposed_factor(self) -> tuple[InstanceItem, ...]:
+        """The reactions of a joint: L^-T times what is left of the solution."""
+        body = BlockBody(self.size)
+        lower = [[ca.SX(0)] * self.size for _ in range(self.size)]
+        for k, (i, j) in enumerate(self.below):
+            lower[i][j] = body.element(f"l{i}{j}", self._own(LOWER)(k))
+        x = body.vector("f", self._own(FORCE))
+        _replace(body, self._own(FORCE), x, Factors(lower, []).backward(x))
+        return body.statements()
+
+    def _each_neighbour(self, body: tuple[InstanceItem, ...]) -> Iterator[InstanceItem]:
+        """The loop over the neighbours of a joint that are eliminated later."""
+        starts = self.places.integers("first_neighbours", accumulate(map(len, self.of.neighbours), initial=0))
+        yield Entry("first_neighbour", starts, index_of(JOINT))
+        yield Entry("last_neighbour", starts, index_of(JOINT).plus(1))
+        other = Entry("other", self.places.integers("neighbours", self.others), index_of(NEIGHBOUR))
+        yield ForEach(NEIGHBOUR, index_of("first_neighbour"), index_of("last_neighbour"), (other, *body))
+
+    def _each_pair(self) -> Iterator[InstanceItem]:
+        """The loop over pairs of these neighbours, whose blocks the elimination changes."""
+        pairs, body = list(chain(*self.pairs)), BlockBody(self.size)
+        z = body.matrix("z", self._between(COUPLING, "first_block"))
+        y = body.matrix("y", self._between(FACTOR, "second_block"))
+        body.store_rows(self._between(COUPLING, "filled_block"), product(transposed(z), y), Operator.SUB)
+        names = ("first_block", "second_block", "filled_block")
+        entries = (
+            Entry(name, self.places.integers(f"{name}s", [pair[k] for pair in pairs]), index_of(PAIR))
+            for k, name in enumerate(names)
+        )
+        starts = self.places.integers("first_pairs", accumulate(map(len, self.pairs), initial=0))
+        yield Entry("first_pair", starts, index_of(JOINT))
+        yield Entry("last_pair", starts, index_of(JOINT).plus(1))
+        yield ForEach(PAIR, index_of("first_pair"), index_of("last_pair"), (*entries, *body.statements()))
+
+
+def _replace(body: BlockBody, at: Callable[[int], Element], old: Block, new: Block) -> None:
+    """Write those entries of a block that have changed."""
+    for k, (before, value) in enumerate(zip(chain(*old), chain(*new), strict=True)):
+        if not ca.is_equal(before, value):
+            body.store(at(k), value)
 
 
 def index_of(variable: str) -> ElementIndex:
@@ -103,10 +185,6 @@ def index_of(variable: str) -> ElementIndex:
 def at(array: str, spacing: int, variable: str) -> Callable[[int], Element]:
     """The components of the block that a variable counts, in an array of one component after the other."""
     return lambda component: Element(array, index_of(variable).plus(component * spacing))
-
-
-def _fixed(array: str) -> Callable[[int], Element]:
-    return lambda component: Element(array, constant(component))
 
 
 def pairs_of(of: Blocks, place: int) -> Iterator[tuple[int, int, int]]:

@@ -15,13 +15,14 @@ import sympy as sp
 from derive.errors import TisserandError
 from derive.lowering.instances.classes import BodyClass, Member, fixed_values, force_key, moving_bodies
 from derive.lowering.instances.known_motion import STILL, KnownMotion, canonical
+from derive.lowering.instances.varying_joints import varies
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.kinds import ForceInstance
 from derive.mechanics.multibody.mechanism import Mechanism, damping_force
 from derive.mechanics.multibody.outputs.output_type import OutputInstance
-from derive.mechanics.multibody.point_motion import PointMotion
+from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.ports import output_equations
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.terms import Constraint, ModelConstant, OutputEquation
@@ -34,17 +35,21 @@ class NotInLoops(TisserandError):
 
 @dataclass(frozen=True)
 class GroupElement:
-    """A force, a damping or an output: its number among those, its bodies with coordinates, and the number of its
-    first component, if it is an output."""
+    """A force, a damping, a varying joint or an output: its number among those, and its bodies with coordinates.
+
+    first: the number of its first component, if it is an output; further: joints that no body with coordinates has.
+    """
 
     number: int
     bodies: tuple[Member, ...]
     first: int = 0
+    further: tuple[int, ...] = ()
 
     @property
     def joints(self) -> tuple[int, ...]:
-        """The numbers of the joints of its bodies, each once."""
-        return tuple(dict.fromkeys(handle.joint for member in self.bodies for handle in member.handles))
+        """The numbers of the joints of its bodies, each once, and of the further ones."""
+        of_bodies = (handle.joint for member in self.bodies for handle in member.handles)
+        return tuple(dict.fromkeys((*of_bodies, *self.further)))
 
     @property
     def sharing(self) -> tuple[int, ...]:
@@ -103,6 +108,16 @@ class Bodies:
         """The class of a body, or its name if its motion is known."""
         return self.number.get(body, body)
 
+    @property
+    def idle_joints(self) -> tuple[int, ...]:
+        """The numbers of the joints between markers whose motion is known."""
+        ends = ((joint.joint.first.body, joint.joint.second.body) for joint in self.mechanism.joints)
+        return tuple(k for k, bodies in enumerate(ends) if not any(body in self.members for body in bodies))
+
+    def end(self, marker: MarkerRef) -> Hashable:
+        """The class of a body and its marker, or a marker whose motion is known."""
+        return self.key(marker.body), marker.marker
+
 
 def force_groups(bodies: Bodies) -> tuple[Group, ...]:
     """The groups of the forces that act between bodies, and of the damping between pieces."""
@@ -112,7 +127,7 @@ def force_groups(bodies: Bodies) -> tuple[Group, ...]:
         names = moving_bodies(mechanism, force)
         if len(names) > 1:
             order = tuple(names.index(m.body) if m.body in names else m.body for m in force.markers)
-            key = force_key(force), order, tuple(map(bodies.key, names)), _fixed(bodies, names)
+            key = force_key(force), order, tuple(map(bodies.key, names)), fixed_of(bodies, names)
             element = GroupElement(number, tuple(bodies.members[name] for name in names))
             groups.setdefault(key, []).append(element)
     result = [Group("force", tuple(members)) for members in groups.values()]
@@ -129,20 +144,34 @@ def output_groups(bodies: Bodies) -> tuple[tuple[Group, Equations], ...]:
     first = 0
     for number, output in enumerate(bodies.mechanism.outputs):
         names, known = _referenced(bodies, output)
+        names, others = _with_partners(bodies, names)
         element = GroupElement(number, tuple(bodies.members[name] for name in names), first)
-        key = output.type, known, tuple(map(bodies.key, names)), element.sharing, _fixed(bodies, names)
+        key = output.type, known, others, tuple(map(bodies.key, names)), element.sharing, fixed_of(bodies, names)
         if key not in made:
             try:
                 made[key] = _output_equations(bodies, element)
             except NotInLoops:
-                element = GroupElement(number, tuple(bodies.members.values()), first)
+                element = GroupElement(number, tuple(bodies.members.values()), first, bodies.idle_joints)
                 made[key, number] = _output_equations(bodies, element, of_all=True)
         groups.setdefault(key if key in made else (key, number), []).append(element)
         first += len(output.type.labels)
     return tuple((Group("output", tuple(members)), made[key]) for key, members in groups.items())
 
 
-def _fixed(bodies: Bodies, names: Iterable[str]) -> Hashable:
+def _with_partners(bodies: Bodies, names: tuple[str, ...]) -> tuple[tuple[str, ...], Hashable]:
+    """Some bodies with those at the other ends of their varying joints, and the known markers at other such ends.
+
+    What a varying joint exerts on a body depends on the motion of both of its bodies.
+    """
+    numbers = (handle.joint for name in names for handle in bodies.members[name].handles)
+    joints = [joint for joint in map(bodies.mechanism.joints.__getitem__, dict.fromkeys(numbers)) if varies(joint)]
+    ends = [marker for joint in joints for marker in (joint.joint.first, joint.joint.second)]
+    partners = (marker.body for marker in ends if marker.body in bodies.members)
+    return tuple(dict.fromkeys((*names, *partners))), tuple(map(bodies.end, ends))
+
+
+def fixed_of(bodies: Bodies, names: Iterable[str]) -> Hashable:
+    """The values of constants in which the elements of a group with these bodies do not differ."""
     return fixed_values((c for name in names for c in bodies.members[name].constants), bodies.mechanism)
 
 
@@ -193,7 +222,7 @@ def force_equations(bodies: Bodies, group: Group) -> Equations:
             return own[marker.body].points[marker.marker] if marker.body in own else bodies.known.point(marker)
 
         made = force.type.generalised_force(force.element, tuple(map(at, force.markers)), force.values, rows)
-    return _equations(bodies, own, made, constants)
+    return group_equations(bodies, own, made, constants)
 
 
 def _output_equations(bodies: Bodies, element: GroupElement, of_all: bool = False) -> Equations:
@@ -217,6 +246,11 @@ def _output_equations(bodies: Bodies, element: GroupElement, of_all: bool = Fals
     ]
     dampings = [damping_force(damping, own) for damping in (mechanism.dampings if of_all else ())]
     joints = element.joints
+    definitions = [d for f in generalised for d in f.definitions]
+    for joint in (mechanism.joints[k] for k in joints):
+        first, second = (points.get(m.body, {}).get(m.marker) for m in (joint.joint.first, joint.joint.second))
+        if varies(joint) and first and second:
+            definitions += joint.type.equations(joint.joint, RelativeMotion(first, second)).definitions
     parts = SceneMechanics(
         scene=mechanism.scene,
         ground=mechanism.ground,
@@ -233,9 +267,9 @@ def _output_equations(bodies: Bodies, element: GroupElement, of_all: bool = Fals
         if of_all:
             raise
         raise NotInLoops(f"output {mechanism.outputs[element.number].name} depends on other bodies") from error
-    force = GeneralisedForce((), tuple(d for f in generalised for d in f.definitions))
+    force = GeneralisedForce((), tuple(definitions))
     constants += tuple(c for damping in (mechanism.dampings if of_all else ()) for c in damping.constants)
-    return _equations(bodies, own, force, constants, made, parts.constraints)
+    return group_equations(bodies, own, force, constants, made, parts.constraints)
 
 
 class _Some(dict[str, Any]):
@@ -271,7 +305,7 @@ class _Elsewhere:
 _ELSEWHERE = _Elsewhere()
 
 
-def _equations(
+def group_equations(
     bodies: Bodies,
     own: Mapping[str, InstanceEquations],
     force: GeneralisedForce,
@@ -281,7 +315,8 @@ def _equations(
 ) -> Equations:
     """Equations with the coordinates and the definitions of some bodies, and no terms but those of a force."""
     known = bodies.known.context.equations
-    definitions = [d for body in own.values() for d in body.definitions if d.symbol not in bodies.known.symbols]
+    of_own = (*(d for body in own.values() for d in body.definitions), *force.definitions)
+    definitions = tuple(d for d in of_own if d.symbol not in bodies.known.symbols)
     of_bodies = [c for body in own.values() for c in body.coefficients]
     present = {c.symbol for c in of_bodies}
     more = [c for c in (*known.coefficients, *constants) if c.symbol not in present]
@@ -294,7 +329,7 @@ def _equations(
         rates=tuple(row.v for body in own.values() for row in body.rows),
         parameters=known.parameters,
         coefficients=canonical((*of_bodies, *more), bodies.mechanism),
-        definitions=(*definitions, *force.definitions),
+        definitions=definitions,
         terms=force.terms,
         vanished=(),
         kinetic_energy=sp.S.Zero,

@@ -13,13 +13,14 @@ import sympy as sp
 from derive.ir.expressions import Expr, Number, ScalarRef
 from derive.ir.statements import Let, Statement, Store
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.context import Context
+from derive.lowering.flat.context import Context, Input, array_input
 from derive.lowering.flat.schedule import OutputValue, Step
 from derive.lowering.flat.sensitivities import by_parameters_and_inputs, derivatives
+from derive.lowering.instances.varying_joints import prescribed_alone, varies
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
-from derive.mechanics.multibody.kinds import JointInstance
+from derive.mechanics.multibody.kinds import ForceInstance, JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism, functions_of_time, pose
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
 from derive.mechanics.multibody.ports import input_symbols
@@ -65,17 +66,46 @@ class KnownMotion:
         definitions = [*mechanism.definitions, *(d for body in self.bodies.values() for d in body.definitions)]
         self.constraints: list[tuple[Constraint, ...]] = []
         for joint in mechanism.joints:
-            conditions = known_constraints(joint, self.point(joint.joint.first), self.point(joint.joint.second))
+            defined, conditions = self._known_part(joint)
             self.constraints.append(conditions)
-            definitions += _named(conditions)
+            definitions += [*defined, *_named(conditions)]
+        self._potentials: list[Intermediate] = []
+        for force in mechanism.forces:
+            if all(map(self.is_known, force.markers)):
+                defined, potential = self._stored(force)
+                self._potentials.append(potential)
+                definitions += [] if potential.expr.is_Rational else [*defined, potential]
         for name, body in self.bodies.items():
             definitions += [d for d in _pose_definitions(name, body) if not d.expr.is_Rational]
         self.definitions = tuple(definitions)
         self.derivatives = KnownDerivatives({}, {})
 
-    def differentiate(self) -> None:
-        """Compute the derivatives of what is known with respect to parameters and inputs, for kernels that follow."""
-        self.derivatives = _derivatives(self.context, [d.symbol for d in self.definitions])
+    def differentiate(self, by_parameters: bool) -> None:
+        """Compute the derivatives of what is known by the inputs, and by the parameters, for kernels that follow."""
+        self.derivatives = _derivatives(self.context, [d.symbol for d in self.definitions], by_parameters)
+
+    def _known_part(self, joint: JointInstance) -> tuple[tuple[Intermediate, ...], tuple[Constraint, ...]]:
+        """The definitions and the known parts of the constraints of a joint."""
+        markers = joint.joint.first, joint.joint.second
+        if varies(joint) and not all(map(self.is_known, markers)):
+            return (), prescribed_alone(joint)
+        return constraints(joint.joint, joint.type, RelativeMotion(*map(self.point, markers)), joint.drive, ())
+
+    def _stored(self, force: ForceInstance) -> tuple[tuple[Intermediate, ...], Intermediate]:
+        """The definitions of a force between markers whose motion is known, and the energy that it stores."""
+        name, points = force.element.name, tuple(map(self.point, force.markers))
+        made = force.type.generalised_force(force.element, points, force.values, ())
+        symbol, doc = local(identifier("potential", name)), f"energy that {name} stores"
+        return made.definitions, Intermediate(symbol, made.potential, name, "(22)", doc)
+
+    @property
+    def potentials(self) -> list[Expr]:
+        """The energies of forces between markers whose motion is known, besides zeros and those of moving ones."""
+        return [_value(d) for d in self._potentials if d.expr != 0 and d.symbol not in self.moving]
+
+    def is_known(self, marker: MarkerRef) -> bool:
+        """Whether the motion of a marker is known."""
+        return marker.body == GROUND or marker.body in self.bodies
 
     def point(self, marker: MarkerRef) -> PointMotion:
         """The motion of a marker if it is known, else that of a point at rest in 0."""
@@ -133,6 +163,17 @@ class KnownMotion:
         """The names of the definitions and of their derivatives."""
         return frozenset((*map(str, self.symbols), *self.derivatives.values))
 
+    def derivatives_of(self, symbols: Iterable[sp.Symbol]) -> Input:
+        """The derivatives of some symbols of what is known, as the elements of an argument."""
+        columns = (self.derivatives.columns.get(symbol, {}) for symbol in symbols)
+        return array_input("known", (derivative for of in columns for derivative in of.values()), "")
+
+    def by_inputs(self, symbol: sp.Symbol) -> list[tuple[int, sp.Symbol]]:
+        """The numbers of the inputs that a symbol depends on, and the symbols of its derivatives."""
+        parameters = len(self.mechanism.parameters)
+        columns = self.derivatives.columns.get(symbol, {})
+        return [(j - parameters, derivative) for j, derivative in columns.items() if j >= parameters]
+
     def statements(self, names: Iterable[str]) -> tuple[Statement, ...]:
         """The statements that compute some of the definitions and of their derivatives, by their names."""
         wanted = sorted(set(names))
@@ -152,9 +193,9 @@ class KnownMotion:
         return tuple(result)
 
 
-def _derivatives(context: Context, of: Iterable[sp.Symbol]) -> KnownDerivatives:
+def _derivatives(context: Context, of: Iterable[sp.Symbol], by_parameters: bool) -> KnownDerivatives:
     """The derivatives of some definitions, with the derivatives of their constants as constants of setup."""
-    for constant in derivatives(context.equations):
+    for constant in derivatives(context.equations) if by_parameters else ():
         context.add_constant(constant)
     symbols = context.symbols(context.t)
     known = [symbol for symbol in of if symbol in symbols.values]
@@ -168,12 +209,6 @@ def _derivatives(context: Context, of: Iterable[sp.Symbol]) -> KnownDerivatives:
             columns.setdefault(known[i], {})[j] = symbol
             values[str(symbol)] = matrix[i, j]
     return KnownDerivatives(columns, values, symbols)
-
-
-def known_constraints(joint: JointInstance, first: PointMotion, second: PointMotion) -> tuple[Constraint, ...]:
-    """The constraints of a joint and of its drive between two points whose motion is known."""
-    _, conditions = constraints(joint.joint, joint.type, RelativeMotion(first, second), joint.drive, ())
-    return conditions
 
 
 def moving_symbols(definitions: Iterable[Intermediate], moving: Iterable[sp.Symbol]) -> frozenset[sp.Symbol]:

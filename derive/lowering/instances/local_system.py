@@ -50,7 +50,7 @@ class LocalSystem:
 
 def local_system(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
     """The system of a class; `symbols` get the names of what it computes first."""
-    mass = of.context.equations.mass
+    mass = of.system.equations.mass
     if all(mass[i, j] == 0 for i in range(mass.rows) for j in range(i)):
         return _diagonal(of, symbols, right)
     return _factorised(of, symbols, right)
@@ -58,7 +58,7 @@ def local_system(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
 
 def _diagonal(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
     """The system of a body whose coordinates are independent of each other."""
-    context = of.context
+    context = of.system
     eq, rows = context.equations, context.rows
     numbers = {c.symbol: c.value for c in eq.coefficients if c.value.is_Rational}
     state = {*(c.q for c in eq.coordinates), *(d.symbol for d in eq.definitions)}
@@ -113,7 +113,7 @@ def _with_reactions(free: sp.Expr, inverse: sp.Expr, reactions: sp.Expr) -> sp.E
 
 def _factorised(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
     """The system of a body whose mass matrix is factorised."""
-    context = of.context
+    context = of.system
     eq = context.equations
     shape = context.mass_pattern()
     factors = factorise(shape, {entry: symbols(eq.mass[entry]) for entry in shape.entries})

@@ -89,7 +89,7 @@ def lower_instances(
         multipliers=tuple(Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in conditions),
         splines=tuple(replace(s, name=table_name(scene.name, s.name)) for s in equations.splines),
         bodies=tuple(instance.name for instance in mechanism.instances),
-        inputs=tuple(Variable(given.name, given.doc, given.unit) for given in equations.inputs),
+        inputs=tuple(Variable(given.name, given.doc, given.unit, shown=given.shown) for given in equations.inputs),
         outputs=tuple(Variable(o.name, o.doc, o.unit, shown=o.shown) for o in context.output_components),
         eliminated=tuple(
             Zero(out.what, out.reason)
@@ -104,7 +104,7 @@ def lower_instances(
 
 def _check(context: InstanceContext) -> None:
     """Raise SpecError where a constraint has no coordinate that could meet it, or where two names meet."""
-    idle = tuple(context.known.constraints[joint][k] for joint, k in idle_rows(context))
+    idle = tuple(context.constraint(joint, k) for joint, k in idle_rows(context))
     refuse_idle(idle, context.mechanism.scene.redundant)
     equations = [of.context.equations for of in context.classes]
     refuse_equal_names(

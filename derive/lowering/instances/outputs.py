@@ -13,16 +13,14 @@ from derive.lowering.flat.context import Context, Input, stores
 from derive.lowering.flat.schedule import Step
 from derive.lowering.instances.class_code import Loaded
 from derive.lowering.instances.context import (
-    GroupCode,
     InstanceContext,
     Result,
     given_inputs,
     kernel,
-    loads,
     scatter,
-    spread,
     whole,
 )
+from derive.lowering.instances.group_code import GroupCode, loads, spread
 from derive.lowering.model_functions import ModelFunction
 
 
@@ -47,10 +45,16 @@ def outputs_jacobian(context: InstanceContext, function: ModelFunction) -> Kerne
     entries, parts = set[tuple[int, int]](), []
     for group in context.outputs:
         code, ctx = group.code, group.code.context
-        symbols = ctx.symbols(*given_inputs(code, "t", "q", "v"), ctx.vdot, ctx.lam)
+        known = context.known.derivatives_of(code.given.symbols)
+        symbols = ctx.symbols(*given_inputs(code, "t", "q", "v"), known, ctx.vdot, ctx.lam)
         values = ca.vertcat(*(symbols(output.expr) for output in ctx.equations.outputs))
         columns = [symbol for argument in _differentiated(ctx) for symbol in argument.symbols]
         matrix = ca.jacobian(values, ca.vertcat(*symbols.values_of(columns)))
+        first_input = len(columns) - len(ctx.u.symbols)
+        for symbol in code.given.symbols:  # inputs act through what is known as well
+            slope = ca.jacobian(values, symbols.values[symbol])
+            for j, derivative in context.known.by_inputs(symbol):
+                matrix[:, first_input + j] += slope * symbols.values[derivative]
         own = sorted(zip(*matrix.sparsity().get_triplet(), strict=True), key=lambda entry: (entry[1], entry[0]))
         positions = []
         for rows, at, lam in zip(

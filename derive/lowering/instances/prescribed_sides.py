@@ -22,7 +22,7 @@ def project_velocity(context: InstanceContext, function: ModelFunction) -> Kerne
     """The kernel of the smallest dv, in the metric of M, with G dv = r."""
 
     def nothing(_: InstanceContext, of: ClassCode) -> Right:
-        return Right([sp.S.Zero for _ in of.context.rows], [sp.S.Zero for _ in of.context.multipliers])
+        return Right([sp.S.Zero for _ in of.context.rows], [sp.S.Zero for _ in of.system.multipliers])
 
     argument = whole("r", len(context.multipliers), "prescribed change of gdot")
     results = {"dv": Result(("body by body",), count=len(context.rows))}
@@ -35,7 +35,7 @@ def solve_kkt(context: InstanceContext, function: ModelFunction) -> Kernel:
 
     def prescribed(_: InstanceContext, of: ClassCode) -> Right:
         a = array_input("a", (local(f"a_{name}") for name in of.context.rows), "")
-        return Right([*a.symbols], [sp.S.Zero for _ in of.context.multipliers], (("a", of.coordinate, a),))
+        return Right([*a.symbols], [sp.S.Zero for _ in of.system.multipliers], (("a", of.coordinate, a),))
 
     inputs = {
         "a": whole("a", len(context.rows), "right-hand side of the equations of motion"),

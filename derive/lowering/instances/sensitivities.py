@@ -23,8 +23,9 @@ from derive.lowering.flat.dae import states
 from derive.lowering.flat.schedule import Step
 from derive.lowering.flat.sensitivities import by_parameters_and_inputs, dynamic_rows
 from derive.lowering.instances.class_code import Loaded, LoopCode
-from derive.lowering.instances.context import GroupCode, InstanceContext, Result, kernel, loads, scatter
+from derive.lowering.instances.context import InstanceContext, Result, kernel, scatter
 from derive.lowering.instances.dae import DaeLayout
+from derive.lowering.instances.group_code import GroupCode, loads
 from derive.lowering.instances.known_motion import PARTS, known_symbol
 from derive.lowering.model_functions import ModelFunction
 
@@ -79,6 +80,13 @@ def _of_all(context: InstanceContext, form: DaeLayout) -> Iterator[_Rows]:
         symbols = _symbols(context, group.code, ctx.q, ctx.v)
         rows = [*dynamic_rows(ctx, symbols).values()]
         yield _derivatives(context, group.code, symbols, rows, form.states(group), group.coordinates)
+    for joints in context.joints:
+        ctx = joints.code.context
+        y, ydot = states(ctx, "index1")
+        symbols = _symbols(context, joints.code, y, ydot)
+        rows = [*dynamic_rows(ctx, symbols).values()]
+        inputs = form.joint_reads(joints, y, ydot)
+        yield _derivatives(context, joints.code, symbols, rows, inputs, form.joint_parameter_rows(joints))
     first = form.coordinates + 3 * form.constraints
     for group in context.outputs:
         ctx = group.code.context
@@ -90,9 +98,8 @@ def _of_all(context: InstanceContext, form: DaeLayout) -> Iterator[_Rows]:
 
 def _symbols(context: InstanceContext, code: LoopCode, *inputs: Input) -> Symbols:
     """The symbols of a class or a group, with the derivatives of what is known."""
-    known = context.known.derivatives.columns
-    every = (derivative for symbol in code.given.symbols for derivative in known.get(symbol, {}).values())
-    return code.context.symbols(code.context.t, code.given, array_input("known", every, ""), *inputs)
+    known = context.known.derivatives_of(code.given.symbols)
+    return code.context.symbols(code.context.t, code.given, known, *inputs)
 
 
 def _derivatives(

@@ -27,7 +27,7 @@ from derive.mechanics.terms import (
     Term,
     Vanished,
 )
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import identifier, joined
 
 Symbols = dict[sp.Basic, sp.Basic]
 SPACE = 3
@@ -261,6 +261,7 @@ def _marker(instance: BodyInstance, kind: BodyKind, name: str, change: _Change) 
     return replace(
         free,
         name=identifier(component.specified, name),
+        shown=joined(component.specified, name),
         doc=f"{free.doc} of {component.name}",
         definitions=tuple(own.definitions),
         position=free.position.applyfunc(own),

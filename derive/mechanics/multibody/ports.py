@@ -8,7 +8,7 @@ from derive.mechanics.multibody.outputs.output_type import OutputInstance
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.symbols import DOTS, run_time_input
 from derive.mechanics.terms import InputSymbol, ModelConstant, OutputEquation
-from derive.spec.model.instances import identifier, joined
+from derive.spec.model.instances import identifier, joined, rate_name
 from derive.spec.model.specification import AnyScene
 
 
@@ -20,7 +20,8 @@ def input_symbols(scene: AnyScene) -> tuple[InputSymbol, ...]:
         for order in range(3 if given.name in motions else 1):
             unit = given.unit + ("", "/s", "/s^2")[order] if given.unit else ""
             doc = f"{('', 'time derivative of ', 'second time derivative of ')[order]}input {given.name}"
-            result.append(InputSymbol(run_time_input(given.name, order), f"{given.name}{DOTS[order]}", doc, unit))
+            symbol, shown = run_time_input(given.name, order), rate_name(given.name, DOTS[order])
+            result.append(InputSymbol(symbol, identifier(shown), shown, doc, unit))
     return tuple(result)
 
 

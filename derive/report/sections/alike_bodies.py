@@ -12,18 +12,22 @@ from derive.mechanics.generic_forces import DAMPING_TERM
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.symbols import Symbol, identity, owned
-from derive.mechanics.terms import Intermediate
+from derive.mechanics.terms import Intermediate, ModelConstant
 
 
 @dataclass(frozen=True)
 class EquationsShownOnce:
     """The equations of a scene without those of bodies that are like an earlier one.
 
-    alike: the names of these bodies, by the name of the body whose equations are shown.
+    alike: the names of these bodies, by the name of the body whose equations are shown. owners: the bodies and the
+    groups of pieces of rods whose constants are shown, by all bodies and groups. values: the constants of others with
+    other values, by the constants that are shown and their owners.
     """
 
     equations: Equations
     alike: Mapping[str, tuple[str, ...]]
+    owners: Mapping[str, str]
+    values: Mapping[sp.Symbol, Mapping[str, ModelConstant]]
 
 
 def shown_once(mechanism: Mechanism) -> EquationsShownOnce:
@@ -51,11 +55,53 @@ def shown_once(mechanism: Mechanism) -> EquationsShownOnce:
                 continue
             known.add(form)
         definitions.append(d)
-    rows = tuple(row for row in equations.rows if identity(row.v).owner in alike)
+    kept = [k for k, row in enumerate(equations.rows) if identity(row.v).owner in alike]
+    rows = tuple(equations.rows[k] for k in kept)
     names = {row.name for row in rows}
-    terms = tuple(term for term in equations.terms if term.row in names)
-    shorter = replace(equations, rows=rows, terms=terms, definitions=tuple(definitions))
-    return EquationsShownOnce(shorter, {name: others for name, others in alike.items() if others})
+    places = {k: place for place, k in enumerate(kept)}
+    same_constants = _owners(shown, owners)
+    constants, values = _constants(equations, same_constants)
+    shorter = replace(
+        equations,
+        rows=rows,
+        terms=tuple(term for term in equations.terms if term.row in names),
+        definitions=tuple(definitions),
+        coefficients=constants,
+        vanished=tuple(v for v in equations.vanished if v.term.row in names),
+        mass=equations.mass.extract(kept, kept),
+        mass_zeros=tuple(
+            (places[i], places[j], why) for i, j, why in equations.mass_zeros if i in places and j in places
+        ),
+    )
+    others = {name: names for name, names in alike.items() if names}
+    return EquationsShownOnce(shorter, others, same_constants, values)
+
+
+def _owners(shown: Mapping[str, str], instances: Mapping[str, BodyInstance]) -> dict[str, str]:
+    """The owners of constants that are shown, by those that are like them: bodies, and the groups of pieces of rods."""
+    result: dict[str, str] = {}
+    for name, same in shown.items():
+        result[name] = same
+        result.setdefault(instances[name].component.group, instances[same].component.group)
+    return result
+
+
+def _constants(
+    equations: Equations, owners: Mapping[str, str]
+) -> tuple[tuple[ModelConstant, ...], dict[sp.Symbol, dict[str, ModelConstant]]]:
+    """The constants of bodies that are shown, and those of others with other values, see `EquationsShownOnce`."""
+    shown: dict[Hashable, ModelConstant] = {}
+    kept: list[ModelConstant] = []
+    values: dict[sp.Symbol, dict[str, ModelConstant]] = {}
+    for c in equations.coefficients:
+        owner = identity(c.symbol).owner
+        same = owners.get(owner, owner)
+        known = shown.setdefault((same, owned(c.symbol, ""), c.zero), c)
+        if known is c:
+            kept.append(c)
+        elif known.value != c.value:
+            values.setdefault(known.symbol, {})[owner] = c
+    return tuple(kept), values
 
 
 def _form(instance: BodyInstance, equations: Equations, damped: bool) -> Iterator[Hashable]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from derive.spec.model.instances import instance_name, instance_parts, skeleton, text_of_instances
+from derive.spec.model.instances import InstanceName, instance_name, instance_parts, skeleton, text_of_instances
 
 Row = Sequence[str]
 DIFFERENT = "..."
@@ -21,6 +21,21 @@ def merged_rows(rows: Sequence[Row]) -> list[list[str]]:
         alike = list(group)
         result += _merged(alike) if table else map(list, alike)
     return result
+
+
+def enumeration(names: Sequence[str]) -> str:
+    """Names as in a sentence, with one text for successive instances: link[1] to link[99] and last."""
+    parts: list[str] = []
+    for (table, _), group in groupby(enumerate(map(instance_parts, names)), key=_run):
+        run = [names[k] for k, _ in group]
+        parts += [f"{run[0]} to {run[-1]}"] if table and len(run) > 2 else run
+    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1]))) if parts else ""
+
+
+def _run(numbered: tuple[int, InstanceName]) -> tuple[str, int]:
+    """The key of a run of successive instances of a table; that of another name is its own."""
+    place, name = numbered
+    return ("", place) if name.index is None or name.ending else (name.table, name.index - place)
 
 
 def _form(row: Row) -> tuple[str, tuple[str, ...]]:

@@ -20,10 +20,12 @@ from derive.report.document.page import (
     Heading,
     Paragraph,
     Picture,
+    folded,
     table,
 )
 from derive.report.notation.expressions import Notation
-from derive.report.sections.instance_rows import merged_rows
+from derive.report.sections.alike_joints import ConstraintsShownOnce
+from derive.report.sections.instance_rows import enumeration, merged_rows
 from derive.spec.model.beam_parts import AttachedMass
 from derive.spec.model.forces import SceneForce
 from derive.spec.model.instances import instance_name, joined
@@ -63,7 +65,7 @@ HINT = "The pointer shows the row and the column of an entry."
 
 def mechanism_blocks(spec: Scene) -> tuple[Block, ...]:
     """The drawing of the mechanism, to scale."""
-    names = ", ".join(body.name for body in spec.bodies)
+    names = enumeration([body.name for body in spec.bodies])
     flexible = any(isinstance(body, BeamBody) for body in spec.bodies)
     caption = f"The mechanism at t = 0, to scale. {LEGEND}{LEGEND_OF_BEAMS if flexible else ''}"
     return (
@@ -84,7 +86,10 @@ def body_blocks(spec: Scene, model: Model, equations: Equations) -> tuple[Block,
     blocks: list[Block] = [
         Heading("Bodies", "bodies"),
         Paragraph((f"A {model.doc}. Coordinates and constraints that the mechanism does not need are eliminated.",)),
-        table("Bodies", ("body", "kind", "mass and stiffness", "coordinates", "eliminated"), _cells(rows), "lllrl"),
+        folded(
+            table("Bodies", ("body", "kind", "mass and stiffness", "coordinates", "eliminated"), _cells(rows), "lllrl"),
+            "Bodies",
+        ),
     ]
     return (*blocks, table("Also eliminated", ("what", "reason"), others)) if others else tuple(blocks)
 
@@ -158,7 +163,9 @@ def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:
                 f" The welds between the beams of a rod have {cuts} further multipliers." if cuts else "",
             )
         ),
-        table("Joints", ("joint", "kind", "marker 1", "marker 2", "drive", "multipliers"), _cells(rows)),
+        folded(
+            table("Joints", ("joint", "kind", "marker 1", "marker 2", "drive", "multipliers"), _cells(rows)), "Joints"
+        ),
         *([Details(f"The {len(equations.constraints)} multipliers", (whole,))] if multipliers else []),
         *_loads(spec),
     )
@@ -169,7 +176,7 @@ def _multipliers(series: VariableSeries) -> Iterator[list[Content]]:
     last = series.first + series.count - 1
     instances = f"; i = {series.first} to {last}" if series.table else ""
     for label in series.labels:
-        name = joined(instance_name(series.table, "i"), label.name) if series.table else label.shown or label.name
+        name = joined(instance_name(series.table, "i"), label.name) if series.table else label.title
         yield [CodeSpan(name), label.unit, f"{label.doc}{instances}"]
 
 
@@ -178,29 +185,32 @@ def _loads(spec: Scene) -> tuple[Block, ...]:
     rows += [[t.name, _load(t, "torque"), ", against ".join(map(str, t.markers))] for t in spec.torques]
     rows += [[s.name, _load(s, "spring"), " to ".join(map(str, s.markers))] for s in spec.springs]
     cells: list[list[Content]] = [[load, name, marker] for name, load, marker in merged_rows(rows)]
-    return (table("Loads", ("load", "name", "marker"), cells),) if cells else ()
+    return (folded(table("Loads", ("load", "name", "marker"), cells), "Loads"),) if cells else ()
 
 
 def _load(load: SceneForce, noun: str) -> str:
     return noun if load.kind == noun else f"{load.kind} {noun}"
 
 
-def constraint_blocks(equations: Equations, written: Notation) -> tuple[Block, ...]:
-    """The constraints on position level."""
-    if not equations.constraints:
+def constraint_blocks(once: ConstraintsShownOnce, written: Notation) -> tuple[Block, ...]:
+    """The constraints on position level, of joints that are alike those of the first."""
+    if not once.constraints:
         return ()
     lines = tuple(
-        Equation(Name("g", below=(c.name.replace("_", " "),)), written.parts(c.position, title=c.doc))
-        for c in equations.constraints
+        Equation(Name("g", below=(c.shown.replace("_", " "),)), written.parts(c.position, title=c.doc))
+        for c in once.constraints
     )
     text = (
         "Each constraint g = 0 is the position of marker 2 minus that of marker 1, from x = c + Q r. G holds the "
         "coefficients of the generalised velocities in its time derivative."
     )
+    if once.alike:
+        text += " Of joints whose constraints differ in names and constants alone, the first is shown."
     blocks: list[Block] = [Heading("Constraints", "constraints"), Paragraph((text,)), EquationBlock(lines[:MANY])]
+    rows: list[list[Content]] = [[name, enumeration(others)] for name, others in once.alike.items()]
     if len(lines) > MANY:
         blocks.append(Details(f"The other {len(lines) - MANY} constraints", (EquationBlock(lines[MANY:]),)))
-    return tuple(blocks)
+    return (*blocks, *((table("Joints with the same constraints", ("shown", "alike"), rows),) if rows else ()))
 
 
 def kkt_blocks(model: Model, kkt: Kkt) -> tuple[Block, ...]:

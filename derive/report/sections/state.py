@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import sympy as sp
 
 from derive.ir.model import Model, Variable
+from derive.ir.series import variable_series
 from derive.mechanics.equations import Equations
-from derive.mechanics.symbols import I, Identity, amplitude, identity
+from derive.mechanics.symbols import I, Identity, amplitude, identity, owned
 from derive.report.document.formula import Formula
 from derive.report.document.page import Block, CodeSpan, Content, Details, Heading, Paragraph, folded, table
 from derive.report.notation.expressions import Notation
@@ -17,6 +18,7 @@ from derive.report.notation.families import written
 from derive.report.notation.integral_formulas import unit
 from derive.report.notation.typeset_names import chosen
 from derive.roles import Role
+from derive.spec.model.instances import identifier, instance_name, instance_parts
 
 HEAD = ("", "in the code", "unit", "what it is")
 
@@ -27,10 +29,10 @@ def state_blocks(model: Model, equations: Equations, notation: Notation) -> tupl
     count = size(model.parameters)
     end = f", and {count} parameter{'' if count == 1 else 's'}." if count else "; every number is folded into the code."
     coordinates = table(
-        "Coordinates q", HEAD, _rows(model.coordinates, (c.q for c in equations.coordinates), amplitude(I))
+        "Coordinates q", HEAD, _rows(model, model.coordinates, (c.q for c in equations.coordinates), amplitude(I))
     )
     velocities = table(
-        "Generalised velocities v", HEAD, _rows(model.velocities, (r.v for r in equations.rows), amplitude(I, 1))
+        "Generalised velocities v", HEAD, _rows(model, model.velocities, (r.v for r in equations.rows), amplitude(I, 1))
     )
     derivatives = "The generalised velocities are the time derivatives of the coordinates, in the same order."
     result: list[Block] = [
@@ -44,7 +46,7 @@ def state_blocks(model: Model, equations: Equations, notation: Notation) -> tupl
         result.append(folded(table("Parameters", (*HEAD, "default"), given, "llllr"), "Parameters"))
     for title, ports in (("Inputs u", model.inputs), ("Outputs", model.outputs)):
         if ports:
-            listed: list[list[Content]] = [[CodeSpan(v.name), unit(v.unit), v.doc] for v in ports]
+            listed: list[list[Content]] = [[CodeSpan(code), unit(v.unit), v.doc] for v, code, _ in _once(model, ports)]
             result.append(folded(table(title, HEAD[1:], listed), title))
     if model.choice:
         result.append(Paragraph((f"The functions are {model.choice}.",)))
@@ -61,15 +63,39 @@ def _is_spatial(model: Model) -> bool:
     return any(q.role is Role.QUATERNION for q in model.coordinates)
 
 
-def _rows(variables: Iterable[Variable], symbols: Iterable[sp.Symbol], whole: sp.Symbol) -> list[list[Content]]:
+def _rows(
+    model: Model, variables: Sequence[Variable], symbols: Iterable[sp.Symbol], whole: sp.Symbol
+) -> list[list[Content]]:
     """The rows of a table of coordinates or velocities; `whole` is the symbol of the array over all modes."""
     by_name = {symbol.name: symbol for symbol in symbols}
-    return [_row(v, written(by_name.get(v.name, whole)).formula) for v in variables]
+    rows = []
+    for variable, code, first in _once(model, variables):
+        symbol = by_name.get(first.name, whole)
+        if variable is not first:
+            symbol = owned(symbol, instance_name(instance_parts(identity(symbol).owner).table, "i"))
+        rows.append(_row(variable, written(symbol).formula, code))
+    return rows
 
 
-def _row(variable: Variable, formula: Formula) -> list[Content]:
+def _once(model: Model, variables: Sequence[Variable]) -> Iterator[tuple[Variable, str, Variable]]:
+    """Variables, those of instances of a table with their index i once; their names in the code; the first of each."""
+    number = 0
+    for series in variable_series(variables):
+        own = variables[number : number + len(series.labels)]
+        number += series.size
+        for label, first in zip(series.labels, own, strict=True):
+            if not series.table:
+                yield first, first.name, first
+                continue
+            looped = f"{identifier(series.table, label.name)}(i)"
+            code = looped if model.lowering == "instances" else identifier(instance_name(series.table, "i"), label.name)
+            last = series.first + series.count - 1
+            yield replace(label, doc=f"{label.doc}; i = {series.first} to {last}"), code, first
+
+
+def _row(variable: Variable, formula: Formula, code: str = "") -> list[Content]:
     values = f" ({variable.size} values)" if variable.size > 1 else ""
-    return [formula, CodeSpan(variable.name), unit(variable.unit), (variable.doc, values)]
+    return [formula, CodeSpan(code or variable.name), unit(variable.unit), (variable.doc, values)]
 
 
 def _parameter(variable: Variable, notation: Notation) -> Formula:

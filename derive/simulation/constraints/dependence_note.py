@@ -56,4 +56,4 @@ def _ambiguous(
     after = native.evaluate_outputs(t, q, v, vdot, lam + balanced, k)
     for variable, change in zip(outputs, np.abs(after - before), strict=False):
         if change > UNIQUE * float(np.max(np.abs(balanced))):
-            yield variable.shown or variable.name
+            yield variable.title

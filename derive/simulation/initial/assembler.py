@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix
 from derive.simulation.initial.contradictions import Misfit
-from derive.simulation.initial.kinematics import Kinematics, PoseValues
+from derive.simulation.initial.kinematics import Columns, Kinematics, PoseValues
 from derive.simulation.initial.targets import Target
 
 
@@ -27,11 +28,15 @@ class Assembler:
 
     def kinematics(self, q: Vector, moving: bool = False) -> Kinematics:
         """The poses in a configuration (nq,); with `moving`, also how drives change them."""
-        return Kinematics(self.native, self.k, self.t, q, self.size, moving)
+        return Kinematics(self.native, self.k, self.t, q, self.size, moving, groups=self._groups)
 
     def values(self, q: Vector) -> PoseValues:
         """The poses in a configuration (nq,) without their derivatives."""
         return PoseValues(self.native, self.k, self.t, q, self.size, False)
+
+    @cached_property
+    def _groups(self) -> tuple[Columns, ...]:
+        return Kinematics(self.native, self.k, self.t, np.zeros(self.native.nq), self.size, False).grouped()
 
     def unit(self, target: Target) -> float:
         """The scale of a target: 1 rad, or the size of the scene (m)."""

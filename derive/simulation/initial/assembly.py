@@ -60,12 +60,14 @@ def assemble(
     targets: Sequence[Target],
     check_deformation: Callable[[Vector], None],
     conflict: Callable[[Vector, Sequence[Target]], Conflict],
+    rough: bool = False,
 ) -> Assembly:
     """The configuration that keeps the given targets, and adapts to guesses and defaults what they leave free.
 
     guess: coordinates (nq,) from which the iteration begins. Bodies deform only where the joints cannot be met
     otherwise; check_deformation raises an error if they deform too far in a configuration (nq,). conflict: finds the
-    joints, drives and given targets that contradict each other, near a configuration (nq,).
+    joints, drives and given targets that contradict each other, near a configuration (nq,). rough: whether guesses and
+    defaults are fitted to about three digits, for a configuration from which a search begins.
 
     Raises SpecError with the given values that contradict each other by more than rounding, InconsistentInitialState
     with the constraints that cannot be met.
@@ -100,7 +102,7 @@ def assemble(
                 missed.append((misfits, state.q))
         if closed:
             fit, q, corrected = min(closed, key=lambda each: _distance(assembler, targets, each[1]))
-            q = fit.polished(q)
+            q = q if rough else fit.polished(q)
             return Assembly(q, corrected, max_norm(native.constraints(assembler.t, q, assembler.k)), deformed)
         if missed:
             misfits, q = min(missed, key=lambda of: max(abs(misfit.relative) for misfit in of[0]))

@@ -52,7 +52,7 @@ def _guess_beam(values: dict[str, float], rates: dict[str, float], beam: BeamBod
         values[angle] += float(part.slope) / half
         rates[angle] += float(rate.slope) / half
         for i, (value, value_rate) in enumerate(zip(part.amplitudes, rate.amplitudes, strict=True), 1):
-            symbol = owned(amplitude(i), name).name
+            symbol = owned(amplitude(i), name).identity.shown
             values[symbol], rates[symbol] = float(value), float(value_rate)
 
 
@@ -91,5 +91,5 @@ def _guess_displacement(
 
 def _name(body: str, family: Family, *components: int) -> str:
     """The name of a coordinate of a body."""
-    name: str = owned(quantity(family, *components), body).name
+    name: str = owned(quantity(family, *components), body).identity.shown
     return name

@@ -28,6 +28,8 @@ from derive.simulation.observables.motion import SceneMotion, si_value, transfor
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
 from derive.spec.model.specification import AnyScene
 
+LISTED = 6
+"""The largest number of values that notes on an equilibrium list, in which all given values are first guesses."""
 MAX_DEFLECTION = 0.3
 """The largest deflection of an initial state, relative to the length of a piece of a beam; one with a larger deflection
 is not a state of this mechanism."""
@@ -68,7 +70,11 @@ class InitialState:
             "its value in equilibrium" if self.equilibrium else "corrected: it contradicts the joints or other values"
         )
         balance = (str(self.equilibrium),) if self.equilibrium else ()
-        return (*balance, *self.remainders, *(f"{value} ({reason})" for value in self.corrections))
+        listed, others = self.corrections, 0
+        if self.equilibrium and len(listed) > LISTED:
+            listed, others = listed[:LISTED], len(listed) - LISTED
+        more = (f"likewise {others} other given values, all of which are first guesses",) if others else ()
+        return (*balance, *self.remainders, *(f"{value} ({reason})" for value in listed), *more)
 
 
 def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) -> InitialState:
@@ -97,6 +103,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
         positions,
         lambda q: _check_deflections(scene, native, constants, q),
         lambda q, given: position_conflict(scene, assembler, guess, q, given),
+        rough=scene.start is not None,
     )
     balance = None
     if scene.start is not None:

@@ -18,7 +18,7 @@ from derive.simulation.initial.kinematics import Kinematics, Linear
 from derive.simulation.observables.beams import fields_of, half_length
 from derive.simulation.observables.motion import body_coordinates, si_value
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import BeamBody, CustomJoint, Joint, Scene
@@ -99,11 +99,11 @@ def _on_beam(beam: BeamBody, marker: str, native: NativeScene) -> Callable[[Kine
     """
     at = next(m.at for m in beam.beam.markers if m.name == marker)
     piece, place, fields = piece_name(beam, piece_of(at, beam.pieces)), place_in_piece(at, beam.pieces), fields_of(beam)
-    columns = [native.coordinates.index(owned(amplitude(i), piece).name) for i in range(1, len(fields) + 1)]
+    columns = [native.coordinates.index(owned(amplitude(i), piece).identity.shown) for i in range(1, len(fields) + 1)]
     gradients = np.zeros((2, native.nq))  # of du/dx and dv/dx
     for field, column in zip(fields, columns, strict=True):
         gradients[field.axis - 1, column] = float(field.of.derivative().at(place)) / half_length(beam)
-    name, at_rest = identifier(beam.name, marker), np.zeros(native.nv)
+    name, at_rest = joined(beam.name, marker), np.zeros(native.nv)
     second_order = beam.beam.order is not DisplacementOrder.FIRST_ORDER
 
     def function(kinematics: Kinematics) -> tuple[Linear, ...]:

@@ -7,10 +7,12 @@ coordinates a scene keeps.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
@@ -26,6 +28,18 @@ TOO_LARGE = 1e3
 """A step is too large if its error is this multiple of that of a smaller one."""
 ROUNDING = float(np.finfo(float).eps * np.abs(WEIGHTS).sum())
 """The rounding error of a difference times h, relative to the poses."""
+
+
+Bodies = NDArray[np.bool_]
+"""A mask of bodies (bodies,)."""
+Columns = Mapping[int, Bodies]
+"""Numbers of coordinates, with the bodies that each moves."""
+
+
+def single_columns(native: NativeScene) -> tuple[Columns, ...]:
+    """The coordinates that are no amplitudes, one by one, each as if it moved all bodies."""
+    every = np.ones(len(native.bodies), dtype=bool)
+    return tuple({int(j): every} for j in np.flatnonzero(~coordinates_with(native, Role.AMPLITUDE)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +63,8 @@ class Linear:
 class Kinematics:
     """The poses of a compiled scene at the time t (s) in the configuration q (nq,); size: that of the scene, m.
 
-    moving: whether drifts are computed, which configurations alone do not need.
+    moving: whether drifts are computed, which configurations alone do not need. groups: the coordinates whose gradients
+    are computed at once; by default one after the other.
     """
 
     native: NativeScene
@@ -58,6 +73,7 @@ class Kinematics:
     q: Vector
     size: float
     moving: bool
+    groups: tuple[Columns, ...] = field(default=(), kw_only=True)
 
     @cached_property
     def poses(self) -> Matrix:
@@ -73,13 +89,35 @@ class Kinematics:
         """
         angles = coordinates_with(self.native, Role.ROTATION)
         result = np.zeros((*self.poses.shape, len(self.q)))
-        for j in np.flatnonzero(~coordinates_with(self.native, Role.AMPLITUDE)):
+        for columns in self.groups or single_columns(self.native):
             unit = np.zeros_like(self.q)
-            unit[j] = step = math.pi / 2 if angles[j] else self.size
+            for j in columns:
+                unit[j] = math.pi / 2 if angles[j] else self.size
             change = self._poses(self.t, self.q + unit) - self._poses(self.t, self.q - unit)
-            result[..., :2, j] = change[..., :2] / (2 if angles[j] else 2 * step)
-            result[..., 2, j] = change[..., 2] / (2 * step)
+            for j, bodies in columns.items():
+                result[bodies, :2, j] = change[bodies, :2] / (2 if angles[j] else 2 * unit[j])
+                result[bodies, 2, j] = change[bodies, 2] / (2 * unit[j])
         return result
+
+    def grouped(self) -> tuple[Columns, ...]:
+        """Groups of coordinates of which each body depends on one at most.
+
+        A coordinate that moves a body does so in all configurations, so that the gradients in one show which.
+        """
+        moved = np.any(self.gradients != 0.0, axis=1)
+        groups: list[dict[int, Bodies]] = []
+        taken: list[Bodies] = []
+        for columns in single_columns(self.native):
+            for j in columns:
+                bodies = moved[:, j]
+                free = (k for k, of in enumerate(taken) if not np.any(of & bodies))
+                k = next(free, len(taken))
+                if k == len(taken):
+                    groups.append({})
+                    taken.append(np.zeros_like(bodies))
+                groups[k][j] = bodies
+                taken[k] = taken[k] | bodies
+        return tuple(groups)
 
     @cached_property
     def drifts(self) -> Matrix:

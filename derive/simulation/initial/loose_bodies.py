@@ -106,4 +106,4 @@ class LooseBodies:
 def _coordinates(names: Sequence[str], piece: str) -> list[int]:
     """The numbers of the coordinates c1, c2 and phi of a piece of a beam."""
     families = (quantity(Family.TRANSLATION, 1), quantity(Family.TRANSLATION, 2), quantity(Family.ANGLE))
-    return [names.index(owned(of, piece).name) for of in families]
+    return [names.index(owned(of, piece).identity.shown) for of in families]

@@ -21,6 +21,7 @@ from derive.simulation.compiled_scene import (
 from derive.simulation.constraints.closest_state import closest_state
 from derive.simulation.constraints.scaling import SINGULAR, in_mass_metric, mass_factor
 from derive.simulation.initial.assembler import Assembler
+from derive.simulation.initial.kinematics import Linear
 from derive.simulation.initial.targets import Strength, Target
 
 DEFAULT_WEIGHT = 1e-3
@@ -29,6 +30,8 @@ ITERATIONS = 50
 LARGEST_STEP = 0.3
 """rad, and part of the size: the largest change in one iteration."""
 NEWTON_STEPS, NEWTON_CONVERGED = 12, 1e-14
+FAST = 0.5
+"""The factor by which each step of a fit that converges fast enough is shorter than the one before."""
 SMALL_STEP, SMALLEST_STEP = 1e-3, 1e-13
 """Steps up to the first are left to the polishing, which steps up to the second do not need."""
 
@@ -42,8 +45,8 @@ def weight(target: Target) -> float:
 class TargetFit:
     """Targets (n) that are fitted on the constraints of a system, by the coordinates that are `free`.
 
-    The method of Gauss and Newton converges linearly where targets remain missed, so that the last digits are those of
-    a root of its step.
+    The method of Gauss and Newton converges linearly where targets remain missed; where it does so slowly, the last
+    digits are those of a root of its step.
     """
 
     assembler: Assembler
@@ -70,7 +73,8 @@ class TargetFit:
 
     def missed(self, q: Vector) -> float:
         """The weighted root of the sum of squares by which the targets are missed."""
-        return float(np.linalg.norm(self._linearised(q)[0]))
+        kinematics = self.assembler.values(q)
+        return float(np.linalg.norm([self._deviation(target, target.function(kinematics)) for target in self.targets]))
 
     def tangent(self, q: Vector) -> Matrix:
         """The motions (nq, f) of unit kinetic energy that the constraints allow."""
@@ -95,8 +99,16 @@ class TargetFit:
     def polished(self, q: Vector) -> Vector:
         """The configuration near q in which the Gauss-Newton step vanishes; q where no step is short, far from such."""
         step = self.step(q)
-        if not SMALLEST_STEP < self.length(step) <= LARGEST_STEP:
+        if self.length(step) > LARGEST_STEP:
             return q
+        for _ in range(ITERATIONS):
+            if self.length(step) <= SMALLEST_STEP:
+                return q
+            trial = self.on_constraints(q + step)
+            after = self.step(trial)
+            if self.length(after) > FAST * self.length(step):
+                break
+            q, step = trial, after
         tangent = self.tangent(q)
         inverse = np.linalg.pinv(tangent)
 
@@ -131,6 +143,12 @@ class TargetFit:
         kinematics = self.assembler.kinematics(q)
         values, gradients = np.zeros(len(self.targets)), np.zeros((len(self.targets), len(q)))
         for i, target in enumerate(self.targets):
-            linear, factor = target.function(kinematics), weight(target) / self.assembler.unit(target)
-            values[i], gradients[i] = factor * (linear.value - target.value), factor * linear.gradient
+            linear = target.function(kinematics)
+            values[i], gradients[i] = self._deviation(target, linear), self._factor(target) * linear.gradient
         return values, gradients
+
+    def _deviation(self, target: Target, linear: Linear) -> float:
+        return self._factor(target) * (linear.value - target.value)
+
+    def _factor(self, target: Target) -> float:
+        return weight(target) / self.assembler.unit(target)

@@ -145,7 +145,7 @@ def _amplitudes(beam: BeamBody, curve: tuple[Fraction, ...] | None) -> Iterator[
     """The names of the modal amplitudes of all pieces, and their values."""
     for k, part in enumerate(piece_deflections(beam, curve)):
         for i, value in enumerate(part.amplitudes, 1):
-            yield owned(amplitude(i), piece_name(beam, k)).name, float(value)
+            yield owned(amplitude(i), piece_name(beam, k)).identity.shown, float(value)
 
 
 def _origin(pieces: tuple[_Piece, ...], i: int) -> Function:

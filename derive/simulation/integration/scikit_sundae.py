@@ -192,4 +192,5 @@ def _initial(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vecto
     """The initial y and ydot (size,): accelerations and multipliers from `solve`, zero multipliers mu."""
     vdot, lam = native.solve(t, q, v, k)
     rest = np.zeros(size - len(q) - len(v) - len(lam))
-    return np.concatenate([q, v, lam, rest]), np.concatenate([v, vdot, np.zeros(len(lam) + len(rest))])
+    qdot = native.rates(q, v, k)
+    return np.concatenate([q, v, lam, rest]), np.concatenate([qdot, vdot, np.zeros(len(lam) + len(rest))])

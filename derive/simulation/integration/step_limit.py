@@ -7,6 +7,7 @@ from scipy.linalg import null_space, solve_triangular
 
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, mass_matrix
+from derive.simulation.configurations import displaced
 from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
 
 RK4_LIMIT = float(np.sqrt(8.0))
@@ -62,5 +63,6 @@ def _stiffness(
     columns = []
     for motion in motions.T:
         step = 1e-6 * max(1e-3, float(np.max(np.abs(q)))) / float(np.max(np.abs(motion)))
-        columns.append((residual(q + step * motion) - residual(q - step * motion)) / (2 * step))
+        ahead, behind = (displaced(native, q, sign * step * motion) for sign in (1.0, -1.0))
+        columns.append((residual(ahead) - residual(behind)) / (2 * step))
     return np.array(columns).T

@@ -75,7 +75,7 @@ def amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
 
 def field_amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
     """All amplitudes of a piece (n, fields), m."""
-    names = [owned(amplitude(i + 1), piece).name for i in range(len(fields_of(beam)))]
+    names = [owned(amplitude(i + 1), piece).identity.shown for i in range(len(fields_of(beam)))]
     values: Array = motion.q[:, [motion.native.coordinates.index(name) for name in names]]
     return values
 

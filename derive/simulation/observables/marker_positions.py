@@ -6,7 +6,7 @@ import numpy as np
 
 from derive.mechanics.multibody.outputs.deflection import distance_from_line
 from derive.simulation.observables.motion import Array, SceneMotion, body_coordinates, planar, transformed
-from derive.spec.model.instances import identifier
+from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.plots import Deflection
 from derive.spec.model.scene import RigidBody
@@ -20,7 +20,7 @@ def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
     body = next(b for b in motion.scene.bodies if b.name == marker.body)
     if isinstance(body, RigidBody):
         return transformed(motion.pose(body.name), body_coordinates(planar(motion.scene), marker))
-    return native.marker_positions(identifier(marker.body, marker.marker), motion.q, motion.v, motion.k)
+    return native.marker_positions(joined(marker.body, marker.marker), motion.q, motion.v, motion.k)
 
 
 def deflection(motion: SceneMotion, quantity: Deflection) -> Array:

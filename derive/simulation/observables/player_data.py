@@ -76,7 +76,7 @@ def player_data(motion: SceneMotion, curves: Sequence[Column], clock: Array | No
     return {
         "name": scene.name,
         "view": [*map(rounded, (*low, *high))],
-        "time": {**channel(time, 1e-6 * duration or 1.0), "ticks": _ticks(time, *TIME_TICKS)},
+        "time": clock_data(time),
         "rigid": [
             {"name": b.name, "outline": outline(b), "pose": _pose(shown, b.name, step)}
             for b in scene.bodies
@@ -94,10 +94,20 @@ def player_data(motion: SceneMotion, curves: Sequence[Column], clock: Array | No
             }
             for d in scene.drives
         ],
-        "curves": [_curve(replace(c, values=c.values[chosen])) for c in curves],
+        "curves": curves_data(curves, chosen),
         "speeds": speeds(duration),
         "trace": (middle or [len(markers) - 1])[0],
     }
+
+
+def clock_data(t: Array) -> Plain:
+    """The times (n,), s, of a page, with the ticks of its axes."""
+    return {**channel(t, 1e-6 * float(t[-1] - t[0]) or 1.0), "ticks": _ticks(t, *TIME_TICKS)}
+
+
+def curves_data(curves: Sequence[Column], chosen: NDArray[np.intp]) -> list[Plain]:
+    """Columns at the chosen instants of a page, which draws them over time."""
+    return [_curve(replace(c, values=c.values[chosen])) for c in curves]
 
 
 def _curve(column: Column) -> Plain:

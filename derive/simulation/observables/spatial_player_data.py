@@ -8,12 +8,23 @@ from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from derive.reduction.body import prepare
 from derive.simulation.observables.body_surface import Surface, surface
+from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import Array
-from derive.simulation.observables.player_data import RESOLUTION, Plain, channel, frames, rounded, speeds
+from derive.simulation.observables.player_data import (
+    RESOLUTION,
+    Plain,
+    channel,
+    clock_data,
+    curves_data,
+    frames,
+    rounded,
+    speeds,
+)
 from derive.spec.model.body import NodalBody
 
 MAX_NODES = 1000
@@ -96,10 +107,18 @@ def rigid_drawing(
     return DrawnBody(name, x, np.zeros((0, len(x), 3)), drawn, radius or 1.0, named, links)
 
 
-def spatial_player_data(body: NodalBody, t: Array, q: Array) -> Plain:
-    """The content of the page of the motion q (n, nq) of a body at the times t (n,): lengths in m, times in s."""
-    drawn = [drawn_body(body)]
-    return {"name": body.name, **bodies_data(drawn), **bodies_motion_data(drawn, t, [path_of(q)])}
+def spatial_player_data(body: NodalBody, t: Array, q: Array, curves: Sequence[Column] = ()) -> Plain:
+    """The content of the page of the motion q (n, nq) of a body at the times t (n,): lengths in m, times in s.
+
+    curves: columns with a value for each instant, which the page draws over time.
+    """
+    drawn, paths = [drawn_body(body)], [path_of(q)]
+    return {
+        "name": body.name,
+        **bodies_data(drawn),
+        **bodies_motion_data(drawn, t, paths),
+        "curves": curves_data(curves, shown_frames(t, paths)),
+    }
 
 
 def bodies_data(bodies: Sequence[DrawnBody], ground: Sequence[tuple[str, Array]] = ()) -> Plain:
@@ -132,19 +151,15 @@ def bodies_motion_data(
 
     measured: whether amplitudes have a meaning, so that the page states the largest displacement by deformation.
     """
-    chosen = frames(len(t), 1 + sum(7 + path.amplitudes.shape[1] for path in paths))
+    chosen = shown_frames(t, paths)
     t = t[chosen]
     shown = [BodyPath(p.position[chosen], p.quaternion[chosen], p.amplitudes[chosen]) for p in paths]
-    low = np.min([path.position.min(axis=0) - body.radius for body, path in zip(bodies, shown, strict=True)], axis=0)
-    high = np.max([path.position.max(axis=0) + body.radius for body, path in zip(bodies, shown, strict=True)], axis=0)
-    middle = (low + high) / 2
-    reach = max(
-        body.radius + float(np.linalg.norm(path.position - middle, axis=1).max())
-        for body, path in zip(bodies, shown, strict=True)
-    )
+    points = np.concatenate([_points(body, path) for body, path in zip(bodies, shown, strict=True)])
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    reach = float(np.linalg.norm(points - middle, axis=1).max()) or 1.0
     largest = max(_largest_displacement(body, path) for body, path in zip(bodies, shown, strict=True))
     return {
-        "time": channel(t, 1e-6 * float(t[-1] - t[0]) or 1.0),
+        "time": clock_data(t),
         "paths": [_path_data(path, rounded(RESOLUTION * reach)) for path in shown],
         "reach": rounded(reach),
         "centre": _rounded(middle),
@@ -154,12 +169,26 @@ def bodies_motion_data(
     }
 
 
+def shown_frames(t: Array, paths: Sequence[BodyPath]) -> NDArray[np.intp]:
+    """The instants of the times t (n,) that a page shows."""
+    return frames(len(t), 1 + sum(7 + path.amplitudes.shape[1] for path in paths))
+
+
 def _path_data(path: BodyPath, step: float) -> Plain:
     return {
         "position": [channel(c, step) for c in path.position.T],
         "quaternion": [channel(e, RESOLUTION) for e in path.quaternion.T],
         "amplitudes": [channel(a, 1e-5 * float(np.abs(a).max())) for a in path.amplitudes.T],
     }
+
+
+def _points(body: DrawnBody, path: BodyPath) -> Array:
+    """The places (places, 3), m, of the points of a body and of the origin of its frame, in all instants."""
+    x = np.concatenate([body.x, np.zeros((1, 3))])
+    e0, e = path.quaternion[:, None, :1], path.quaternion[:, None, 1:]
+    turned = x + 2 * np.cross(e, np.cross(e, x) + e0 * x)
+    placed: Array = (path.position[:, None] + turned).reshape(-1, 3)
+    return placed
 
 
 def _largest_displacement(body: DrawnBody, path: BodyPath) -> float:

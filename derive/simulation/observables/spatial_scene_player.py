@@ -9,9 +9,11 @@ from itertools import pairwise
 import numpy as np
 
 from derive.mechanics.symbols import amplitude, owned
+from derive.reduction.frame_points import modal_frames
 from derive.simulation.configurations import quaternion_of
+from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import Array, SceneMotion, si_value
-from derive.simulation.observables.player_data import Plain
+from derive.simulation.observables.player_data import Plain, curves_data
 from derive.simulation.observables.spatial_player_data import (
     BodyPath,
     DrawnBody,
@@ -19,17 +21,22 @@ from derive.simulation.observables.spatial_player_data import (
     bodies_motion_data,
     drawn_body,
     rigid_drawing,
+    shown_frames,
 )
-from derive.spec.model.body import NodeMarker
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.spatial_scene import FlexibleBody, SpatialBody, SpatialRigidBody, SpatialScene
 
 
-def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion) -> Plain:
-    """The content of the page of a motion: lengths in m, times in s."""
+def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion, curves: Sequence[Column] = ()) -> Plain:
+    """The content of the page of a motion: lengths in m, times in s.
+
+    curves: columns with a value for each instant, which the page draws over time below the scene.
+    """
     drawn, ground = drawn_bodies(scene), [(m.name, _vector(m.position)) for m in scene.ground]
-    content = bodies_motion_data(drawn, motion.t, body_paths(drawn, motion))
-    return {"name": scene.name, **bodies_data(drawn, ground), **content}
+    paths = body_paths(drawn, motion)
+    content = bodies_motion_data(drawn, motion.t, paths)
+    shown = curves_data(curves, shown_frames(motion.t, paths))
+    return {"name": scene.name, **bodies_data(drawn, ground), **content, "curves": shown}
 
 
 def drawn_bodies(scene: SpatialScene) -> list[DrawnBody]:
@@ -50,11 +57,21 @@ def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath
 
 def _drawn(body: SpatialBody) -> DrawnBody:
     if isinstance(body, FlexibleBody):
-        markers = tuple(NodeMarker(m.name, m.nodes[0]) for m in body.markers)
-        return drawn_body(replace(body.body, name=body.name, markers=markers))
+        return _with_markers(drawn_body(replace(body.body, name=body.name, markers=())), body)
     mass = 0.0 if body.mass is None or body.inertia is None else si_value(body.mass)
     named = [(m.name, _vector(m.position)) for m in body.markers]
     return rigid_drawing(body.name, mass, _vector(body.centre), _inertia(body), named)
+
+
+def _with_markers(drawn: DrawnBody, body: FlexibleBody) -> DrawnBody:
+    """The drawing of a body with its markers, which move as the mean of their nodes."""
+    points = [frame.point for frame in modal_frames(body)]
+    if not points:
+        return drawn
+    x = np.concatenate([drawn.x, [point.position for point in points]])
+    phi = np.concatenate([drawn.phi, *(point.shapes[:, None] for point in points)], axis=1)
+    markers = tuple((point.name, len(drawn.x) + i) for i, point in enumerate(points))
+    return replace(drawn, x=x, phi=phi, markers=markers)
 
 
 def _inertia(body: SpatialRigidBody) -> Array:

@@ -121,7 +121,8 @@ class ImpliedErrors:
         mean, squares = self.seen.means[self.watched.middle], self.seen.mean_squares
         size = np.sqrt(max(squares[self.watched.middle] - mean**2, 0.0))
         rate = np.sqrt(squares[self.watched.middle_rate])
-        return float(rate / max(rate, self.watched.frequency * size)) if rate > 0 else 1.0
+        vibration = self.watched.frequency * size if size > 0 else 0.0  # a frequency may be infinite
+        return float(rate / max(rate, vibration)) if rate > 0 else 1.0
 
     def _rms(self, quantity: int) -> float:
         return float(np.sqrt(self.seen.mean_squares[quantity]))

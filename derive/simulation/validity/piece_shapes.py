@@ -93,12 +93,12 @@ class PieceShapes:
 
     def amplitudes_in(self, native: ConstrainedSystem, piece: str) -> list[int]:
         """The numbers of the coordinates of a scene that are the amplitudes of a piece."""
-        return [_index(native, owned(amplitude(i + 1), piece).name) for i in range(len(self.stiffness))]
+        return [_index(native, owned(amplitude(i + 1), piece).identity.shown) for i in range(len(self.stiffness))]
 
     @staticmethod
     def rotation_in(native: ConstrainedSystem, piece: str) -> int:
         """The number of the coordinate that is the rotation of a piece."""
-        return _index(native, owned(quantity(Family.ANGLE), piece).name)
+        return _index(native, owned(quantity(Family.ANGLE), piece).identity.shown)
 
 
 def _index(native: ConstrainedSystem, name: str) -> int:

@@ -15,7 +15,7 @@ from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.mechanics.multibody.space.rows import DISTANCE, RELATIVE_MOTIONS
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.beam_parts import DEFAULT_ANSATZ
-from derive.spec.model.instances import identifier, joined
+from derive.spec.model.instances import identifier, joined, rate_name
 from derive.spec.model.keys import quantities
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import NAMED
@@ -133,7 +133,8 @@ def made_names(view: SceneData) -> Iterator[Made]:
                     )
     for name, _ in _named(view, "inputs"):
         for rate in RATES:
-            yield ("inputs", name), f"u_{name}{rate}", f"the input {name}{' or its rate' if rate else ''}"
+            made = identifier(f"u_{rate_name(name, rate)}")
+            yield ("inputs", name), made, f"the input {name}{' or its rate' if rate else ''}"
     for kind in ("joints", "forces", "torques", "springs", "drives"):
         labels = _spatial_labels() if view.in_space and kind == "joints" else _labels(kind)
         for name, _ in _named(view, kind):

@@ -14,7 +14,7 @@ from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.name_clashes import RATES, coordinate_names
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.beam_parts import ShapeFamily
-from derive.spec.model.instances import joined
+from derive.spec.model.instances import joined, rate_name
 from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
 from derive.spec.model.specification import Specification
@@ -68,7 +68,7 @@ def possible_columns(spec: Specification) -> tuple[str, ...] | None:
     for joint in spec.joints:
         multipliers += (joined(joint.name, multiplier.label) for multiplier in JOINTS[joint.kind].removes)
     drives = [drive.name for drive in spec.drives]
-    inputs = (f"u_{each.name}{rate}" for each in spec.inputs for rate in RATES)
+    inputs = (f"u_{rate_name(each.name, rate)}" for each in spec.inputs for rate in RATES)
     outputs = (joined(output.name, label) for output in spec.outputs for label in OUTPUTS[output.kind].labels)
     reactions = (f"lambda_{name}" for name in (*multipliers, *drives))
     return ("t", *drives, *_of_states(coordinates), *reactions, *inputs, *outputs)

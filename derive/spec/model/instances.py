@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from derive.spec.model.keys import KeyType, key
 
-COUNTED = ("bodies", "joints", "forces", "torques", "springs", "drives", "outputs")
+COUNTED = ("bodies", "joints", "forces", "torques", "springs", "drives", "inputs", "outputs")
 """The sections whose tables may have a count."""
 
 COUNT = key(
@@ -33,6 +33,11 @@ def identifier(*names: str) -> str:
 def joined(*names: str) -> str:
     """A name for people, of several names: link[3]_phi of link[3] and phi. Empty names are left out."""
     return "_".join(filter(None, names))
+
+
+def rate_name(name: str, dots: str) -> str:
+    """The name of a time derivative for people: turndot of turn, turn[3]_dot of turn[3], with `dots` of dot."""
+    return f"{name}{dots}" if instance_parts(name).index is None else joined(name, dots)
 
 
 @dataclass(frozen=True)

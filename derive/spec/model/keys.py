@@ -50,7 +50,7 @@ class KeyType(Enum):
     UNIT = "a unit"
     CONDITION = "a comparison of columns"
     COLUMNS = "columns, one or several"
-    SHAPE = "a polynomial in xi"
+    DEFLECTION = "a polynomial in xi"
     PIECE_COUNT = "a number of pieces of a beam"
     PIECE_COUNTS = "several numbers of pieces of a beam"
     SHAPES = "polynomials in xi"

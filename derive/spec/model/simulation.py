@@ -52,14 +52,14 @@ class InitialValues:
     deflection: Annotated[
         tuple[Fraction, ...] | None,
         key(
-            KeyType.SHAPE,
+            KeyType.DEFLECTION,
             "Initial deflection from the straight axis, m: a polynomial in xi from -1 to 1 along the whole beam, a "
             "combination of 1, xi and the ansatz; by default the beam is straight if possible.",
         ),
     ] = None
     deflection_rate: Annotated[
         tuple[Fraction, ...] | None,
-        key(KeyType.SHAPE, "Time derivative of the deflection, m/s: a polynomial in xi."),
+        key(KeyType.DEFLECTION, "Time derivative of the deflection, m/s: a polynomial in xi."),
     ] = None
     guess: Annotated[bool, GUESS] = False
 

@@ -306,7 +306,7 @@ class SpatialSpring:
 
 
 SpatialAction = SpatialForce | SpatialTorque | SpatialSpring
-"""What acts at markers in space."""
+"""A force, a torque or a spring between two markers in space."""
 
 _OF_SCENE = {key.field: key for key in declared_keys(Scene)}
 

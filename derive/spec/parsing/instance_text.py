@@ -8,10 +8,8 @@ from fractions import Fraction
 
 from derive.errors import quoted
 from derive.spec.parsing.parser import ExpressionError, names_of
-from derive.spec.parsing.time_expression import FUNCTIONS, constant_value, time_function
+from derive.spec.parsing.time_expression import CONSTANT, INDEX, number_formula
 
-INDEX = "i"
-"""The name of the index."""
 MAX_POWER = 10_000
 """The highest power in a formula, such as that of 0.9^i, whose value may have so many digits that it is rounded."""
 
@@ -63,11 +61,7 @@ def at_index(text: str, i: int) -> int | Fraction | str:
     otherwise it is that of doubles. Raises ExpressionError.
     """
     text = _INDEX_WORD.sub(str(i), text)
-    if not {*names_of(text)} <= {"pi", *FUNCTIONS}:
+    if not {*names_of(text)} <= CONSTANT:
         return text
-    function = time_function(text, max_power=MAX_POWER)
-    if function.kind == "number":
-        return function.value if function.value.denominator > 1 else int(function.value)
-    value = constant_value(function)
-    assert value is not None, "the text has no other names"
-    return Fraction(repr(value))
+    value = number_formula(text, max_power=MAX_POWER)
+    return value if value.denominator > 1 else int(value)

@@ -3,7 +3,7 @@
     sum     = [sign] product { ("+" | "-") product }
     product = power { "*" factor | "/" factor }
     factor  = [sign] power
-    power   = atom [ ("^" | "**") whole number ]
+    power   = atom [ ("^" | "**") [sign] ( whole number | "(" sum ")" ) ]
     atom    = number | name | function "(" argument { "," argument } ")" | "(" sum ")"
     argument = sum [ "<" sum ]
 
@@ -107,6 +107,14 @@ class Parser(Generic[Value]):
         """Return a ^ power."""
         raise NotImplementedError
 
+    def whole(self, value: Value) -> int | None:
+        """Return a value in the parentheses of a power as a whole number; None if it is none, as by default."""
+        return None
+
+    def inverse(self, a: Value, at: Token) -> Value:
+        """Return 1 / a, of which a negative power is made; by default there is none."""
+        self._no_power(at)
+
     def parse(self) -> Value:
         """Parse the whole text."""
         result = self._sum()
@@ -147,17 +155,31 @@ class Parser(Generic[Value]):
         base = self._atom()
         if self._next.text not in ("^", "**"):
             return base
-        operator = self._take()
-        exponent = self._take()
-        such = f"such as {self.names[0]}^2" if self.names else "such as 2^3"
-        if exponent.kind != "number" or not exponent.text.isdigit():
-            self.fail(exponent, f"a power is a whole number, zero or more, {such}")
+        operator, at = self._take(), self._next
+        power = self._exponent(at)
         if self._next.text in ("^", "**"):
             name = self.names[0] if self.names else "2"
             self.fail(self._next, f"a power of a power needs parentheses, such as ({name}^2)^3")
-        if int(exponent.text) > self.max_power:
-            self.fail(exponent, f"the power is too high; the highest is {self.max_power}")
-        return self.raised(base, int(exponent.text), operator)
+        if abs(power) > self.max_power:
+            self.fail(at, f"the power is too high; the highest is {self.max_power}")
+        return self.raised(self.inverse(base, at) if power < 0 else base, abs(power), operator)
+
+    def _exponent(self, at: Token) -> int:
+        """A whole number with a sign, or an expression in parentheses that is one; `at` is its first token."""
+        sign = -1 if self._next.text == "-" else 1
+        if self._next.text in ("+", "-"):
+            self._take()
+        token = self._take()
+        whole = self.whole(self._parentheses(token)) if token.text == "(" else None
+        if token.kind == "number" and token.text.isdigit():
+            whole = int(token.text)
+        if whole is None:
+            self._no_power(at)
+        return sign * whole
+
+    def _no_power(self, at: Token) -> NoReturn:
+        such = f"such as {self.names[0]}^2" if self.names else "such as 2^3"
+        self.fail(at, f"a power is a whole number, zero or more, {such}")
 
     def _atom(self) -> Value:
         token = self._take()

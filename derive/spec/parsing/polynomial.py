@@ -75,6 +75,13 @@ class _Polynomials(Parser[Polynomial]):
             result = self.times(result, a, at)
         return result
 
+    def whole(self, value: Polynomial) -> int | None:
+        constant = value[0] if value else Fraction(0)
+        return int(constant) if len(value) < 2 and constant.denominator == 1 else None
+
+    def inverse(self, a: Polynomial, at: Token) -> Polynomial:
+        return super().inverse(a, at) if len(a) > 1 else self.divided(ONE, a, at, at)
+
     def _limited(self, value: Polynomial, at: Token) -> Polynomial:
         if not all(map(fits, value)):
             self.too_large(at)

@@ -91,6 +91,7 @@ def instance_count(value: object) -> int:
     number = value if isinstance(value, int) and not isinstance(value, bool) else None
     if number is None or not 1 <= number <= MAX_INSTANCES:
         given = values.kind_of(value) if number is None else values.shown(number)
+        given = f"{given} in decimals" if isinstance(value, (float, values.TomlFloat)) else given
         raise values.WrongValueError(f"a count is a whole number from 1 to {MAX_INSTANCES}, not {given}")
     return number
 

@@ -12,8 +12,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
-from typing import ClassVar
+from typing import ClassVar, NoReturn
 
+from derive.errors import quoted
 from derive.spec.model.time_function import Spline, TimeFunction, depends_on_time, parts, value_at
 from derive.spec.parsing.parser import MAX_POWER, Parser, Token, fits
 
@@ -28,6 +29,10 @@ OPERANDS = {
 """The functions with a fixed number of operands; min and max take more than two as well."""
 FUNCTIONS = (*OPERANDS, "piecewise")
 """The functions that an expression may call besides tables."""
+INDEX = "i"
+"""The name of the index of tables with a count."""
+CONSTANT = frozenset(("pi", *FUNCTIONS))
+"""The names in expressions that are numbers."""
 
 FORMS = {
     "step": "write step(t, 1, 2) for a smooth step from 0 at t = 1 to 1 at t = 2",
@@ -52,6 +57,20 @@ def time_function(text: str, known: Known | None = None, max_power: int = MAX_PO
 def number_function(value: Fraction) -> TimeFunction:
     """A number as a function of t."""
     return TimeFunction("number", value=value)
+
+
+def number_formula(text: str, max_power: int = MAX_POWER) -> Fraction:
+    """The number that a text denotes, made of numbers, pi and functions, such as "sqrt(2)/2".
+
+    It is exact where it has few digits, otherwise the shortest decimal that reads as its value in doubles. Raises
+    ExpressionError.
+    """
+    function = _NumberFormulas(text, Known(), max_power).parse()
+    if function.kind == "number":
+        return function.value
+    value = constant_value(function)
+    assert value is not None, "the text has no other names"
+    return Fraction(repr(value))
 
 
 def constant_value(function: TimeFunction) -> float | None:
@@ -156,6 +175,12 @@ class _Functions(Parser[TimeFunction]):
     def raised(self, a: TimeFunction, power: int, at: Token) -> TimeFunction:
         return self._made("pow", (a, number_function(Fraction(power))), at, exact=power <= MAX_POWER)
 
+    def whole(self, value: TimeFunction) -> int | None:
+        return int(value.value) if value.kind == "number" and value.value.denominator == 1 else None
+
+    def inverse(self, a: TimeFunction, at: Token) -> TimeFunction:
+        return self.divided(number_function(Fraction(1)), a, at, at)
+
     def _made(self, kind: str, args: tuple[TimeFunction, ...], at: Token, exact: bool = True) -> TimeFunction:
         """The result of an operation: a number if all operands are numbers and the result has few digits."""
         if exact and kind in _EXACT and all(arg.kind == "number" for arg in args):
@@ -177,6 +202,25 @@ class _Functions(Parser[TimeFunction]):
         if value is not None and not math.isfinite(value):
             self.fail(at, "the number is too large for the code, which computes in doubles")
         return function
+
+
+class _NumberFormulas(_Functions):
+    made_of = "a number is written like 2, 0.5 or 1/3"
+
+    def __init__(self, text: str, known: Known, max_power: int) -> None:
+        super().__init__(text, known, max_power)
+        self.names = ()  # type: ignore[misc]  # pi is no example of a name that has powers
+
+    def _name(self, token: Token) -> TimeFunction:
+        return self.named(token.text, token) if token.text == "pi" else super()._name(token)
+
+    def unknown(self, token: Token, called: bool) -> NoReturn:
+        if called:
+            super().unknown(token, called)
+        hint = self.made_of
+        if token.text == INDEX:
+            hint = "it is the index in tables with `count`, and this table has none"
+        self.fail(token, f"{quoted(token.text)} is no number; {hint}")
 
 
 _EXACT: dict[str, Callable[..., Fraction]] = {

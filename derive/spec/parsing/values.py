@@ -15,7 +15,9 @@ from fractions import Fraction
 from derive.errors import TisserandError, quoted
 from derive.spec.model.beam_parts import Polynomial
 from derive.spec.parsing.names import element_name_problem, name_problem
+from derive.spec.parsing.parser import names_of
 from derive.spec.parsing.polynomial import MAX_DEGREE, MAX_DIGITS, load_text, parse_number, polynomial
+from derive.spec.parsing.time_expression import number_formula
 
 UNIT_PATTERN = "[A-Za-z0-9(]([A-Za-z0-9 .^*/()-]{0,22}[A-Za-z0-9)])?"
 MAX_MODES = 300
@@ -65,11 +67,16 @@ def element_name(value: str) -> str:
 
 
 def number(value: object) -> Fraction:
-    """An exact number; a float stands for the shortest decimal that reads as this float."""
+    """An exact number; a float stands for the shortest decimal that reads as this float.
+
+    Text is an exact number such as "1/3", or a formula of numbers, pi and functions such as "sqrt(2)/2".
+    """
     if isinstance(value, bool) or not isinstance(value, (int, float, Fraction, TomlFloat, str)):
         raise WrongValueError(f'a number is needed, such as 2, 0.5 or "1/3", not {kind_of(value)}')
     if isinstance(value, str):
-        return parse_number(value)
+        if not names_of(value):
+            return parse_number(value)
+        value = number_formula(value)
     if isinstance(value, (float, TomlFloat)):
         text = value.text.replace("_", "") if isinstance(value, TomlFloat) else float.__repr__(value)
         if text.lstrip("+-") in ("inf", "nan"):
@@ -178,6 +185,13 @@ def shape(value: object) -> Polynomial:
     if not result:
         raise WrongValueError("the polynomial is zero everywhere, so that it describes no displacement; leave it out")
     return tuple(result)
+
+
+def deflection(value: object) -> Polynomial:
+    """A polynomial in xi, or zero for a straight beam: text such as "0.01*xi^2", or the tuple of its coefficients."""
+    if isinstance(value, str):
+        return polynomial(value)
+    return () if isinstance(value, tuple) and not any(value) else shape(value)
 
 
 def load_polynomial(value: object) -> Polynomial:

@@ -39,7 +39,7 @@ def _drive(motion: Any = None, speed: Any = None, **given: Any) -> Drive:
 
 declare(JointInitialValues, "JointStartTable")
 declare(Drive, "DriveTable", make=_drive, keys=(*declared_keys(Drive), COUNT))
-declare(SceneInput, "InputTable", check=_check_input)
+declare(SceneInput, "InputTable", check=_check_input, keys=(*declared_keys(SceneInput), COUNT))
 
 
 def speed_unit(kind: str) -> str | None:

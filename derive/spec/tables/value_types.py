@@ -181,7 +181,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     ],
     KeyType.SIX_QUANTITIES: _quantities(("1000", "1000", "1000", "10", "10", "10"), "", "numbers"),
     KeyType.FUNCTION_PAIR: _pair(_time, ("0", '"-10*sin(t)"'), "components"),
-    KeyType.SHAPE: _shape,
+    KeyType.DEFLECTION: _read(Polynomial, values.deflection, _FORMULA),
     KeyType.SHAPES: Annotated[
         _several(
             _shape,

@@ -50,8 +50,16 @@ def read_with_counts(path: str | os.PathLike[str], counts: Mapping[str, str]) ->
             key = path_text((section, name, COUNT.name))
             if key in counts and isinstance(table, dict) and isinstance(table.get(COUNT.name), int):
                 replaced[key] = table[COUNT.name]
-                table[COUNT.name] = int(counts[key]) if re.fullmatch(r"-?\d+", counts[key]) else counts[key]
+                table[COUNT.name] = _count(counts[key])
     return _validated(data, text, source), replaced
+
+
+def _count(text: str) -> object:
+    """The number of a text, for the check of counts; other texts are left."""
+    try:
+        return int(text) if re.fullmatch(r"-?\d+", text) else float(text)
+    except ValueError:
+        return text
 
 
 def parse(text: str, source: str | None = None) -> Specification:

@@ -6,6 +6,7 @@ import hashlib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from derive.backends.model_files import fingerprint
 from derive.errors import Problem, SpecError
@@ -22,6 +23,7 @@ from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
 from derive.spec.model.scene import CustomBody, JointInitialValues, Scene, SceneBody
 from derive.spec.model.simulation import NOT_GIVEN
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.study.sweep.dependence import initial_parameters
@@ -33,6 +35,7 @@ from derive.version import VERSION
 MOST_MODELS = 64
 """The largest number of models that a sweep compiles."""
 
+IN_SPACE = "a sweep runs planar scenes and single beams; for a scene in space, call derive.simulate in a loop"
 SCENES = "a sweep runs scenes and single beams; for a body in space, call derive.simulate in a loop"
 """The message of the error for other specifications."""
 
@@ -83,35 +86,42 @@ class Plan:
         return tuple(by_name.get(name) or name for name in self.parameters)
 
 
+Changed = Callable[[Mapping[str, str]], tuple[Specification, tuple[SetValue, ...]]]
+"""A specification with other values by their names, as `with_values` gives it."""
+
+
 def make_plan(
     spec: Specification,
     samples: Samples,
     outputs: Sequence[str],
     options: RunOptions,
     progress: Callable[[str], None] = lambda _: None,
+    changed: Changed | None = None,
 ) -> Plan:
     """Check a sweep, and compile its models. progress: called with a line on each task.
+
+    changed: the specification with the values of a sample, where it is made anew with other numbers of instances.
 
     Raises SpecError, SamplesError, UnknownNameError, OutputError, CompilerError.
     """
     if not isinstance(spec, Scene | PlanarBeam):
-        raise SpecError((Problem("", SCENES),))
-    firsts = dict(zip(samples.names, map(number_text, samples.values[0].tolist()), strict=True))
-    _, changes = with_values(spec, firsts)
+        raise SpecError((Problem("", IN_SPACE if isinstance(spec, SpatialScene) else SCENES),))
+    firsts, changed = first_values(samples), changed or partial(with_values, spec)
+    _, changes = changed(firsts)
     symbols = {name: _symbol(name, changes) for name in samples.names}
     parameters = tuple(name for name in samples.names if symbols[name] is not None)
     remaining = tuple(name for name in samples.names if symbols[name] is None)
     _check_symbols(symbols)
     for name in parameters:  # errors of extreme values are reported before the first run
         for value in (samples.axis(name).min(), samples.axis(name).max()):
-            with_values(spec, {**firsts, name: number_text(float(value))})
+            changed({**firsts, name: number_text(float(value))})
     keys = [_part(row, samples, remaining) for row in samples.values.tolist()]
     builder = _Models(progress)
     scenes = []
     for number, values in enumerate(dict.fromkeys(keys)):
         progress(f"checking the values: {number + 1}")
         texts = dict(zip(remaining, map(number_text, values), strict=True))
-        scenes.append(builder.add(_simulated(with_values(spec, {**_defaults(changes, samples), **texts})[0], options)))
+        scenes.append(builder.add(_simulated(changed({**_defaults(changes, samples), **texts})[0], options)))
     cases = tuple(Case(scene, model, _hash(repr(scene))) for scene, model in scenes)
     chosen = tuple(output(text, planar(builder.runs[0].scene), builder.runs[0].units) for text in outputs)
     check_outputs(chosen, builder.codes)
@@ -211,7 +221,8 @@ def _without_start(scene: Scene) -> Scene:
     )
 
 
-def _simulated(spec: Scene | PlanarBeam, options: RunOptions) -> Scene:
+def _simulated(spec: Specification, options: RunOptions) -> Scene:
+    assert isinstance(spec, Scene | PlanarBeam), "values do not change what is specified"
     scene = beam_scene(spec) if isinstance(spec, PlanarBeam) else spec
     return with_simulation(scene, options.duration, options.interval, options.tolerance, options.until)
 
@@ -252,6 +263,11 @@ def _order(
 
 def _part(row: Sequence[float], samples: Samples, names: Sequence[str]) -> tuple[float, ...]:
     return tuple(row[samples.names.index(name)] for name in names)
+
+
+def first_values(samples: Samples) -> dict[str, str]:
+    """The values of the first sample as texts, by their names."""
+    return dict(zip(samples.names, map(number_text, samples.values[0].tolist()), strict=True))
 
 
 def number_text(value: float) -> str:

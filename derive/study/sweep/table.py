@@ -157,9 +157,11 @@ def sample_text(sample: dict[str, float], samples: Samples) -> str:
 
 
 def short_names(samples: Samples) -> dict[str, str]:
-    """The names of a sweep, each shortened to the last part of its key unless two of them end alike."""
-    last = {key: key.rpartition(".")[2] for key in samples.names}
-    return {name: text if list(last.values()).count(text) == 1 else name for name, text in last.items()}
+    """The names of a sweep, each shortened to the last parts of its key with which no other one ends."""
+    parts_of = {key: key.split(".") for key in samples.names}
+    ends = {name: [".".join(parts[k:]) for k in range(len(parts))] for name, parts in parts_of.items()}
+    every = [end for each in ends.values() for end in each]
+    return {name: next((end for end in reversed(each) if every.count(end) == 1), name) for name, each in ends.items()}
 
 
 def _count(number: int, what: str) -> str:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pages
 import pytest
 
+from conftest import ROOT
+from derive.pipeline import build
 from derive.report.document.page import FOLDED, SHOWN, folded, table
 from derive.report.model_page import model_page
+from derive.report.scene_page import scene_page
+from derive.report.sections.files import SpecificationText
 from derive.report.writers.html import html
 
 
@@ -19,6 +24,20 @@ def without_pictures(name: str) -> int:
 @pytest.mark.parametrize("name", ["beam_mean_8", "beam_point_8", "block", "hundred"])
 def test_pages_are_below_300_kb_without_pictures(name: str) -> None:
     assert without_pictures(name) < 300_000
+
+
+def test_a_page_of_many_instances_is_hardly_longer(tmp_path: Path) -> None:
+    """Besides pictures and tables of numbers, which are folded, it is that of few."""
+    sizes = []
+    for count in (5, 15):
+        text = (ROOT / "examples" / "chain_100.toml").read_text().replace("count = 99", f"count = {count - 1}")
+        path = tmp_path / "chain.toml"
+        path.write_text(
+            text.replace("count = 100", f"count = {count}").replace("[scene]", '[scene]\nlowering = "instances"')
+        )
+        page = html(scene_page(build(path), SpecificationText("chain.toml", "")))
+        sizes.append(len(re.sub(r"<svg.*?</svg>", "", page, flags=re.S)))
+    assert sizes[1] <= 1.01 * sizes[0]
 
 
 def test_a_hundred_modes_are_counted_not_listed() -> None:

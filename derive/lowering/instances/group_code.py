@@ -1,0 +1,83 @@
+"""The code of groups of elements with several bodies, and where such an element finds and puts its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from derive.ir.expressions import Operator
+from derive.lowering.flat.context import Input, array_input
+from derive.lowering.instances.class_code import Loaded, LoopCode, LoopTarget
+from derive.lowering.instances.groups import GroupElement
+from derive.lowering.instances.places import Place
+
+
+@dataclass(frozen=True)
+class GroupCode:
+    """The code of a group of elements, each with several bodies."""
+
+    code: LoopCode
+    elements: tuple[GroupElement, ...]
+
+    @property
+    def coordinates(self) -> list[list[int]]:
+        """For each element the indices of the coordinates of its bodies."""
+        return [list(element.coordinates) for element in self.elements]
+
+    def state(self, *names: str) -> list[Loaded]:
+        """Where the coordinates and velocities of the bodies of an element are, of those that `names` have."""
+        ctx, at = self.code.context, self.coordinates
+        given = {"q": ctx.q, "v": ctx.v}
+        return [load for name in names if name in given for load in loads(self.code, name, given[name], at)]
+
+    def reactions(self, first_rows: Sequence[int]) -> list[list[int]]:
+        """For each element the indices of the multipliers of the joints of its bodies."""
+        return [[k for j in e.joints for k in range(first_rows[j], first_rows[j + 1])] for e in self.elements]
+
+
+@dataclass(frozen=True)
+class JointCode(GroupCode):
+    """The code of a group of varying joints.
+
+    factors: for each side of the joint with coordinates the places in its rows of G of the factors that the body there
+    reads, in the order in which they are stored.
+    """
+
+    factors: Mapping[int, tuple[tuple[int, int], ...]]
+
+    @property
+    def joints(self) -> list[int]:
+        """The numbers of the joints."""
+        return [element.number for element in self.elements]
+
+    def own_rows(self, first_rows: Sequence[int]) -> list[list[int]]:
+        """For each joint the indices of its constraints."""
+        return [[*range(first_rows[j], first_rows[j + 1])] for j in self.joints]
+
+
+def loads(of: LoopCode, array: str, given: Input, positions: list[list[int]]) -> list[Loaded]:
+    """The elements of an array at given positions for each member, which are named as those of an argument."""
+    return [
+        (array, of.place(f"{array}_{start}", [own[start] for own in positions]), array_input(array, symbols, ""))
+        for start, stop in _runs(positions)
+        if (symbols := given.symbols[start:stop])
+    ]
+
+
+def spread(
+    of: LoopCode, array: str, positions: list[list[int]], operator: Operator | None, what: str = ""
+) -> LoopTarget:
+    """The target of outputs at given positions for each member; what: their name, if not the array."""
+    places: dict[int, tuple[Place, int]] = {}
+    for start, stop in _runs(positions):
+        place = of.place(f"{what or array}_{start}", [own[start] for own in positions])
+        places |= {k: (place, k - start) for k in range(start, stop)}
+    entries = tuple(dict.fromkeys(place.entry for place, _ in places.values() if place.entry))
+    return LoopTarget(array, lambda k: places[k][0].at(places[k][1]), operator, entries)
+
+
+def _runs(positions: list[list[int]]) -> list[tuple[int, int]]:
+    """The ranges of elements that follow each other for all members."""
+    count = len(positions[0])
+    breaks = [k for k in range(1, count) if any(own[k] != own[k - 1] + 1 for own in positions)]
+    return list(zip([0, *breaks], [*breaks, count], strict=True)) if count else []

@@ -1,0 +1,46 @@
+"""Groups of varying joints, which have one code: it computes their constraints from both of their bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+
+from derive.lowering.instances.classes import plain_joint
+from derive.lowering.instances.groups import Bodies, Group, GroupElement, fixed_of, group_equations
+from derive.lowering.instances.varying_joints import at_rest, varies
+from derive.mechanics.equations import Equations
+from derive.mechanics.multibody.constraints import constraints
+from derive.mechanics.multibody.forces.force_type import GeneralisedForce
+from derive.mechanics.multibody.kinds import JointInstance
+from derive.mechanics.multibody.point_motion import RelativeMotion
+from derive.spec.model.markers import MarkerRef
+
+
+def joint_groups(bodies: Bodies) -> tuple[Group, ...]:
+    """The groups of the varying joints that have a body with coordinates."""
+    groups: dict[Hashable, list[GroupElement]] = {}
+    for number, joint in enumerate(bodies.mechanism.joints):
+        names = tuple(marker.body for marker in markers_of(joint) if marker.body in bodies.members)
+        if varies(joint) and names:
+            ends = tuple(bodies.end(marker) for marker in markers_of(joint))
+            key = joint.type, plain_joint(joint), joint.multipliers, ends, fixed_of(bodies, names)
+            element = GroupElement(number, tuple(bodies.members[name] for name in names))
+            groups.setdefault(key, []).append(element)
+    return tuple(Group("joint", tuple(members)) for members in groups.values())
+
+
+def joint_equations(bodies: Bodies, group: Group) -> Equations:
+    """The equations of the first joint of a group: its constraints, without the motion that a drive prescribes."""
+    joint = bodies.mechanism.joints[group.first.number]
+    own = {m.instance.name: bodies.equations(m.instance.name) for m in group.first.bodies}
+    rows = tuple(row for body in own.values() for row in body.rows)
+    first, second = (
+        own[m.body].points[m.marker] if m.body in own else bodies.known.point(m) for m in markers_of(joint)
+    )
+    relative = RelativeMotion(first, second)
+    definitions, conditions = constraints(joint.joint, joint.type, relative, at_rest(joint.drive), rows)
+    return group_equations(bodies, own, GeneralisedForce((), definitions), conditions=conditions)
+
+
+def markers_of(joint: JointInstance) -> tuple[MarkerRef, MarkerRef]:
+    """The first and the second marker of a joint."""
+    return joint.joint.first, joint.joint.second

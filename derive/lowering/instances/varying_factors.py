@@ -1,0 +1,77 @@
+"""The factors in G that depend on both bodies of a joint, which the system of the joints computes before the bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import casadi as ca
+
+from derive.ir.expressions import Operator
+from derive.ir.statements import ForEach, Work
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.constraints import jacobian_entries
+from derive.lowering.flat.context import array_input, stores
+from derive.lowering.flat.schedule import Step, StepItem
+from derive.lowering.instances.block_system import KNOWN, Blocks, spaced
+from derive.lowering.instances.class_code import ClassCode, Loaded, LoopTarget
+from derive.lowering.instances.context import InstanceContext, given_inputs
+from derive.lowering.instances.group_code import JointCode
+
+FACTORS = ("first_factor", "second_factor")
+"""The local arrays of the factors of the first and of the second body of each joint."""
+
+
+class VaryingFactors:
+    """The arrays of the factors of all varying joints, one of these after the other in each component."""
+
+    def __init__(self, context: InstanceContext) -> None:
+        self.context = context
+        joints = [joint for group in context.joints for joint in group.joints]
+        self.number = {joint: n for n, joint in enumerate(joints)}
+        self.spacing = spaced(len(joints))
+
+    def works(self) -> Iterator[Work]:
+        """The arrays."""
+        for side, array in enumerate(FACTORS):
+            count = max((len(group.factors.get(side, ())) for group in self.context.joints), default=0)
+            if count:
+                yield Work(array, count * self.spacing, spacing=self.spacing)
+
+    def loops(self, system: Blocks, names: tuple[str, ...], has_bias: bool, in_lanes: bool) -> Iterator[ForEach]:
+        """A loop over the joints of each group; has_bias: whether it writes gamma as well, to what is known."""
+        for group in self.context.joints:
+            code, ctx = group.code, group.code.context
+            symbols = ctx.symbols(*given_inputs(code, *names))
+            entries = jacobian_entries(ctx, symbols)
+            items: list[StepItem] = []
+            targets: dict[str, LoopTarget] = {}
+            place = code.place("factor", [self.number[joint] for joint in group.joints], self.spacing)
+            for side, factors in group.factors.items():
+                items += stores(FACTORS[side], [entries.get(entry, ca.SX(0)) for entry in factors])
+                targets[FACTORS[side]] = code.target(FACTORS[side], place)
+            if has_bias:
+                more, targets[KNOWN] = self._bias(system, group, symbols)
+                items += more
+            step = Step(code.name, "(6)", "", tuple(items))
+            yield code.loop(symbols, [step], group.state(*names), targets, in_lanes)
+
+    def _bias(self, system: Blocks, group: JointCode, symbols: Symbols) -> tuple[tuple[StepItem, ...], LoopTarget]:
+        """The items that write gamma of the joints of a group, which is added to that of their drives."""
+        constraints = group.code.context.equations.constraints
+        rows = [k for k, condition in enumerate(constraints) if condition.bias != 0]
+        is_driven = self.context.mechanism.joints[group.joints[0]].drive is not None
+        place = group.code.place("bias", [system.position[joint] for joint in group.joints], system.spacing)
+        index = [place.at(k) for k in rows]
+        entries = (place.entry,) if place.entry else ()
+        target = LoopTarget(KNOWN, index.__getitem__, Operator.ADD if is_driven else None, entries)
+        return stores(KNOWN, [-symbols(constraints[k].bias) for k in rows]), target
+
+    def reads(self, of: ClassCode) -> list[Loaded]:
+        """Where the factors of a body of a class are."""
+        result = []
+        for h, part in of.varying.items():
+            handles = [m.handles[h] for m in of.of.members]
+            place = of.place(f"factor_{h}", [self.number[handle.joint] for handle in handles], self.spacing)
+            array = FACTORS[0 if handles[0].is_first else 1]
+            result.append((array, place, array_input(array, part.factors.values(), "")))
+        return result

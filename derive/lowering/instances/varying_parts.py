@@ -1,0 +1,59 @@
+"""The rows of a body in the constraints of a varying joint: factors in G, which it reads where they vary.
+
+Each such joint computes its constraints from both bodies, and those factors in G that depend on both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from derive.lowering.instances.known_motion import moving_symbols
+from derive.lowering.instances.varying_joints import OTHER, OTHER_SYMBOLS, at_rest
+from derive.mechanics.multibody.constraints import constraints
+from derive.mechanics.multibody.instances import InstanceEquations
+from derive.mechanics.multibody.kinds import JointInstance
+from derive.mechanics.multibody.point_motion import RelativeMotion
+from derive.mechanics.symbols import local
+from derive.mechanics.terms import Constraint, Intermediate
+
+
+@dataclass(frozen=True)
+class VaryingPart:
+    """The rows of a body in the constraints of a varying joint.
+
+    constraints: with factors alone, in which those that depend on the other body are symbols; factors: these symbols,
+    by the numbers of the constraint and of the coordinate; definitions: what the other factors contain.
+    """
+
+    constraints: tuple[Constraint, ...]
+    factors: Mapping[tuple[int, int], sp.Symbol]
+    definitions: tuple[Intermediate, ...]
+
+
+def varying_part(joint: JointInstance, marker: str, is_first: bool, own: InstanceEquations) -> VaryingPart:
+    """The rows of the body with the marker, which is the first one of the joint or the second."""
+    point = own.points[marker]
+    relative = RelativeMotion(point, OTHER) if is_first else RelativeMotion(OTHER, point)
+    definitions, conditions = constraints(joint.joint, joint.type, relative, at_rest(joint.drive), own.rows)
+    others = moving_symbols(definitions, OTHER_SYMBOLS)
+    number = {row.name: j for j, row in enumerate(own.rows)}
+    factors = {
+        (k, number[row]): local(f"factor_{condition.name}_{row}")
+        for k, condition in enumerate(conditions)
+        for row, factor in condition.jacobian
+        if factor.free_symbols & others
+    }
+    parts = tuple(
+        replace(
+            condition,
+            position=sp.S.Zero,
+            rate=sp.S.Zero,
+            bias=sp.S.Zero,
+            jacobian=tuple((row, factors.get((k, number[row]), factor)) for row, factor in condition.jacobian),
+        )
+        for k, condition in enumerate(conditions)
+    )
+    return VaryingPart(parts, factors, tuple(d for d in definitions if d.symbol not in others))

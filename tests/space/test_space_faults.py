@@ -1,0 +1,79 @@
+"""Faults of scenes in space, each a line that says where it is and what to do."""
+
+from __future__ import annotations
+
+import pytest
+
+import derive
+from conftest import ROOT
+from derive.spec.toml.read import parse
+
+TEXT = (ROOT / "examples" / "spatial_crank_slider_rigid.toml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("at = [0, 0.12, 0.1]", "at = [0, 0.12]", r"with 2 components, and scene\.gravity of one in space, with 3"),
+        ("gravity = [0, 0, -9.81]", "gravity = [0, -9.81]", "of one in space, with 3"),
+        ("z = [-1, 0, 0], x = [0, 1, 0]", "z = [-1, 0, 0], x = [1, 1, 0]", "are at 135 degrees"),
+        ("inertia = [1e-5, 1e-4, 1e-4, 0, 0, 0]", "inertia = [1e-5, 1e-4, 2e-4, 0, 0, 0]", "at most the sum"),
+        ("inertia = [1e-5, 1e-4, 1e-4, 0, 0, 0]", "inertia = [1e-5, 1e-4, 1e-4, 1e-3, 0, 0]", "they are positive"),
+        ("inertia = [1e-5, 1e-4, 1e-4, 0, 0, 0]", "", "needs inertia"),
+        ('kind = "spherical"', 'kind = "sferical"', "spherical"),
+        ('"crank.pin", "rod.ball"', '"crank.pin", "rod.bal"', 'did you mean "ball"'),
+        ('"crank.pin", "rod.ball"', '"rod.yoke", "rod.ball"', "both markers are on the body rod"),
+        ("start = { angle = 0, speed = 6 }", "start = { displacement = 0 }", "has no displacement"),
+        ("rotation = { axis = [0, 0, 1], angle = -0.8 }", "rotation = [0, 0, 0, 0]", "length 0"),
+    ],
+)
+def test_faults_have_a_line(old: str, new: str, message: str) -> None:
+    assert old in TEXT
+    with pytest.raises(derive.SpecError, match=message):
+        parse(TEXT.replace(old, new))
+
+
+def test_drives_are_those_of_revolute_and_prismatic_joints() -> None:
+    drive = '[drives.motor]\njoint = "ball"\nspeed = 1\n'
+    with pytest.raises(derive.SpecError, match="drive a revolute or a prismatic one"):
+        parse(TEXT.replace("[simulation]", f"{drive}[simulation]"))
+
+
+def test_loops_over_instances_are_refused() -> None:
+    scene = parse(TEXT.replace("[scene]", '[scene]\nlowering = "instances"'))
+    with pytest.raises(derive.SpecError, match="straight-line code alone"):
+        derive.lower(derive.derive(scene))
+
+
+def test_a_linkage_that_cannot_be_assembled_says_what_is_left_of_each_joint() -> None:
+    scene = parse(TEXT.replace("at = [0.3, 0, 0]", "at = [0.05, 0, 0]"))
+    with pytest.raises(derive.SimulationError, match=r"off by 0\.\d+ m and"):
+        derive.simulate(scene)
+
+
+def test_a_joint_that_is_met_the_wrong_way_round_is_refused() -> None:
+    free = """
+name = "reversed"
+[ground.markers]
+o = [0, 0, 0]
+[bodies.top]
+mass = 1
+inertia = [1, 1, 1, 0, 0, 0]
+markers = { hub = [0, 0, 0] }
+keep_coordinates = true
+start = { rotation = { axis = [1, 0, 0], angle = 3.14159 } }
+[joints.hinge]
+kind = "revolute"
+between = ["ground.o", "top.hub"]
+[simulation]
+duration = 0.1
+output = 0.1
+"""
+    with pytest.raises(derive.SimulationError, match=r"wrong way round: z of top\.hub is 180 degrees"):
+        derive.simulate(parse(free))
+
+
+def test_given_values_that_contradict_joints_are_named() -> None:
+    scene = parse(TEXT.replace("guess = true, position = [0.2, 0, 0]", "position = [0.2, 0.05, 0]"))
+    with pytest.raises(derive.SpecError, match=r"bodies\.slider\.start\.position.*contradicts"):
+        derive.simulate(scene)

@@ -1,0 +1,83 @@
+"""Redundant joints in space: a planar linkage of revolute joints moves as its closed form, without a switch."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import derive
+from derive.simulation.prepared_run import PreparedRun
+from derive.simulation.simulate import with_simulation
+from derive.spec.toml.read import parse
+
+FOUR_BAR = """
+name = "four_bar_in_space"
+[scene]
+gravity = [0, 0, -9.81]
+[ground.markers]
+a = { at = [0, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
+d = { at = [1, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
+[bodies.left]
+mass = 1
+centre = [0.5, 0, 0]
+inertia = ["1/1200", "1/12", "1/12", 0, 0, 0]
+markers.a = { at = [0, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
+markers.b = { at = [1, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
+[bodies.top]
+mass = 1
+centre = [0.5, 0, 0]
+inertia = ["1/1200", "1/12", "1/12", 0, 0, 0]
+markers.b = { at = [0, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
+markers.c = { at = [1, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
+start = { guess = true, position = [0.17, 0, 0.98], rotation = [1, 0, 0, 0] }
+[bodies.right]
+mass = 1
+centre = [0.5, 0, 0]
+inertia = ["1/1200", "1/12", "1/12", 0, 0, 0]
+markers.d = { at = [0, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
+markers.c = { at = [1, 0, 0], rotation = { x = [1, 0, 0], z = [0, -1, 0] } }
+[joints.a]
+kind = "revolute"
+between = ["ground.a", "left.a"]
+start = { angle = 1.4 }
+[joints.b]
+kind = "revolute"
+between = ["left.b", "top.b"]
+[joints.c]
+kind = "revolute"
+between = ["top.c", "right.c"]
+[joints.d]
+kind = "revolute"
+between = ["ground.d", "right.d"]
+start = { guess = true, angle = 1.4 }
+[outputs.E]
+kind = "energy"
+[simulation]
+duration = 0.4
+output = 0.01
+"""
+
+
+def test_a_four_bar_of_revolute_joints_in_space_moves_as_its_closed_form() -> None:
+    trajectory = PreparedRun(with_simulation(parse(FOUR_BAR)), complete=False).trajectory()
+    assert trajectory.motion.native.nlambda == 10, "two joints of five rows on eight velocities: three are redundant"
+    assert trajectory.motion.native.proximal
+    # three equal rods of 1 m: thetaddot = 1.2 g sin theta, from the upright
+    law = solve_ivp(
+        lambda t, y: [y[1], 1.2 * 9.81 * np.sin(y[0])],
+        (0, trajectory.t[-1]),
+        [np.pi / 2 - 1.4, 0.0],
+        t_eval=trajectory.t,
+        rtol=1e-11,
+        atol=1e-12,
+    )
+    assert np.pi / 2 - trajectory["left_phi"] == pytest.approx(law.y[0], abs=1e-6)
+    assert np.ptp(trajectory["E_total"]) < 1e-6 * np.ptp(trajectory["E_kinetic"])
+    assert np.abs(trajectory.solution.drift).max() < 1e-9
+
+
+def test_redundant_joints_may_be_refused() -> None:
+    text = FOUR_BAR.replace("[scene]", '[scene]\nredundant = "error"')
+    with pytest.raises(derive.TisserandError, match="redundant"):
+        derive.simulate(parse(text))
