@@ -191,6 +191,12 @@ def test_chains(tmp_path: Path) -> None:
         assert (row["batch_ns"] is None) == (row["form"] == "casadi") == (row["tables"] == 0)
 
 
+@pytest.mark.long
+def test_rings() -> None:
+    (row,) = (line.split("|") for line in printed("rings.py", "--counts", "5") if line.startswith("| 5 "))
+    assert float(row[2]) > 0
+
+
 def test_chains_refuse_other_values(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.syspath_prepend(str(ROOT / "bench"))
     chains = import_module("chains")

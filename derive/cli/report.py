@@ -8,15 +8,21 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from derive.artifacts import MARK, File, ForeignFile, replace_file, settle, write
 from derive.cli.result_files import picture_names
 from derive.cli.specifications import build_all, in_file_order
-from derive.errors import Problem, SpecError, TisserandError
+from derive.errors import TisserandError
 from derive.report.document.page import Page
-from derive.simulation.initial.initial_state import InitialState, initial_state
+from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.linear.run_time_inputs import constants
+from derive.simulation.scene_start import state_of
 from derive.spec.model.scene import Scene
 from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 from derive.terminal import show_progress
 
 PAPER = "paper"
@@ -51,11 +57,9 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
     (built,) = build_all([path])
     name = built.model.name
     text = SpecificationText(path.name, path.read_text(encoding="utf-8-sig"))
-    if isinstance(built.spec, SpatialScene):
-        text_of_fault = "there are no reports of scenes in space yet; `build` prints the sizes and terms of the model"
-        raise SpecError((Problem("", text_of_fault),), str(path))
-    if not isinstance(built.spec, Scene):
+    if not isinstance(built.spec, (Scene, SpatialScene)):
         return name, built.model.doc, model_page(built, text)
+    initial, drawing = _initial_state(built.spec, built.files)
     plots = in_file_order((*built.spec.plots, *default_plots(built.spec, built.model)), path)
     plotted = [*picture_names(plots).values()]
     return (
@@ -65,8 +69,9 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
             built,
             text,
             [ResultPicture(path.stem, svg) for path, svg in _pictures(Path("results") / name, plotted)],
-            _initial_state(built.spec, built.files),
+            initial,
             recorded_warnings(Path("results") / name / f"{name}.json", built.spec),
+            drawing,
         ),
     )
 
@@ -95,16 +100,31 @@ def _pictures(folder: Path, plotted: Sequence[str]) -> Iterator[tuple[Path, str]
             yield path, svg
 
 
-def _initial_state(scene: Scene, files: Sequence[File]) -> InitialState | str:
-    """The initial state of a scene, or why it cannot be computed: it needs a compiler, and values that go together."""
+def _initial_state(scene: AnyScene, files: Sequence[File]) -> tuple[InitialState | str, str]:
+    """The initial state of a scene, or why it cannot be computed, and the drawing of a scene in space, if it can.
+
+    It needs a compiler, and values that go together.
+    """
     from derive.runtime.compiler import ESSENTIAL
     from derive.runtime.loading import load_scene
 
     try:
         native = load_scene(files, (*QUICK, *ESSENTIAL))
-        return initial_state(scene, native, constants(scene, native, 0.0))
+        k = constants(scene, native, 0.0)
+        state = state_of(scene, native, k)
     except TisserandError as error:
-        return str(error)
+        return str(error), ""
+    return state, _drawing(scene, native, k, state) if isinstance(scene, SpatialScene) else ""
+
+
+def _drawing(scene: SpatialScene, native: NativeScene, k: Vector, state: InitialState) -> str:
+    from derive.simulation.observables.motion import SceneMotion
+    from derive.simulation.observables.spatial_scene_player import body_paths, drawn_bodies, ground_points
+    from derive.visual.spatial_mechanism import spatial_picture
+
+    drawn = drawn_bodies(scene)
+    motion = SceneMotion(scene, native, k, np.zeros(1), state.q[None], state.v[None])
+    return spatial_picture(scene.name, drawn, body_paths(drawn, motion), ground_points(scene))
 
 
 def _paper() -> tuple[str, str, Page]:

@@ -46,8 +46,14 @@ class Batch:
 
     @property
     def arrays(self) -> dict[str, int]:
-        """The local arrays with their numbers of elements, each of which has a value for each state."""
-        return {node.array: node.size for node in every(self.nodes) if isinstance(node, Local)}
+        """The local arrays with their numbers of elements, each of which has a value for each state.
+
+        Those whose elements are kept under names in a loop that was fused of several are not among them.
+        """
+        targets = (node.target for node in every(self.nodes) if isinstance(node, Assign))
+        accessed = {*names_read(self.nodes), *(target.array for target in targets if isinstance(target, Element))}
+        local = (node for node in every(self.nodes) if isinstance(node, Local))
+        return {node.array: node.size for node in local if node.array in accessed}
 
 
 def state_arguments(kernel: Kernel) -> list[Argument]:

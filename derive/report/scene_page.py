@@ -9,6 +9,7 @@ from derive.backends.source_map import source_map
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.terms import Reason
 from derive.pipeline import Built
 from derive.report.document.page import Block, Content, Heading, Page, Paragraph, Picture, table
@@ -33,7 +34,10 @@ from derive.report.sections.term_lines import definition_lines, locate_terms
 from derive.report.sections.terms import row_blocks
 from derive.report.sections.zeros import vanished_blocks
 from derive.simulation.initial.initial_state import InitialState
-from derive.spec.model.scene import BeamBody
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.spatial_scene import FlexibleBody, SpatialScene
+from derive.spec.model.specification import AnyScene
 
 
 @dataclass(frozen=True)
@@ -50,14 +54,16 @@ def scene_page(
     results: Sequence[ResultPicture] = (),
     initial: InitialState | str | None = None,
     warnings: Sequence[str] = (),
+    drawing: str = "",
 ) -> Page:
     """The report of a scene, with its initial state, or why there is none, if that is known.
 
-    warnings: those of a run whose pictures are among the results, where a beam leaves the range of its model.
+    warnings: those of a run whose pictures are among the results, where a beam leaves the range of its model. drawing:
+    the SVG of a mechanism in space in its initial configuration.
     Raises TypeError when what was built is a body.
     """
     mechanism, equations, model = built.derived, built.equations, built.model
-    if not isinstance(mechanism, Mechanism):
+    if not isinstance(mechanism, (Mechanism, SpatialMechanism)):
         raise TypeError("this is no scene")
     spec, once = mechanism.scene, shown_once(mechanism)
     shown, joints = once.equations, constraints_once(equations.constraints, (i.name for i in mechanism.instances))
@@ -67,21 +73,21 @@ def scene_page(
     families = moments(shown, written)
     visible = [p for p in terms if p.term.row in {row.name for row in shown.rows}]
     blocks = (
-        *mechanism_blocks(spec),
+        *mechanism_blocks(spec, drawing),
         *_results(results, warnings),
         *body_blocks(spec, model, equations),
         *joint_blocks(spec, equations),
         *specification_blocks(specification),
         *state_blocks(model, equations, written),
         *(initial_state_blocks(initial) if initial is not None else ()),
-        *scene_second_order_blocks(spec),
-        *nomenclature_blocks(True, {body.beam.order for body in spec.bodies if isinstance(body, BeamBody)}),
+        *(scene_second_order_blocks(spec) if isinstance(spec, Scene) else ()),
+        *nomenclature_blocks(True, _orders(spec), isinstance(spec, SpatialScene)),
         *integral_blocks(shown, written),
         *value_blocks(once, written),
         *moment_blocks(families, written, definition_lines(code)),
         *_law(once.alike),
         *row_blocks(shown, visible, written),
-        *constraint_blocks(joints, written),
+        *constraint_blocks(joints, written, isinstance(spec, SpatialScene)),
         *_mass(mechanism, equations, shown, written),
         *vanished_blocks(shown, written),
         *(kkt_blocks(model, model.kkt) if model.kkt is not None else ()),
@@ -89,6 +95,12 @@ def scene_page(
         *manifest_blocks(built.files),
     )
     return Page(model.name, (model.doc,), blocks)
+
+
+def _orders(spec: AnyScene) -> set[DisplacementOrder]:
+    """The orders of the displacements of flexible bodies."""
+    beams = {body.beam.order for body in spec.bodies if isinstance(body, BeamBody)}
+    return beams | {body.body.order for body in spec.bodies if isinstance(body, FlexibleBody)}
 
 
 def _law(alike: Mapping[str, tuple[str, ...]]) -> tuple[Block, ...]:
@@ -106,7 +118,9 @@ def _law(alike: Mapping[str, tuple[str, ...]]) -> tuple[Block, ...]:
     return (Heading("Equations of motion", "motion"), Paragraph((text,)), *same)
 
 
-def _mass(mechanism: Mechanism, equations: Equations, shown: Equations, written: Notation) -> tuple[Block, ...]:
+def _mass(
+    mechanism: Mechanism | SpatialMechanism, equations: Equations, shown: Equations, written: Notation
+) -> tuple[Block, ...]:
     """The mass matrix, of large scenes with the blocks of the bodies that are shown alone."""
     if len(equations.rows) <= NAMED or len(shown.rows) == len(equations.rows):
         return mass_blocks(equations, _matrix(mechanism, equations), written)
@@ -118,7 +132,7 @@ def _mass(mechanism: Mechanism, equations: Equations, shown: Equations, written:
     return (heading, Paragraph((text,)), *blocks)
 
 
-def _matrix(mechanism: Mechanism, equations: Equations) -> MassPattern:
+def _matrix(mechanism: Mechanism | SpatialMechanism, equations: Equations) -> MassPattern:
     """The pattern of M, with the reasons of all of its zeros: within bodies those of the first piece, between bodies
     that they share no inertia."""
     rows = list(row_identities(equations).values())

@@ -19,7 +19,7 @@ from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.initial.spatial_state import body_size, spatial_state
 from derive.simulation.inputs import DrivenScene, InputFunction, with_functions
 from derive.simulation.integration.integrator import Integrator, Settings
-from derive.simulation.integration.registry import EXPLICIT, INTEGRATORS
+from derive.simulation.integration.registry import EXPLICIT, INTEGRATORS, RESOLVING
 from derive.simulation.integration.solution import Progress, Solution
 from derive.simulation.observables.default_plots import default_plots, plots_note
 from derive.simulation.observables.motion import SceneMotion
@@ -156,10 +156,10 @@ class PreparedRun:
     def _redundant(self, native: NativeScene, k: Vector, initial: InitialState) -> Iterator[str]:
         """The note on constraints that depend on each other. Raises SimulationError if the integrator needs others."""
         note = dependence_note(native, k, initial.t, initial.q, initial.v, self.model.outputs)
-        if note and self.settings.integrator not in EXPLICIT:
+        if note and self.settings.integrator not in RESOLVING:
             raise SimulationError(
                 f"{note}\n{self.settings.integrator} solves for reactions, which have to be unique; choose one of "
-                f"{names_text(sorted(EXPLICIT))}"
+                f"{names_text(sorted(RESOLVING))}"
             )
         if note:
             yield note

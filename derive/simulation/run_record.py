@@ -12,7 +12,7 @@ from derive.artifacts import MARK, File, sha256
 from derive.backends.model_files import fingerprint
 from derive.simulation.observables.csv_writer import csv
 from derive.simulation.trajectory import Trajectory
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 from derive.version import VERSION
 
 DRIFT_COLUMNS = 4
@@ -66,7 +66,7 @@ def _validity(trajectory: Trajectory) -> dict[str, Any]:
     return {"validity": [monitor.data for monitor in trajectory.validity], "warnings": [*trajectory.warnings]}
 
 
-def recorded_warnings(record: Path, spec: Scene) -> tuple[str, ...]:
+def recorded_warnings(record: Path, spec: AnyScene) -> tuple[str, ...]:
     """The warnings of the monitors in the record of a run of this scene; none if there is no such record."""
     try:
         content = json.loads(record.read_text(encoding="utf-8"))

@@ -38,6 +38,7 @@ typedef struct {
     double *y, *ydot; /* [q; v; lambda], [v; vdot; 0] */
     double *a;        /* the auxiliary accelerations of the method */
     double *r, *jac, *work;
+    double proximal; /* the term of the diagonal of multipliers, relative to their compliance; 0: none */
     int *colptr, *rowidx;
     klu_common common;
     klu_symbolic *symbolic;
@@ -98,6 +99,35 @@ static int allocate(const tisserand_model *model, machine *own)
     return own->symbolic == NULL ? TISSERAND_SINGULAR : 0;
 }
 
+/* The entry (row, column) of the iteration matrix, which is in its pattern. */
+static double *entry(const machine *own, int row, int column)
+{
+    int i = own->colptr[column];
+    while (own->rowidx[i] != row) {
+        i++;
+    }
+    return own->jac + i;
+}
+
+/* Add the proximal term to the diagonal of the multipliers: a part of the compliance G A^-1 G^T of the constraint,
+   estimated by the diagonal of A, the matrix of the rows of vdot. A solution is off by this part of itself, which the
+   next iteration of Newton's method corrects; reactions of redundant joints that balance each other are finite. */
+static void add_proximal(machine *own)
+{
+    const int nq = own->nq, n = own->form.size;
+
+    for (int j = 2 * nq; j < n; j++) {
+        double compliance = 0.0;
+        for (int i = own->colptr[j]; i < own->colptr[j + 1]; i++) {
+            const int row = own->rowidx[i];
+            if (row >= nq && row < 2 * nq) {
+                compliance += own->jac[i] * own->jac[i] / fabs(*entry(own, row, row));
+            }
+        }
+        *entry(own, j, j) += own->proximal * own->method.scale / own->method.cj * compliance;
+    }
+}
+
 /* The iteration matrix of [x; dv; dlambda]: that of the form, which assumes dq = dv / cj, with its columns of q scaled
    by dq = scale * x, since the factor between dq and dv differs from that between dv and the change of vdot. */
 static int factorise(double t, const double *k, machine *own)
@@ -111,6 +141,9 @@ static int factorise(double t, const double *k, machine *own)
         if (own->rowidx[i] >= own->nq) {
             own->jac[i] *= own->method.scale;
         }
+    }
+    if (own->proximal > 0.0) {
+        add_proximal(own);
     }
     if (own->numeric != NULL) {
         /* Reuse the previous pivots unless the factors grow. */
@@ -246,12 +279,14 @@ int tisserand_alpha(const tisserand_model *model, const tisserand_alpha_options 
     int code;
 
     if (steps < 0 || every < 1 || !(step > 0.0 && step < HUGE_VAL && fabs(t0) < HUGE_VAL) ||
-        !(options->tolerance >= 0.0) || !(options->start >= 0.0) || !(options->rho >= 0.0 && options->rho <= 1.0)) {
+        !(options->tolerance >= 0.0) || !(options->start >= 0.0) || !(options->proximal >= 0.0) ||
+        !(options->rho >= 0.0 && options->rho <= 1.0)) {
         return TISSERAND_ARGUMENT;
     }
     memset(&own, 0, sizeof own);
     own.method = make_scheme(options->rho, step);
     own.nq = model->nq;
+    own.proximal = options->proximal;
     code = find_form(model, &own.form);
     if (code == 0) {
         code = allocate(model, &own);

@@ -39,6 +39,9 @@ typedef struct {
     double tolerance; /* Newton's method stops if the corrections of q, and of v times the step, are below it, or are
                          rounding errors of the largest coordinate */
     double start;     /* the initial q and v are projected onto |g|, |gdot| <= start; 0: they are not projected */
+    double proximal;  /* for redundant joints, 1e-9: the part of each multiplier's compliance that the iteration matrix
+                         has in addition, so that it is regular; the motion is that of the constraints, and multipliers
+                         of redundant joints are some that give it. 0: joints are not redundant */
 } tisserand_alpha_options;
 
 typedef struct {

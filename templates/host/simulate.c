@@ -196,7 +196,7 @@ static int run_alpha(const tisserand_model *model, double interval, double accur
                      double *q, double *v, double *rows)
 {
     tisserand_alpha_counts counts = {0, 0, 0};
-    tisserand_alpha_options options = {0.8, 1e-11, 0.0};
+    tisserand_alpha_options options = {0.8, 1e-11, 0.0, 0.0};
     const long every = steps_between(interval, accuracy);
     int code;
 

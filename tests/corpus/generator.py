@@ -24,7 +24,7 @@ from corpus.beams import make_bodies
 from corpus.draft import Draft, Table
 from corpus.draws import Draws, rounded
 from corpus.instances import count_some, expanded
-from corpus.linkages import link
+from corpus.linkages import REDUNDANT, link
 from corpus.lone_bodies import LONE, lone_beam, spatial_body
 from corpus.many_bodies import SHARE, many_bodies
 from corpus.observations import observe
@@ -84,6 +84,7 @@ def corpus_scene(seed: int) -> CorpusScene:
         (tables, linkage), files = many_bodies(many, f"scene_{seed}"), {}
     count_some(tables, Draws(f"count {seed}"), 0.1)
     _lower(tables, Draws(f"lowering {seed}"))
+    _treat_redundancy(tables, linkage, Draws(f"redundant {seed}"))
     respell(tables, _schema(), draws, 0.6 if linkage in LONE else 0.15)
     return CorpusScene(seed, expanded(tables), tables, files, linkage)
 
@@ -93,6 +94,13 @@ def _lower(tables: Table, draws: Draws) -> None:
     lowering = draws.choice(["instances"] * 5 + ["auto", "flat"] + [""] * 13)
     if lowering and "bodies" in tables:
         tables.setdefault("scene", {})["lowering"] = lowering
+
+
+def _treat_redundancy(tables: Table, linkage: str, draws: Draws) -> None:
+    """Resolve redundant joints in some scenes, whether there are any or not, and refuse them in a few without."""
+    treatment = draws.choice(["resolve"] * 4 + ["auto", "error"] + [""] * 24)
+    if treatment and "bodies" in tables and not (treatment == "error" and linkage in REDUNDANT):
+        tables.setdefault("scene", {})["redundant"] = treatment
 
 
 @cache

@@ -243,3 +243,5 @@ LINKAGES: dict[str, tuple[int, Callable[[Draft], None]]] = {
     "doubled": (1, _doubled),
 }
 """The linkages with how often they are drawn."""
+REDUNDANT = ("crank_slider", "parallelogram", "doubled")
+"""Linkages with redundant joints in some scenes."""

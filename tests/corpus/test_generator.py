@@ -37,10 +37,6 @@ NOT_USED = {
         ),
         "rotations by axes and by three angles: tests/space/test_rotation_forms.py",
     ),
-    **dict.fromkeys(
-        ("SceneTable.redundant", *(f"SceneTable.redundant = {value}" for value in ("auto", "resolve", "error"))),
-        "redundant joints are those that linkages happen to have: tests/simulation/test_redundant_motion.py",
-    ),
 }
 """The features of specifications that no scene of the corpus uses, with the reasons."""
 

@@ -14,6 +14,7 @@ from derive.backends.python.module import PythonBackend
 SEEDS = {
     65: "the energy of a body with a drive of constant speed, which is known but does not depend on the time",
     67: "a loop over forces that act on no coordinate",
+    75: "a force between known motions whose name, F, is that of the argument of a function",
 }
 
 

@@ -63,6 +63,23 @@ def test_equal_bodies_make_loops_and_few_or_different_ones_straight_lines() -> N
         assert estimate_mechanism_costs(mechanism(scene(name))).lowering == "flat"
 
 
+def test_joints_that_depend_on_both_of_their_bodies_take_longer() -> None:
+    """Guides that move and pins have as many constraints; seven between inner bodies are in the lanes of vectors."""
+    costs = {kind: estimate_mechanism_costs(mechanism(carriages(10, kind))) for kind in ("revolute", "translational")}
+    guides, pins = costs["translational"], costs["revolute"]
+    assert guides.flat - pins.flat == pytest.approx(6 * 9)
+    assert guides.instances - pins.instances == pytest.approx(11 * (1 + 8 * 0.45 + 1))
+
+
+def carriages(count: int, kind: str) -> derive.Scene:
+    """Rigid bodies that follow each other."""
+    carriage = {"mass": 1, "inertia": 1, "keep_coordinates": True, "markers": {"left": [-0.3, 0], "right": [0.4, 0]}}
+    joints = {
+        f"joint_{k}": {"kind": kind, "between": [f"body_{k}.right", f"body_{k + 1}.left"]} for k in range(count - 1)
+    }
+    return derive.scene("carriages", bodies={f"body_{k}": carriage for k in range(count)}, joints=joints)
+
+
 def test_what_takes_the_compiler_too_long_is_looped() -> None:
     assert MechanismCosts(900, 950, 34.0).lowering == "instances"
     assert "would take the compiler some 34 s" in MechanismCosts(900, 950, 34.0).reason("auto")

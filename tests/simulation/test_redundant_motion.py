@@ -91,9 +91,25 @@ def test_a_joint_that_is_there_twice_changes_nothing_but_its_reaction() -> None:
     assert not any("redundant" in note for note in one.solution.notes)
 
 
-def test_implicit_methods_refuse_reactions_that_are_not_unique() -> None:
-    with pytest.raises(SimulationError, match=r"twin_1 is implied by pin_1(.|\n)*choose one of adaptive"):
-        simulated(parsed(ARM + TWIN), "generalised-alpha")
+def test_generalised_alpha_moves_a_joint_that_is_there_twice() -> None:
+    """Step by step as the joint that is there once, by a proximal term in the iteration matrix."""
+    one, two = (simulated(parsed(text), "generalised-alpha") for text in (ARM, ARM + TWIN))
+    assert two.q == pytest.approx(one.q, abs=1e-10) and two.v == pytest.approx(one.v, abs=1e-8)
+    assert np.hstack([one.lam[:, 2:] / 2] * 2) == pytest.approx(two.lam[:, 2:], abs=1e-5 * np.abs(one.lam).max())
+    assert any("twin_1 is implied by pin_1" in note for note in two.solution.notes)
+
+
+def test_generalised_alpha_passes_the_positions_in_which_all_rods_are_in_line() -> None:
+    scene = four_bars(2)
+    motion = simulated(scene, "generalised-alpha")
+    assert motion["crank[1]_phi"] == pytest.approx(pendulum(2, motion.t, -1.0, 0.0), abs=2e-3)
+
+
+def test_ida_refuses_reactions_that_are_not_unique() -> None:
+    with pytest.raises(
+        SimulationError, match=r"twin_1 is implied by pin_1(.|\n)*choose one of adaptive, .*generalised"
+    ):
+        simulated(parsed(ARM + TWIN), "c_ida")
 
 
 def test_a_joint_that_no_coordinate_can_meet_has_no_reaction() -> None:

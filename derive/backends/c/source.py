@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, groupby
 
 from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers, stack
+from derive.backends.c.beginnings import beginnings, calling, shared_signature, without_last
 from derive.backends.c.composed_names import ComposedNames, composed_names
 from derive.backends.c.loop_text import vector_starts
 from derive.backends.c.nests import CNests
@@ -58,10 +59,18 @@ class CBackend:
         values = _template_values(model, fingerprint)
         builder = SourceBuilder(model)
         builder.text(render("c/prologue.c.jinja", values))
+        shared = {first: model.kernel(whole) for first, whole in beginnings(model).items()}
         for part, kernels in groupby(model.kernels, lambda kernel: optional_part(kernel.name)):
             builder.text(f"#ifndef {part.value}\n\n" if part else "")
             for kernel in kernels:
-                builder.function(kernel, _function(model, kernel))
+                if whole := shared.get(kernel.name):
+                    builder.function(whole, _shared_function(model, kernel, whole))
+                    builder.text("\n")
+                    builder.function(kernel, calling(model, kernel, whole))
+                elif kernel in shared.values():
+                    builder.text("".join(f"{line.text}\n" for line in calling(model, kernel, kernel)))
+                else:
+                    builder.function(kernel, _function(kernel, _signature_of(model, kernel)))
                 builder.text("\n")
             builder.text("#endif\n\n" if part else "")
         builder.text(render("c/epilogue.c.jinja", values))
@@ -165,20 +174,29 @@ def _constant_array(array: ConstantArray) -> list[str]:
     return [f"static const {kind} {array.name}[] = {{", *prefixed([", ".join(values)], "    "), "};", ""]
 
 
-def _function(model: Model, kernel: Kernel) -> list[SourceLine]:
+def _shared_function(model: Model, kernel: Kernel, whole: Kernel) -> list[SourceLine]:
+    """The static function of a kernel that begins with another one, after which it ends if the caller wants no more."""
+    return _function(whole, shared_signature(model, whole), {len(kernel.sections): without_last(whole)})
+
+
+def _function(
+    kernel: Kernel, head: Sequence[str], before: Mapping[int, Sequence[str]] | None = None
+) -> list[SourceLine]:
     """The function of a kernel. Elements of arguments are loaded where they are needed first.
 
-    Compilers keep values in the order of the text: what is loaded before a call, such as that of a sine far from 0, or
-    long before its use, goes to the stack in between.
+    head: its signature; before: lines before its sections, by the numbers of these. Compilers keep values in the order
+    of the text: what is loaded before a call, such as that of a sine far from 0, or long before its use, goes to the
+    stack in between.
     """
     named = _arguments(kernel)
-    lines = plain(*_signature_of(model, kernel), "{", *named)
+    lines = plain(*head, "{", *named)
     sections = [list(section_in_lanes(section.body)) for section in kernel.sections]
     starts = vector_starts(node for section in sections for _, nodes in section for node in nodes)
     counter = "ptrdiff_t" if kernel.repeats else "int"
     nests = CNests({o.name for o in kernel.outputs}, starts=starts, counter=counter)
     loads = _element_loads(kernel)
     for k, (section, body) in enumerate(zip(kernel.sections, sections, strict=True)):
+        lines += plain(*(before or {}).get(k, ()))
         lines += plain(*([""] if k or named else []), *comment([section_text(section)], "    "))
         lines += _section(body, k, nests, loads)
     return [*lines, *plain("    return 0;", "}")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import accumulate
@@ -12,6 +12,7 @@ from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.model import Argument, Kernel, Output, Section, View
 from derive.ir.patterns import Pattern
 from derive.ir.statements import ForEach, Statement, Work
+from derive.ir.unused import without_shadows, without_unused
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
@@ -211,7 +212,11 @@ def kernel(
         **(inputs or {}),
     }
     outputs = tuple(results[name].output(name, doc) for name, doc in function.outputs.items())
-    made = [Section(name, equation, text, tuple(_without_idle(body))) for name, equation, text, body in sections]
+    bodies = without_unused([tuple(body) for *_, body in sections], [output.name for output in outputs])
+    made = [
+        Section(name, equation, text, body)
+        for (name, equation, text, _), body in zip(sections, without_shadows(bodies), strict=True)
+    ]
     used = {name for section in made for statement in section.body for name in reads(statement)}
     names = used & context.known.names
     moving = names & {str(symbol) for symbol in context.known.moving}
@@ -224,11 +229,6 @@ def kernel(
         outputs,
         tuple(section for section in (known, *made) if section.body),
     )
-
-
-def _without_idle(body: Iterable[Statement]) -> Iterator[Statement]:
-    """Statements without the loops over bodies that have nothing to compute."""
-    return (statement for statement in body if not isinstance(statement, ForEach) or statement.body)
 
 
 def scatter(of: LoopCode, what: str, array: str, positions: list[list[int]], operator: Operator | None) -> LoopTarget:

@@ -113,7 +113,7 @@ class _Graph:
         return body.statements(), inverse
 
     def _neighbour(self, inverse: Factors | Adjugate) -> tuple[InstanceItem, ...]:
-        """What the elimination of a joint subtracts from a neighbour; pairs of neighbours read Z in the place of S."""
+        """The update of a neighbour by the elimination of a joint; pairs of neighbours read Z in the place of S."""
         body = BlockBody(self.size)
         s = body.matrix("s", self._between(COUPLING))
         factors = inverse.of_block(body.symmetric("a", lambda k: Element(INVERSE, constant(k))))
@@ -129,7 +129,7 @@ class _Graph:
         return body.statements()
 
     def _known(self) -> tuple[InstanceItem, ...]:
-        """What the reactions of a neighbour subtract from the solution of a joint."""
+        """The update of the solution of a joint by the reactions of a neighbour."""
         body = BlockBody(self.size)
         f = body.vector("f", at(FORCE, self.of.spacing, "other"))
         body.store_rows(self._own(FORCE), product(body.matrix("y", self._between(FACTOR)), f), Operator.SUB)

@@ -100,9 +100,10 @@ def _of_point(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     )
 
 
-def _moving_point(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    """The position of a material point in the floating frame, or in inertial directions, with the point above."""
-    return TypesetSymbol(Rank.MOMENT, _at_point(known.family.stem, known, component_digits(known)))
+def _moving_point(letter: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
+    """The position or the motion of a material point or a frame, in the floating or the inertial frame, with the point
+    above."""
+    return lambda known, above: TypesetSymbol(Rank.MOMENT, _at_point(letter, known, component_digits(known)))
 
 
 def _at_point(letter: str, known: Identity, below: str) -> Name:
@@ -163,7 +164,14 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     **dict.fromkeys(IN_BODY, _vector_in_body),
     **dict.fromkeys((Family.POINT_POSITION, Family.POINT_SHAPE, Family.SECTION_ROTATION), _of_point),
     Family.POINT_SECOND: _of_point,
-    **dict.fromkeys((Family.RADIUS, Family.LEVER), _moving_point),
+    Family.RADIUS: _moving_point("r"),
+    Family.LEVER: _moving_point("s"),
+    Family.INERTIAL_OMEGA: _moving_point("w"),
+    Family.FRAME_AXES: _moving_point("A"),
+    Family.SECTION_VECTOR: _moving_point("theta"),
+    Family.SECTION_SCALE: _moving_point("sigma"),
+    Family.SECTION_SPIN: _moving_point("nu"),
+    Family.SECTION_VELOCITY: _moving_point("v"),
     Family.TANGENT: _tangent,
     Family.INPUT: _input,
     Family.PARAMETER: _named,

@@ -11,6 +11,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.generic_forces import DAMPING_TERM
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.space.mechanism import SpatialMechanism
 from derive.mechanics.symbols import Symbol, identity, owned
 from derive.mechanics.terms import Intermediate, ModelConstant
 
@@ -30,7 +31,7 @@ class EquationsShownOnce:
     values: Mapping[sp.Symbol, Mapping[str, ModelConstant]]
 
 
-def shown_once(mechanism: Mechanism) -> EquationsShownOnce:
+def shown_once(mechanism: Mechanism | SpatialMechanism) -> EquationsShownOnce:
     """The equations of a mechanism, of bodies that are alike those of the first.
 
     Bodies are alike if they are of one kind, keep the same coordinates, and bear the same forces. The damping between

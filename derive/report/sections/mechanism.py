@@ -30,7 +30,9 @@ from derive.spec.model.beam_parts import AttachedMass
 from derive.spec.model.forces import SceneForce
 from derive.spec.model.instances import instance_name, joined
 from derive.spec.model.quantity import Parameter, Quantity
-from derive.spec.model.scene import BeamBody, RigidBody, Scene, SceneBody
+from derive.spec.model.scene import BeamBody, RigidBody, SceneBody
+from derive.spec.model.spatial_scene import FlexibleBody, SpatialAction, SpatialBody, SpatialRigidBody, SpatialScene
+from derive.spec.model.specification import AnyScene
 from derive.visual.kkt_matrix import kkt_picture
 from derive.visual.mechanism import mechanism_picture
 
@@ -63,9 +65,18 @@ COUNTED = (
 HINT = "The pointer shows the row and the column of an entry."
 
 
-def mechanism_blocks(spec: Scene) -> tuple[Block, ...]:
-    """The drawing of the mechanism, to scale."""
+SPATIAL_LEGEND = (
+    "Rigid bodies are homogeneous boxes of the same mass and inertia, with lines from their centres of mass to their "
+    "markers; finite-element bodies have their own surfaces. Points are markers."
+)
+
+
+def mechanism_blocks(spec: AnyScene, drawing: str = "") -> tuple[Block, ...]:
+    """The drawing of the mechanism, to scale; `drawing` is that of a scene in space as SVG, if it has been made."""
     names = enumeration([body.name for body in spec.bodies])
+    if isinstance(spec, SpatialScene):
+        title, caption = f"The mechanism at t = 0 with its bodies {names}", f"The mechanism at t = 0. {SPATIAL_LEGEND}"
+        return (Heading("Mechanism", "mechanism"), Picture(drawing, title, caption)) if drawing else ()
     flexible = any(isinstance(body, BeamBody) for body in spec.bodies)
     caption = f"The mechanism at t = 0, to scale. {LEGEND}{LEGEND_OF_BEAMS if flexible else ''}"
     return (
@@ -74,7 +85,7 @@ def mechanism_blocks(spec: Scene) -> tuple[Block, ...]:
     )
 
 
-def body_blocks(spec: Scene, model: Model, equations: Equations) -> tuple[Block, ...]:
+def body_blocks(spec: AnyScene, model: Model, equations: Equations) -> tuple[Block, ...]:
     """The bodies with their coordinates, and what is eliminated."""
     reasons = {out.what: out.reason for out in model.eliminated}
     rows = [["ground", "the inertial frame", "", "0", reasons.get("ground", "")]]
@@ -99,18 +110,25 @@ def _cells(rows: Sequence[Sequence[str]]) -> list[list[Content]]:
     return [[*row] for row in merged_rows(rows)]
 
 
-def _names(spec: Scene) -> set[str]:
+def _names(spec: AnyScene) -> set[str]:
     return {"ground", *(body.name for body in spec.bodies)}
 
 
-def _kind(body: SceneBody) -> str:
+def _kind(body: SceneBody | SpatialBody) -> str:
+    if isinstance(body, FlexibleBody):
+        return f"flexible, {body.body.frame.kind} frame"
     if not isinstance(body, BeamBody):
         return body.kind
     cut = f" in {body.pieces} pieces" if body.pieces > 1 else ""
     return f"flexible{cut}, {body.beam.frame.kind} frame"
 
 
-def _weight(body: SceneBody) -> str:
+def _weight(body: SceneBody | SpatialBody) -> str:
+    if isinstance(body, SpatialRigidBody) and body.mass is not None and body.inertia is not None:
+        inertia = ", ".join(_quantity(entry, "kg\u00a0m²") for entry in body.inertia[:3])
+        return f"{_quantity(body.mass, 'kg')}; {inertia} about its axes"
+    if isinstance(body, FlexibleBody):
+        return f"{len(body.body.data.positions)} nodes"
     if isinstance(body, BeamBody):
         beam = body.beam
         stiffness = _quantity(beam.bending_stiffness, "N\u00a0m²")
@@ -139,7 +157,7 @@ def _quantity(quantity: Quantity, unit: str) -> str:
     return f"{mantissa}{power}\u00a0{unit}"
 
 
-def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:
+def joint_blocks(spec: AnyScene, equations: Equations) -> tuple[Block, ...]:
     """The joints with their drives and multipliers, and the loads."""
     own: dict[str, list[Constraint]] = {}
     for constraint in equations.constraints:
@@ -158,7 +176,8 @@ def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:
         Heading("Joints", "joints"),
         Paragraph(
             (
-                "A multiplier is the constraint reaction on body 2: a force, in components of the inertial frame, or "
+                "A multiplier is the constraint reaction on body 2: a force, in components of "
+                f"{'the frame of marker 1' if isinstance(spec, SpatialScene) else 'the inertial frame'}, or "
                 "a torque; on body 1 the joint exerts the opposite.",
                 f" The welds between the beams of a rod have {cuts} further multipliers." if cuts else "",
             )
@@ -180,7 +199,7 @@ def _multipliers(series: VariableSeries) -> Iterator[list[Content]]:
         yield [CodeSpan(name), label.unit, f"{label.doc}{instances}"]
 
 
-def _loads(spec: Scene) -> tuple[Block, ...]:
+def _loads(spec: AnyScene) -> tuple[Block, ...]:
     rows = [[f.name, _load(f, "force"), str(f.markers[0])] for f in spec.forces]
     rows += [[t.name, _load(t, "torque"), ", against ".join(map(str, t.markers))] for t in spec.torques]
     rows += [[s.name, _load(s, "spring"), " to ".join(map(str, s.markers))] for s in spec.springs]
@@ -188,11 +207,11 @@ def _loads(spec: Scene) -> tuple[Block, ...]:
     return (folded(table("Loads", ("load", "name", "marker"), cells), "Loads"),) if cells else ()
 
 
-def _load(load: SceneForce, noun: str) -> str:
+def _load(load: SceneForce | SpatialAction, noun: str) -> str:
     return noun if load.kind == noun else f"{load.kind} {noun}"
 
 
-def constraint_blocks(once: ConstraintsShownOnce, written: Notation) -> tuple[Block, ...]:
+def constraint_blocks(once: ConstraintsShownOnce, written: Notation, spatial: bool = False) -> tuple[Block, ...]:
     """The constraints on position level, of joints that are alike those of the first."""
     if not once.constraints:
         return ()
@@ -200,9 +219,14 @@ def constraint_blocks(once: ConstraintsShownOnce, written: Notation) -> tuple[Bl
         Equation(Name("g", below=(c.shown.replace("_", " "),)), written.parts(c.position, title=c.doc))
         for c in once.constraints
     )
+    what = (
+        "a component of the displacement from marker 1 to marker 2, or a product of their axes A"
+        if spatial
+        else "the position of marker 2 minus that of marker 1"
+    )
     text = (
-        "Each constraint g = 0 is the position of marker 2 minus that of marker 1, from x = c + Q r. G holds the "
-        "coefficients of the generalised velocities in its time derivative."
+        f"Each constraint g = 0 is {what}, from x = c + Q r. G holds the coefficients of the generalised velocities in "
+        "its time derivative."
     )
     if once.alike:
         text += " Of joints whose constraints differ in names and constants alone, the first is shown."

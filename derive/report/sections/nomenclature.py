@@ -65,6 +65,15 @@ CONSTRAINTS: tuple[Entry, ...] = (
     ("G", "constraint Jacobian with respect to the generalised velocities", ""),
     ("lambda", "multipliers: constraint reactions on body 2", ""),
 )
+FRAMES: tuple[Entry, ...] = (
+    ("w", "angular velocity of the floating frame in components of the inertial frame", "(5)"),
+    ("s", "vector Q r from O to a marker, in the inertial frame", "(2)"),
+    ("A", "axes of a marker frame as columns, in the inertial frame", "markers"),
+    ("v", "velocity of a marker against its floating frame, in the inertial frame", "(5)"),
+    ("theta", "rotation vector of the section at a marker by deformation", "markers"),
+    ("sigma", "scale of the rotation tensor of that section, 1/(1 + theta . theta / 4)", "markers"),
+    ("nu", "angular velocity of that section against the floating frame, in the inertial frame", "markers"),
+)
 BOLD: dict[str, Name] = {
     "M": Name("M", style="tensor"),
     "G": Name("G", style="tensor"),
@@ -73,10 +82,12 @@ BOLD: dict[str, Name] = {
 """Matrices and columns of the whole system, whose letters the formula reader takes for scalars."""
 
 
-def nomenclature_blocks(constrained: bool, orders: Collection[DisplacementOrder] = ()) -> tuple[Block, ...]:
+def nomenclature_blocks(
+    constrained: bool, orders: Collection[DisplacementOrder] = (), frames: bool = False
+) -> tuple[Block, ...]:
     """The table of symbols, and why the letter c occurs twice.
 
-    constrained: whether there are multipliers. orders: those of the displacements.
+    constrained: whether there are multipliers. orders: those of the displacements. frames: whether markers are frames.
     """
     truncated, full = (order in orders for order in (DisplacementOrder.TRUNCATED, DisplacementOrder.FULL))
     entries = (
@@ -85,6 +96,7 @@ def nomenclature_blocks(constrained: bool, orders: Collection[DisplacementOrder]
         *(SECOND_ORDER if truncated or full else ()),
         *(TRUNCATED if truncated else ()),
         *(FULL if full else ()),
+        *(FRAMES if frames else ()),
         *SYSTEM,
         *(CONSTRAINTS if constrained else ()),
     )

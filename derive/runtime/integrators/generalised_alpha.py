@@ -37,8 +37,12 @@ ALPHA_CODES = {
 """The meanings of the return codes of the generalised-alpha method."""
 
 
+PROXIMAL = 1e-9
+"""The proximal term of a model whose joints may be redundant, relative to the compliance of each constraint."""
+
+
 class _AlphaOptions(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_double) for name in ("rho", "tolerance", "start")]
+    _fields_ = [(name, ctypes.c_double) for name in ("rho", "tolerance", "start", "proximal")]
 
 
 class _AlphaCounts(ctypes.Structure):
@@ -80,7 +84,8 @@ class GeneralisedAlpha(CIntegrator):
             raise ValueError(f"a step of {step} s with rho = {rho} makes no sense")
         q, v = self.state(q0, v0)
         table: Array = np.empty((steps // every + 1, self.width))
-        options, counts = _AlphaOptions(rho, tolerance, consistent), _AlphaCounts()
+        term = PROXIMAL if self.native.proximal else 0.0
+        options, counts = _AlphaOptions(rho, tolerance, consistent, term), _AlphaCounts()
         observer = Observer(observe, self.width)
         with observer.interrupts():
             code, seconds = timed(

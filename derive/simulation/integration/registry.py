@@ -95,3 +95,6 @@ generalised-alpha method, and IDA without Python between its steps."""
 
 EXPLICIT = frozenset(("adaptive", "dop853", "scipy", "rk45", "rk4"))
 """The integrators that call accelerations alone, and no function of implicit methods."""
+RESOLVING = EXPLICIT | {"generalised-alpha"}
+"""The integrators that follow motions with redundant joints: accelerations resolve them, and so does the proximal term
+of the generalised-alpha method; IDA factorises a matrix that is singular there."""

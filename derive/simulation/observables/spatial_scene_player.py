@@ -32,7 +32,7 @@ def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion, curves: 
 
     curves: columns with a value for each instant, which the page draws over time below the scene.
     """
-    drawn, ground = drawn_bodies(scene), [(m.name, _vector(m.position)) for m in scene.ground]
+    drawn, ground = drawn_bodies(scene), ground_points(scene)
     paths = body_paths(drawn, motion)
     content = bodies_motion_data(drawn, motion.t, paths)
     shown = curves_data(curves, shown_frames(motion.t, paths))
@@ -42,6 +42,11 @@ def spatial_scene_player_data(scene: SpatialScene, motion: SceneMotion, curves: 
 def drawn_bodies(scene: SpatialScene) -> list[DrawnBody]:
     """The drawings of all bodies of a scene."""
     return [_drawn(body) for body in scene.bodies]
+
+
+def ground_points(scene: SpatialScene) -> list[tuple[str, Array]]:
+    """The names and places (3,), m, of the markers of the ground."""
+    return [(marker.name, _vector(marker.position)) for marker in scene.ground]
 
 
 def body_paths(drawn: Sequence[DrawnBody], motion: SceneMotion) -> list[BodyPath]:

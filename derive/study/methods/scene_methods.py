@@ -193,11 +193,6 @@ def _method_scene(scene: Scene) -> MethodScene:
         alpha: GeneralisedAlpha | None = GeneralisedAlpha(files)
     except LibraryMissing as error:
         alpha, missing = None, str(error).splitlines()[0]
-    if rk4.native.proximal:
-        alpha, missing = (
-            None,
-            "generalised-alpha solves for reactions, and those of redundant joints are not unique",
-        )
     native = scene_of(rk4.native, "a study of methods")
     k = native.setup()
     _, q, v = start_state(scene, native, k)

@@ -12,6 +12,7 @@ import sympy as sp
 
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import mass_matrix
+from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
@@ -110,6 +111,11 @@ class SpatialMechanism:
     constants: tuple[ModelConstant, ...]
     definitions: tuple[Intermediate, ...]
     eliminated: tuple[Eliminated, ...]
+
+    @property
+    def dampings(self) -> tuple[ComponentDamping, ...]:
+        """Damping between components of a body: none, since no body in space has several."""
+        return ()
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
