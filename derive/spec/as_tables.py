@@ -22,7 +22,15 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, BeamBody, CustomBody, CustomJoint, Joint, Scene
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
-from derive.spec.model.spatial_scene import NO_ROTATION, FrameMarker, SpatialJoint, SpatialScene, SpatialSpring
+from derive.spec.model.spatial_scene import (
+    NO_ROTATION,
+    FlexibleBody,
+    FrameMarker,
+    NodeFrame,
+    SpatialJoint,
+    SpatialScene,
+    SpatialSpring,
+)
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.model.time_function import TimeFunction
 
@@ -146,6 +154,20 @@ def _nodal_body(body: NodalBody) -> Data:
     return without_none(**{**table, "order": order})
 
 
+def _flexible_body(body: FlexibleBody) -> Data:
+    """The table of a finite-element body in a scene: that of its nodes without what bodies alone have."""
+    alone = ("gravity", "markers", "start", "lowering")
+    table = {key: value for key, value in _nodal_body(body.body).items() if key not in alone}
+    return {**table, **_declared(body)}
+
+
+def _node_frame(marker: NodeFrame) -> Data:
+    own: Data = {"nodes": [*marker.nodes]} if marker.has_rotation else {"node": marker.nodes[0]}
+    if marker.weights:
+        own["weights"] = [*marker.weights]
+    return own if marker.rotation == NO_ROTATION else {**own, "rotation": [*marker.rotation]}
+
+
 def _of_kind(element: Joint | SpatialJoint | Spring | Bushing) -> Data:
     values = element.values if isinstance(element, CustomJoint) else {}
     return {"kind": element.kind, **_declared(element), **as_table(values)}
@@ -175,6 +197,8 @@ _SPECIAL: Mapping[type, Callable[[Any], Any]] = {
     BeamBody: lambda body: {**_beam(body.beam), **_declared(body)},
     CustomBody: lambda body: {**as_table(body.values), **_declared(body)},
     FrameMarker: _frame_marker,
+    FlexibleBody: _flexible_body,
+    NodeFrame: _node_frame,
     SpatialJoint: _of_kind,
     SpatialSpring: lambda s: {"kind": s.kind, "between": [str(s.first), str(s.second)], **as_table(s.values)},
     Joint: _of_kind,

@@ -31,6 +31,7 @@ from corpus.observations import observe
 from corpus.spatial_scenes import FIRST, spatial_scene
 from corpus.spelling import respell
 from derive.spec.tables.json_schema import schema_of
+from derive.spec.tables.spatial import spatial_specification_table
 from derive.spec.tables.specification import specification_table
 
 
@@ -75,7 +76,7 @@ def corpus_scene(seed: int) -> CorpusScene:
     draws = Draws(seed)
     if seed >= FIRST:
         tables, files, linkage = spatial_scene(draws, f"scene_{seed}")
-        respell(tables, _schema(), draws, 0.15)
+        respell(tables, spatial_schema(), draws, 0.15)
         return CorpusScene(seed, tables, tables, files, linkage)
     tables, files, linkage = _parts(draws, f"scene_{seed}")
     many = Draws(f"many {seed}")
@@ -105,6 +106,13 @@ def _treat_redundancy(tables: Table, linkage: str, draws: Draws) -> None:
 @cache
 def _schema() -> dict[str, Any]:
     schema: dict[str, Any] = schema_of(specification_table())
+    return schema
+
+
+@cache
+def spatial_schema() -> dict[str, Any]:
+    """The schema of scenes in space."""
+    schema: dict[str, Any] = schema_of(spatial_specification_table())
     return schema
 
 

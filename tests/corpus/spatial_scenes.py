@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 
 from corpus.draft import NAMES, Table
-from corpus.draws import Draws, rounded
+from corpus.draws import Draws, rounded, words
+from derive.mechanics.multibody.space.forces import SPATIAL_BUSHINGS, SPATIAL_SPRINGS
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.spec.model.spatial_scene import SpatialForce
 
 FIRST = 2000
 """The seeds of scenes in space begin here."""
@@ -298,7 +300,7 @@ def _function(draft: SpatialDraft, size: float, vanishes: bool = False) -> Any:
 
 
 def _actions(draft: SpatialDraft) -> None:
-    """Drives, forces, torques and springs."""
+    """Drives, forces, torques, springs, outputs and plots."""
     draws = draft.draws
     for name, joint in draft.section("joints").items() if "joints" in draft.tables else ():
         if not draft.looped and joint["kind"] in ("revolute", "prismatic") and draws.chance(0.3):
@@ -309,6 +311,51 @@ def _actions(draft: SpatialDraft) -> None:
             else:
                 drive["speed"] = rounded(size * draft.rate * draws.between(0.2, 1), 2)
             draft.section("drives")[draft.name("drives")] = drive
+    at = [f"{body.name}.{marker}" for body in draft.bodies.values() for marker in body.markers]
+    if not at:
+        return
+    force = 3.0 * draft.size
+    frames = words(SpatialForce, "frame")
+    if draws.chance(0.4):
+        table: Table = {"at": draws.choice(at), "force": [_function(draft, force) for _ in range(3)]}
+        draft.section("forces")[draft.name("forces")] = table | {"frame": draws.choice(frames)}
+    if draws.chance(0.4):
+        on = draws.choice(at)
+        table = {"on": on, "torque": [_function(draft, 0.1 * force) for _ in range(3)], "frame": draws.choice(frames)}
+        others = [other for other in at if other.split(".")[0] != on.split(".")[0]]
+        if others and draws.chance(0.5):
+            table["against"] = draws.choice(others)
+        draft.section("torques")[draft.name("torques")] = table
+    if draws.chance(0.5):
+        _spring(draft, at, force)
+    if draws.chance(0.5):
+        kind = draws.choice(["position", "velocity", "acceleration", "angular_velocity"])
+        draft.section("outputs")[draft.name("outputs")] = {"kind": kind, "marker": draws.choice(at)}
+    if draws.chance(0.3):
+        draft.section("outputs")[draft.name("outputs")] = {"kind": "energy"}
+    if draft.tables.get("joints") and draws.chance(0.3):
+        joint = draws.choice([*draft.section("joints")])
+        draft.section("outputs")[draft.name("outputs")] = {"kind": "reaction", "joint": joint}
+
+
+def _spring(draft: SpatialDraft, at: list[str], force: float) -> None:
+    """A spring or a bushing between a body and a point of the ground, which is at some distance."""
+    draws = draft.draws
+    first = draft.marker(draft.ground, draft.vector(draft.size) + np.array([0, 0, 2 * draft.size]), draft.rotation())
+    kind = draws.choice([*SPATIAL_SPRINGS, *SPATIAL_BUSHINGS])
+    stiffness = rounded(force / draft.size * draws.between(1, 5), 2)
+    table: Table = {"kind": kind, "between": [first, draws.choice(at)]}
+    if kind in SPATIAL_BUSHINGS:
+        table["stiffness"] = [rounded(stiffness * draws.between(0, 0.3), 2) for _ in range(6)]
+        if draws.chance(0.5):
+            table["damping"] = [rounded(0.01 * stiffness, 2)] * 6
+    else:
+        table["stiffness"] = draft.quantity(stiffness * (0.1 if kind == "rotational" else 1), "N/m")
+        if draws.chance(0.5):
+            table["damping"] = rounded(0.01 * stiffness, 2)
+        if draws.chance(0.5):
+            table["rest"] = rounded(draft.size, 2)
+    draft.section("springs")[draft.name("springs")] = table
 
 
 def _starts(draft: SpatialDraft) -> None:

@@ -9,7 +9,7 @@ from random_scenes import KINDS, random_scene
 from space_kernels import disagreements, space_model
 from written_scene import tables
 
-FEW = (1, 8, 14, 24)
+FEW = (1, 8, 14, 24, 46, 101)
 """Scenes with all kinds of joints, drives, and flexible bodies."""
 
 
@@ -23,7 +23,7 @@ def test_random_scenes(seed: int, tmp_path: Path) -> None:
 def test_they_have_all_kinds_of_joints(tmp_path: Path) -> None:
     scenes = [tables(random_scene(seed, tmp_path)) for seed in FEW]
     assert {joint["kind"] for scene in scenes for joint in scene["joints"].values()} >= {*KINDS} - {"fixed"}
-    assert any("drives" in scene for scene in scenes)
+    assert {d["joint"] for scene in scenes for d in scene.get("drives", {}).values()} >= {"joint0", "joint1"}
     assert any("nodes" in body for scene in scenes for body in scene["bodies"].values())
 
 
@@ -33,3 +33,43 @@ def test_random_scenes_with_all_kernels(seed: int, tmp_path: Path) -> None:
     model = space_model(random_scene(seed, tmp_path))
     assert disagreements(model, seed) == []
     assert disagreements(model, seed + 1000) == []
+
+
+CARRIED = """
+name = "carried"
+[scene]
+gravity = [1, 2, -9]
+[ground.markers]
+base = { at = [0.1, -0.2, 0.3], rotation = { axis = [1, 2, 3], angle = 0.7 } }
+[bodies.arm]
+markers.root = { at = [0.3, 0.1, 0], rotation = { axis = [0, 1, 1], angle = -0.4 } }
+markers.tip = { at = [-0.5, 0.2, 0.4], rotation = { angles = [0.3, 0.5, -0.2], sequence = "zyx" } }
+[bodies.bob]
+mass = 2
+centre = [0.1, -0.1, 0.3]
+inertia = [0.3, 0.4, 0.5, 0.05, -0.02, 0.01]
+markers.top = { at = [0.2, 0, -0.3], rotation = { axis = [2, -1, 1], angle = 1.1 } }
+[joints.bearing]
+kind = "revolute"
+between = ["ground.base", "arm.root"]
+[joints.cross]
+kind = "KIND"
+between = ["ENDS"]
+[drives.motor]
+joint = "bearing"
+motion = "0.3 + 2*t + sin(3*t)"
+[simulation]
+duration = 1
+output = 1
+"""
+
+
+@pytest.mark.parametrize("ends", ['arm.tip", "bob.top', 'bob.top", "arm.tip'], ids=["second", "first"])
+@pytest.mark.parametrize("kind", ["universal", "cylindrical"])
+def test_a_body_on_a_body_that_a_drive_carries(kind: str, ends: str, tmp_path: Path) -> None:
+    """It keeps the angles of its joint, in a frame that turns with the drive; displacements there are constraints."""
+    path = tmp_path / "scene.toml"
+    path.write_text(CARRIED.replace("KIND", kind).replace("ENDS", ends))
+    model = space_model(path, complete=False)
+    assert (model.native.nv, model.native.nlambda) == ((2, 0) if kind == "universal" else (6, 4))
+    assert disagreements(model, 1) == [] and disagreements(model, 2) == []

@@ -54,6 +54,8 @@ def minimal_spatial_coordinates(
     rotations = tuple(motion for motion in free if motion in ROTATIONS)
     if displacements and support.sign < 0 and not (rotations in ((), ("rz",)) and displacements in _SHARED):
         return None  # along axes that turn with the body
+    if displacements and any(support.known.angular_velocity):
+        return None  # along axes that a drive turns: the mass matrix would be a function of time
     if len(rotations) == 2:
         (removed,) = (motion for motion in ROTATIONS if motion not in rotations)
         rotations = _ORDER[removed][:: support.sign]
