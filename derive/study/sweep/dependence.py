@@ -11,8 +11,10 @@ from derive.ir.analysis import reads
 from derive.ir.model import Model
 from derive.ir.statements import Let, Require, Statement, Store
 from derive.spec.model.quantity import Parameter
-from derive.spec.model.scene import BeamBody, Scene, SceneBody
+from derive.spec.model.scene import BeamBody, SceneBody
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
+from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.specification import AnyScene
 
 KERNELS = ("mass", "constraints", "constraint_rates", "constraint_jacobian", "poses")
 """The functions of a model that `initial_state` calls, unless it computes a static equilibrium."""
@@ -20,13 +22,14 @@ KERNELS = ("mass", "constraints", "constraint_rates", "constraint_jacobian", "po
 T = TypeVar("T")
 
 
-def initial_parameters(scene: Scene, model: Model) -> frozenset[str]:
+def initial_parameters(scene: AnyScene, model: Model) -> frozenset[str]:
     """The symbols of the parameters that the initial state, the size and the breaks of a scene may depend on.
 
     A parameter is left out only if none of the compiled functions that compute the initial state reads it, and if it
-    stands nowhere in the scene but in bending stiffnesses, damping, forces and gravity, which nothing else reads.
+    stands nowhere in the scene but in bending stiffnesses, damping, forces and gravity, which nothing else reads. In
+    space all parameters count.
     """
-    if scene.start is not None:  # a static equilibrium depends on all forces
+    if isinstance(scene, SpatialScene) or scene.start is not None:  # a static equilibrium depends on all forces
         return frozenset(parameter.name for parameter in model.parameters)
     geometry = (scene.ground, tuple(map(_without_stiffness, scene.bodies)), scene.joints, scene.drives)
     functions = (function for _, function in (*time_functions(scene), *input_functions(scene)))

@@ -19,7 +19,7 @@ from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.observables.plots import deflection_quantity
 from derive.simulation.trajectory import column_values
 from derive.spec.model.plots import ColumnCurves, Deflection
-from derive.spec.model.scene import Scene
+from derive.spec.model.specification import AnyScene
 
 
 class Statistic(Enum):
@@ -69,7 +69,7 @@ class OutputError(TisserandError):
     """An output that a specification does not have."""
 
 
-def output(text: str, scene: Scene, units: dict[str, str]) -> SweepOutput:
+def output(text: str, scene: AnyScene, units: dict[str, str]) -> SweepOutput:
     """The output that a text names: "peak:slider_s", or "peak" alone of the first plot of the scene.
 
     A name is that of a column, or else of a plot. units: those of the columns by their names. Raises OutputError,
@@ -115,7 +115,7 @@ def _last(units: Iterable[str]) -> str:
 def evaluate(
     outputs: Sequence[SweepOutput],
     names: Sequence[str],
-    scene: Scene,
+    scene: AnyScene,
     native: NativeScene,
     k: Vector,
     solution: Solution,

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 from derive.backends.model_files import fingerprint
 from derive.errors import Problem, SpecError
@@ -15,16 +16,15 @@ from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import adaptive_library
 from derive.runtime.loading import load_scene, model_library
 from derive.simulation.inputs import with_functions
-from derive.simulation.observables.motion import planar
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.redundant_joints import refuse_dependent, with_redundant_joints
 from derive.simulation.simulate import with_simulation
 from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.scene import CustomBody, JointInitialValues, Scene, SceneBody
+from derive.spec.model.scene import CustomBody, JointInitialValues, SceneBody
 from derive.spec.model.simulation import NOT_GIVEN
-from derive.spec.model.spatial_scene import SpatialScene
-from derive.spec.model.specification import Specification
+from derive.spec.model.spatial_scene import NOT_GIVEN_IN_SPACE, SpatialBody
+from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.study.sweep.dependence import initial_parameters
 from derive.study.sweep.outputs import SweepOutput, output
@@ -35,7 +35,6 @@ from derive.version import VERSION
 MOST_MODELS = 64
 """The largest number of models that a sweep compiles."""
 
-IN_SPACE = "a sweep runs planar scenes and single beams; for a scene in space, call derive.simulate in a loop"
 SCENES = "a sweep runs scenes and single beams; for a body in space, call derive.simulate in a loop"
 """The message of the error for other specifications."""
 
@@ -104,8 +103,8 @@ def make_plan(
 
     Raises SpecError, SamplesError, UnknownNameError, OutputError, CompilerError.
     """
-    if not isinstance(spec, Scene | PlanarBeam):
-        raise SpecError((Problem("", IN_SPACE if isinstance(spec, SpatialScene) else SCENES),))
+    if not isinstance(spec, AnyScene | PlanarBeam):
+        raise SpecError((Problem("", SCENES),))
     firsts, changed = first_values(samples), changed or partial(with_values, spec)
     _, changes = changed(firsts)
     symbols = {name: _symbol(name, changes) for name in samples.names}
@@ -123,7 +122,7 @@ def make_plan(
         texts = dict(zip(remaining, map(number_text, values), strict=True))
         scenes.append(builder.add(_simulated(changed({**_defaults(changes, samples), **texts})[0], options)))
     cases = tuple(Case(scene, model, _hash(repr(scene))) for scene, model in scenes)
-    chosen = tuple(output(text, planar(builder.runs[0].scene), builder.runs[0].units) for text in outputs)
+    chosen = tuple(output(text, builder.runs[0].scene, builder.runs[0].units) for text in outputs)
     check_outputs(chosen, builder.codes)
     number_of = {values: number for number, values in enumerate(dict.fromkeys(keys))}
     runs = [
@@ -179,7 +178,7 @@ class _Models:
         self.codes: list[ModelCode] = []
         self.runs: list[PreparedRun] = []
 
-    def add(self, scene: Scene) -> tuple[Scene, int]:
+    def add(self, scene: AnyScene) -> tuple[AnyScene, int]:
         """The scene as it is simulated, and the number of its model."""
         scene = with_functions(scene, {})
         key = fingerprint(_without_start(scene))
@@ -193,36 +192,37 @@ class _Models:
             self._progress(f"{scene.name}: deriving and compiling model {len(self.codes) + 1}")
             run = with_redundant_joints(scene, _prepared)
             name, library = model_library(run.files, RUN_FLAGS)
-            initial = initial_parameters(planar(run.scene), run.complete_model)
+            initial = initial_parameters(run.scene, run.complete_model)
             self.runs.append(run)
             self.codes.append(ModelCode(name, library, adaptive_library(), tuple(run.units), tuple(sorted(initial))))
         return replace(scene, plots=()), self._numbers[key]
 
 
-def _prepared(scene: Scene) -> PreparedRun:
+def _prepared(scene: AnyScene) -> PreparedRun:
     """The run of a scene. Raises the errors for redundant joints."""
     run = PreparedRun(scene, complete=False)
     refuse_dependent(run.scene, load_scene(run.files, RUN_FLAGS))
     return run
 
 
-def _without_start(scene: Scene) -> Scene:
+def _without_start(scene: AnyScene) -> AnyScene:
     """The scene without its initial values, which its equations do not depend on."""
 
     def body(given: SceneBody) -> SceneBody:
         return given if isinstance(given, CustomBody) else replace(given, start=NOT_GIVEN)
 
     none = JointInitialValues()
-    return replace(
-        scene,
-        bodies=tuple(map(body, scene.bodies)),
-        joints=tuple(replace(joint, start=none) for joint in scene.joints),
-        drives=tuple(replace(drive, start=none) for drive in scene.drives),
-    )
+    bodies = (replace(b, start=NOT_GIVEN_IN_SPACE) if isinstance(b, SpatialBody) else body(b) for b in scene.bodies)
+    changes: dict[str, Any] = {
+        "bodies": tuple(bodies),
+        "joints": tuple(replace(joint, start=none) for joint in scene.joints),
+        "drives": tuple(replace(drive, start=none) for drive in scene.drives),
+    }
+    return replace(scene, **changes)
 
 
-def _simulated(spec: Specification, options: RunOptions) -> Scene:
-    assert isinstance(spec, Scene | PlanarBeam), "values do not change what is specified"
+def _simulated(spec: Specification, options: RunOptions) -> AnyScene:
+    assert isinstance(spec, AnyScene | PlanarBeam), "values do not change what is specified"
     scene = beam_scene(spec) if isinstance(spec, PlanarBeam) else spec
     return with_simulation(scene, options.duration, options.interval, options.tolerance, options.until)
 

@@ -16,18 +16,18 @@ from derive.runtime.loading import load_data
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.drive_jumps import check_drives
-from derive.simulation.initial.initial_state import initial_state, scene_size
 from derive.simulation.integration.adaptive import adaptive
 from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
+from derive.simulation.scene_start import size_of, state_of
 from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import column_values
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.watched_beam import scene_watch
-from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import breaks
+from derive.spec.model.specification import AnyScene
 from derive.spec.parsing.condition import Row
 from derive.study.sweep.dependence import with_defaults
 from derive.study.sweep.outputs import SweepOutput, evaluate
@@ -57,7 +57,7 @@ class Case:
     key: the hash of the scene, by which workers distinguish cases.
     """
 
-    scene: Scene = field(compare=False)
+    scene: AnyScene = field(compare=False)
     model: int = field(compare=False)
     key: str
 
@@ -99,7 +99,7 @@ class Outcome:
 class _Start:
     """An initial state of a scene with the values of its parameters, its size, its breaks and its notes."""
 
-    scene: Scene
+    scene: AnyScene
     q: Vector
     v: Vector
     size: float
@@ -187,8 +187,8 @@ def _computed_start(code: ModelCode, case: Case, values: Mapping[str, float]) ->
     native, _ = _loaded(code)
     scene = with_defaults(case.scene, values)
     check_drives(scene)
-    state = initial_state(scene, native, native.setup(values))
-    return _Start(scene, state.q, state.v, scene_size(scene), breaks(scene), state.notes)
+    state = state_of(scene, native, native.setup(values))
+    return _Start(scene, state.q, state.v, size_of(scene), breaks(scene), state.notes)
 
 
 def _solution(
@@ -215,7 +215,7 @@ def _solution(
     return integrator.integrate(k, start.q, start.v, output_times(simulation), settings)
 
 
-def _unusual(scene: Scene, solution: Solution) -> Sequence[str]:
+def _unusual(scene: AnyScene, solution: Solution) -> Sequence[str]:
     """The notes of a run, without that on a condition that has ended it before its time."""
     assert scene.simulation is not None
     ended = scene.simulation.until is not None and solution.t[-1] < scene.simulation.duration
