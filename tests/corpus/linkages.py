@@ -244,4 +244,4 @@ LINKAGES: dict[str, tuple[int, Callable[[Draft], None]]] = {
 }
 """The linkages with how often they are drawn."""
 REDUNDANT = ("crank_slider", "parallelogram", "doubled")
-"""Those with redundant joints in some scenes."""
+"""Linkages with redundant joints in some scenes."""

@@ -29,7 +29,7 @@ ROWS = 3
 LIMIT = 1e-10
 """The largest error of an equation, relative to the largest sum of magnitudes in one."""
 AT_REST = 1e-3
-"""What is added to those magnitudes, N and m/s^2, since nothing moves in some scenes."""
+"""Floors that are added to magnitudes, N and m/s^2, since nothing moves in some scenes."""
 CLOSED = 1e-9
 """The largest constraint, relative to the size of the scene, m and rad."""
 

@@ -60,7 +60,7 @@ def test_pivots_are_checked_where_nothing_waits_for_them(accelerations: Kernel) 
 
 
 def test_right_hand_sides_are_eliminated_with_the_pivots(accelerations: Kernel) -> None:
-    """What does not wait for a pivot is computed while its division runs, if it stands near."""
+    """Operations that do not wait for a pivot are computed while its division runs, if it stands near."""
     pivots = next(section for section in accelerations.sections if section.name == "pivots")
     lets = [s for s in pivots.body if isinstance(s, Let)]
     velocities = [k for k, s in enumerate(lets) if any(part == ScalarRef("rod_1_phidot") for part in walk(s.expr))]

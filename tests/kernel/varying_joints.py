@@ -73,7 +73,7 @@ def with_varying_joints(tables: dict[str, Any], draws: random.Random, carried: b
         for name, joint in tables["joints"].items()
     }
     springs = tables.get("springs", {}) | {
-        "stretched": {"between": ["ground.at_0", "ground.at_2"], "stiffness": 2, "rest": 0.1}
+        "stretched": {"between": ["ground.at_0", "ground.at_2"], "stiffness": 2, "rest": 9}  # longer than any
     }
     result = tables | {"bodies": bodies, "joints": joints, "springs": springs}
     if draws.random() < 0.5:

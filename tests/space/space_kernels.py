@@ -138,7 +138,7 @@ def _by_python(
 
 
 def disagreements(model: SpaceModel, seed: int, limit: float = LIMIT) -> list[str]:
-    """What differs by more than the limit in a random state."""
+    """Functions that differ by more than the limit in a random state."""
     return [
         f"{name}: {size:.2e}"
         for name, size in differences(model, *random_state(model.native, seed))

@@ -64,7 +64,7 @@ def lower_instances(
     functions = functions_of(named, sensitivities, explicit)
     kernels = tuple(made[function.kind](context, function) for function in functions)
     setup, constants = _setup(context, kernels)
-    for of in (*context.classes, *context.marker_classes.values()):
+    for of in context.codes:
         of.add_numbers()
     scene, conditions = mechanism.scene, context.conditions
     return Model(

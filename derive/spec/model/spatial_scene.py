@@ -306,7 +306,7 @@ class SpatialSpring:
 
 
 SpatialAction = SpatialForce | SpatialTorque | SpatialSpring
-"""A force, a torque or a spring between two markers in space."""
+"""Actions at markers in space."""
 
 _OF_SCENE = {key.field: key for key in declared_keys(Scene)}
 

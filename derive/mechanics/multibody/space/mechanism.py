@@ -114,7 +114,7 @@ class SpatialMechanism:
 
     @property
     def dampings(self) -> tuple[ComponentDamping, ...]:
-        """Damping between the components of a body: none, since no body in space has several."""
+        """Damping between components of a body: none, since no body in space has several."""
         return ()
 
     @property

@@ -26,7 +26,7 @@ AXES = (1, 2, 3)
 
 @dataclass(frozen=True)
 class SpatialParts:
-    """Where outputs are computed from: the scene, its frames and instances, and the loads of actions and joints.
+    """The sources of outputs: the scene, its frames and instances, and the loads of actions and joints.
 
     joint_loads: of each joint that is a constraint, its multipliers as loads on both bodies. supports: of each joint
     that has eliminated coordinates, the marker of the body that it supports.
