@@ -236,7 +236,7 @@ class SpaceKinematics:
         return forces
 
     def spring_motions(self, state: SpaceState, poses: Mapping[str, Pose]) -> list[Decimal]:
-        """Functions along which springs act, in the order of `elements`: lengths, rotations, and relative displacements."""
+        """Functions along which springs act, in the order of `elements`: lengths, rotations, displacements."""
         result: list[Decimal] = []
         for table in self.springs.values():
             (x1, A1), (x2, A2) = (self.frame(end, state, poses) for end in table["between"])
