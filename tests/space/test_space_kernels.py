@@ -64,7 +64,13 @@ output = 1
 """
 
 
-@pytest.mark.parametrize("ends", ['arm.tip", "bob.top', 'bob.top", "arm.tip'], ids=["second", "first"])
+@pytest.mark.parametrize(
+    "ends",
+    [
+        pytest.param('arm.tip", "bob.top', id="second"),
+        pytest.param('bob.top", "arm.tip', id="first", marks=pytest.mark.long),
+    ],
+)
 @pytest.mark.parametrize("kind", ["universal", "cylindrical"])
 def test_a_body_on_a_body_that_a_drive_carries(kind: str, ends: str, tmp_path: Path) -> None:
     """It keeps the angles of its joint, in a frame that turns with the drive; displacements there are constraints."""
