@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -10,6 +13,7 @@ from conftest import ROOT
 from derive.roles import Role
 from derive.simulation.linear.modes import modes
 from derive.simulation.trajectory import Trajectory
+from derive.study.sweep.samples import grid
 
 SCENE = derive.read(ROOT / "examples" / "spatial_crank_slider_rigid.toml")
 
@@ -62,3 +66,14 @@ def test_frequency_about_the_equilibrium_is_that_of_a_small_motion() -> None:
     vdot = native.accel(0.0, moved, np.zeros(native.nv), k)
     ratio = vdot @ change / (change @ change)
     assert np.sqrt(-ratio) / (2 * np.pi) == pytest.approx(frequency, rel=1e-4)
+
+
+def test_a_sweep_runs_what_a_simulation_runs() -> None:
+    """The final position of the slider for two masses, of a sweep with one compiled model and of single runs."""
+    masses = grid({"bodies.slider.mass": [1.0, 3.0]})
+    result = derive.sweep(SCENE, masses, ["final:slider_s"], duration=0.05, interval=0.05, tolerance=1e-9, workers=1)
+    assert result.models == 1
+    for mass, found in zip((1, 3), result["final_slider_s"], strict=True):
+        bodies = tuple(replace(b, mass=Fraction(mass)) if b.name == "slider" else b for b in SCENE.bodies)
+        alone = derive.simulate(replace(SCENE, bodies=bodies), duration=0.05, output=0.05, tolerance=1e-9)
+        assert found == pytest.approx(alone["slider_s"][-1], abs=1e-9)
