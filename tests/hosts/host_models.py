@@ -186,6 +186,73 @@ output = 0.005
 CHAINS = {f"chain_{count}": CHAIN.replace("COUNT", str(count)).replace("LAST", str(count - 1)) for count in (3, 100)}
 """Chains of flexible beams: a few in straight-line code, many in loops, with a parameter, an input and outputs."""
 
+SPATIAL = """
+name = "turning"
+scene.gravity = [0, 0, -9.81]
+
+[ground.markers]
+bearing = { at = [0, 0.12, 0.1], rotation = { z = [-1, 0, 0], x = [0, 1, 0] } }
+guide = { at = [0, 0, 0], rotation = { z = [1, 0, 0], x = [0, 1, 0] } }
+
+[bodies.crank]
+mass = 0.12
+centre = [0.04, 0, 0]
+inertia = [1e-5, 1e-4, 1e-4, 0, 0, 0]
+markers = { hub = [0, 0, 0], pin = [0.08, 0, 0] }
+
+[bodies.rod]
+mass = { symbol = "m", default = 0.5, unit = "kg" }
+inertia = [4e-4, 4e-3, 4e-3, 0, 0, 0]
+markers = { ball = [-0.15, 0, 0], yoke = { at = [0.15, 0, 0], rotation = { x = [0, 0, 1], z = [0, 1, 0] } } }
+start = { guess = true, position = [0.1, 0.1, 0.05], rotation = { axis = [0, 0, 1], angle = -0.8 } }
+
+[bodies.slider]
+mass = 2
+inertia = [1e-3, 1e-3, 1e-3, 0, 0, 0]
+start = { guess = true, position = [0.2, 0, 0] }
+
+[bodies.slider.markers]
+pin = { at = [0, 0, 0], rotation = { x = [1, 0, 0], z = [0, 1, 0] } }
+shoe = { at = [0, 0, 0], rotation = { z = [1, 0, 0], x = [0, 1, 0] } }
+
+[joints.bearing]
+kind = "revolute"
+between = ["ground.bearing", "crank.hub"]
+start = { angle = 0, speed = 6 }
+
+[joints.ball]
+kind = "spherical"
+between = ["crank.pin", "rod.ball"]
+
+[joints.yoke]
+kind = "universal"
+between = ["slider.pin", "rod.yoke"]
+
+[joints.guide]
+kind = "prismatic"
+between = ["ground.guide", "slider.shoe"]
+
+[inputs.push]
+value = 0.3
+unit = "N"
+
+[forces.push]
+at = "slider.shoe"
+force = [{ input = "push" }, 0, 0]
+
+[outputs.pin]
+kind = "position"
+marker = "crank.pin"
+
+[simulation]
+duration = 0.4
+output = 0.01
+"""
+"""A slider-crank in space, with a quaternion among its coordinates, a parameter, an input and an output."""
+
+EVERYWHERE = CHAINS | {"turning": SPATIAL}
+"""The scenes that all interfaces take."""
+
 TABLE = """
 [tables]
 load = { file = "load.csv", x = "t", y = "F" }

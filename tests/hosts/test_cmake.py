@@ -8,7 +8,7 @@ from functools import cache, partial
 from pathlib import Path
 
 import pytest
-from host_models import CHAINS, PUSHED, STEERED, prepared, scene
+from host_models import EVERYWHERE, PUSHED, STEERED, prepared, scene
 from programs import program, run
 
 import derive
@@ -34,7 +34,7 @@ MODELS = {
     "steered": lambda: prepared(STEERED),
     "spinning_beam": lambda: scene("spinning_beam"),
     "block": thrown_block,
-    **{name: partial(prepared, text) for name, text in CHAINS.items()},
+    **{name: partial(prepared, text) for name, text in EVERYWHERE.items()},
 }
 """A scene without ports, with a force, with a prescribed motion, a body in the plane and one in space."""
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmus import KINDS, LIVING, VERSIONS, fmpy, model_of, prepared, simulated, unit
-from host_models import CHAINS, PUSHED, STEERED
+from host_models import CHAINS, EVERYWHERE, PUSHED, STEERED
 
 import derive
 from conftest import ROOT
@@ -16,7 +16,7 @@ from derive.export.host_model import HostModel
 
 pytestmark = pytest.mark.hosts
 
-MODELS = ("crank_slider_3", "pushed", "steered", "free_beam_mean", "block", *CHAINS)
+MODELS = ("crank_slider_3", "pushed", "steered", "free_beam_mean", "block", *EVERYWHERE)
 """A scene without ports, with a force, with a prescribed motion, a beam, and a body in space."""
 
 TIP = ["tip[1]", "tip[2]"]
@@ -35,7 +35,7 @@ def test_fmpy_validates_without_a_message(name: str, version: int, tmp_path: Pat
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("name", ["crank_slider_3", "free_beam_mean", "block", *CHAINS])
+@pytest.mark.parametrize("name", ["crank_slider_3", "free_beam_mean", "block", *EVERYWHERE])
 def test_the_motion_is_that_of_a_simulation(name: str, version: int, kind: str, tmp_path: Path) -> None:
     model = model_of(name)
     duration, rows = {"crank_slider_3": (0.02, 41), "free_beam_mean": (0.5, 41)}.get(name, (0.01, 21))

@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from host_models import CHAINS, PUSHED, STEERED, prepared, scene
+from host_models import EVERYWHERE, PUSHED, STEERED, prepared, scene
 from programs import program, run
 
 import derive
@@ -18,7 +18,7 @@ MODELS = {
     "pushed": lambda: prepared(PUSHED),
     "steered": lambda: prepared(STEERED),
     "block": lambda: scene("block"),
-    **{name: partial(prepared, text) for name, text in CHAINS.items()},
+    **{name: partial(prepared, text) for name, text in EVERYWHERE.items()},
 }
 
 

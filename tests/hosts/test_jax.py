@@ -10,7 +10,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from host_models import CHAINS, PUSHED, STEERED, looked_up
+from host_models import EVERYWHERE, PUSHED, STEERED, looked_up
 from programs import package
 
 import derive
@@ -29,7 +29,7 @@ MODELS = {
     "looked_up": looked_up,
     "four_bar": lambda: derive.read(ROOT / "scenes/four_bar.toml"),
     "block": lambda: replace(derive.read(ROOT / "scenes/block.toml"), lowering="flat"),
-    **{name: partial(parse, text) for name, text in CHAINS.items()},
+    **{name: partial(parse, text) for name, text in EVERYWHERE.items()},
 }
 """A force, a prescribed motion, a table and a step, a scene without ports, a body in space."""
 

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from host_models import CHAINS, PUSHED, STEERED, prepared
+from host_models import EVERYWHERE, PUSHED, STEERED, prepared
 from programs import program, run
 
 import derive
@@ -14,7 +14,7 @@ from derive.export.octave import octave_files
 
 pytestmark = pytest.mark.hosts
 
-MODELS = {"pushed": PUSHED, "steered": STEERED} | CHAINS
+MODELS = {"pushed": PUSHED, "steered": STEERED} | EVERYWHERE
 
 
 @pytest.fixture(scope="module", params=MODELS)

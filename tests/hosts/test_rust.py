@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from host_models import CHAINS, PUSHED, STEERED, prepared, scene
+from host_models import EVERYWHERE, PUSHED, STEERED, prepared, scene
 from programs import program, run
 
 import derive
@@ -23,7 +23,7 @@ MODELS = {
     "steered": lambda: prepared(STEERED),
     "named": lambda: prepared(NAMED),
     "block": lambda: scene("block"),
-    **{name: partial(prepared, text) for name, text in CHAINS.items()},
+    **{name: partial(prepared, text) for name, text in EVERYWHERE.items()},
 }
 
 
