@@ -10,6 +10,7 @@ import re
 REFUSALS: dict[str, str] = {
     r"(SUNDIALS|SuiteSparse) with KLU was not found": "the machine lacks a library; the message says how to install it",
     r"a scene is needed, and this is a single (body|beam)": "studies compare models of scenes",
+    r"a planar scene is needed, and this is a scene in space": "studies compare models of planar scenes",
     r"a sweep runs scenes and single beams": "bodies in space are swept from Python",
     r"a ladder compares a plot; add one": "a ladder of models is compared by a plot",
     r"this ends each run at its own; leave `until` out": "models are compared over the same time",

@@ -150,6 +150,8 @@ class Writer:
         """A joint of any kind that the markers allow, with a drive sometimes."""
         both_turn = {*between} <= self.turning
         kind = self.random.choice(KINDS if both_turn else ("spherical", "distance"))
+        if not both_turn:
+            kind = "spherical"  # others are refused at a node without a rotation
         self.lines += [f"[joints.{name}]", f'kind = "{kind}"', f"between = {list(between)}"]
         if kind == "general":
             count = self.random.randint(1, 5)

@@ -109,7 +109,7 @@ class SpaceOracle(SpaceKinematics):
             jacobians[1],
             rate[1],
             -second[1],
-            self._energies(state, now, rate),
+            self._energies(state, now, rate, jacobians[0]),
             self._momenta(now[0], rate[0]),
             poses,
             {name: (x[i], xdot[i], J[i]) for i, name in enumerate(names)},
@@ -185,13 +185,15 @@ class SpaceOracle(SpaceKinematics):
             result += [stiffness * (now[i] - rest) * J[i], damping * rate[i] * J[i]]
         return result
 
-    def _energies(self, state: SpaceState, now: tuple[Array, ...], rate: list[Array]) -> dict[str, Decimal]:
-        """The kinetic energy, the strain energy with that of springs, and the potential in gravity."""
+    def _energies(self, state: SpaceState, now: tuple[Array, ...], rate: list[Array], J: Array) -> dict[str, Decimal]:
+        """The kinetic energy, the strain energy with that of springs, and the potential in gravity of what moves."""
         kinetic, strain, potential, start = ZERO, ZERO, ZERO, 0
         for name, body in self.bodies.items():
             own = slice(start, start + 3 * len(body.points))
             start += 3 * len(body.points)
             x, xdot = now[0][own].reshape(-1, 3), rate[0][own].reshape(-1, 3)
+            if not np.any(J[own] != 0):  # a body that is fixed to the ground
+                continue
             kinetic += sum((xdot[:, k] @ body.masses @ xdot[:, k] / 2 for k in range(3) if len(x)), ZERO)
             potential -= sum((self.gravity[k] * sum(body.masses @ x[:, k]) for k in range(3) if len(x)), ZERO)
             alpha = self.amplitudes(name, state)
