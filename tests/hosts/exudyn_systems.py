@@ -10,7 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from host_models import EVERYWHERE, PUSHED, STEERED
+from host_models import CHAINS, PUSHED, STEERED
 from programs import program, run
 
 import derive
@@ -52,7 +52,7 @@ MODELS: dict[str, Callable[[], Any]] = {
     "double_pendulum": lambda: derive.read(ROOT / "scenes/double_pendulum.toml"),
     "crank_slider_3": lambda: derive.read(ROOT / "scenes/crank_slider_3.toml"),
     "block": tumbling,
-    **{name: partial(parse, text) for name, text in EVERYWHERE.items()},
+    **{name: partial(parse, text) for name, text in CHAINS.items()},
 }
 """A force and a prescribed motion as inputs, scenes without ports, a soft body that tumbles in space."""
 

@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 from exudyn_systems import LADEN, MODELS, added, compiled, exported, host_of, solved
-from host_models import PUSHED, STEERED
+from host_models import PUSHED, SPATIAL, STEERED, prepared
 from programs import package, run
 
 import derive
 from conftest import ROOT
 from derive.errors import SpecError
+from derive.export.interface import exported_files
+from derive.export.registry import INTERFACES
 from derive.spec.toml.read import parse
 
 pytestmark = pytest.mark.hosts
@@ -209,3 +211,8 @@ def test_what_is_refused(exu: ModuleType, folder: Path) -> None:
 
 def test_the_page_states_the_version_that_is_tried() -> None:
     assert f"Tried with Exudyn {version('exudyn')}" in (ROOT / "docs/hosts.md").read_text()
+
+
+def test_scenes_in_space_are_refused() -> None:
+    with pytest.raises(SpecError, match=r"takes planar scenes and single bodies.*--to fmu3"):
+        exported_files(prepared(SPATIAL), "exudyn", INTERFACES["exudyn"])

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE
+from derive.errors import Problem, SpecError
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
 from derive.export.reference_motion import ACCEPTED, reference_motion
@@ -13,17 +14,28 @@ from derive.export.straight_line import require_straight_line
 from derive.ir.model import Model
 from derive.rendering import render
 from derive.roles import Role
+from derive.spec.model.spatial_scene import SpatialScene
 
 MANY = 100
 """Coordinates from which on the sample takes sparse matrices of Exudyn."""
 
 
+NO_SCENES_IN_SPACE = (
+    "the interface to Exudyn takes planar scenes and single bodies: its objects have second-order equations in their "
+    "coordinates, which quaternions in a scene with joints do not give; export finite-element bodies with --to "
+    "exudyn-ffrf and connect them by joints of Exudyn, or make a functional mock-up unit with --to fmu3"
+)
+
+
 def exudyn_files(host: HostModel) -> tuple[File, ...]:
     """The C of a model and of its user functions, the module that adds them to a system, and a sample program.
 
-    Raises SpecError for a model with loops, and what the integration of the reference motion raises.
+    Raises SpecError for a model with loops and for a scene in space, and what the integration of the reference motion
+    raises.
     """
     model, name = host.model, host.name
+    if isinstance(host.spec, SpatialScene):
+        raise SpecError((Problem("", NO_SCENES_IN_SPACE),), name)
     require_straight_line(model)
     motion, quaternion = reference_motion(host), _quaternion(model)
     multipliers = len(host.multipliers)

@@ -14,6 +14,7 @@ from derive.errors import Problem, SpecError
 from derive.export.host_model import HostModel, HostVariable
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.mechanics.symbols import DOTS, Identity, identity, is_indexed
 from derive.simulation.scene_start import size_of
 from derive.spec.model.scene import Scene
@@ -89,7 +90,7 @@ def fmi_variables(model: HostModel) -> tuple[FmiVariable, ...]:
     states, multipliers, outputs = _names_of_states(derived), [], []
     if not isinstance(derived, Equations):
         multipliers = _names_of_multipliers(derived)
-        outputs = _output_names(derived) if isinstance(derived, Mechanism) else []
+        outputs = _output_names(derived)
     parts = model.model.kernel("energy").outputs[0].elements
     energies = [HostVariable(f"energy.{part}", "J", f"{part} energy", None) for part in parts]
     first_state = 1 + len(model.inputs) + len(model.parameters)
@@ -164,10 +165,14 @@ def _names_of_multipliers(mechanism: AnyMechanism) -> list[str]:
     return [f"{j.joint.name}.lambda[{k}]" for j in mechanism.joints for k in range(1, j.multipliers + 1)]
 
 
-def _output_names(mechanism: Mechanism) -> list[str]:
+def _output_names(mechanism: AnyMechanism) -> list[str]:
     """The components of each output: tip[1] and tip[2] where these are along axes, else support.torque."""
-    names = []
-    for output in mechanism.outputs:
-        for label in output.type.labels:
-            names.append(output.name + (f"[{label}]" if label.isdecimal() else f".{label}" if label else ""))
-    return names
+    if isinstance(mechanism, Mechanism):
+        labelled = [(output.name, output.type.labels) for output in mechanism.outputs]
+    else:
+        labelled = [(output.name, SPATIAL_OUTPUTS[output.kind].labels) for output in mechanism.scene.outputs]
+    return [
+        name + (f"[{label}]" if label.isdecimal() else f".{label}" if label else "")
+        for name, labels in labelled
+        for label in labels
+    ]
