@@ -110,6 +110,12 @@ def test_a_node_has_no_rotation_for_joints_that_need_one() -> None:
         parse(text)
 
 
+@pytest.mark.parametrize("kind", ["spherical", "distance"])
+def test_joints_of_points_need_no_rotation(kind: str) -> None:
+    text = SCENE.replace("KIND", kind).replace(f"{{ nodes = {RIGHT}, rotation =", "{ node = 110, rotation =")
+    assert parse(text).joints[1].kind == kind
+
+
 def test_nodes_on_a_line_are_refused() -> None:
     line = SCENE.replace("KIND", "spherical").replace(str(RIGHT), "[108, 109, 110]")
     with pytest.raises(derive.SpecError, match="lie on a line"):

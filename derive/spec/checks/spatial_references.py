@@ -64,7 +64,7 @@ def _without_rotation(
         value = at.get(marker.marker) if isinstance(at, Mapping) else None
         is_node = isinstance(value, int) or (isinstance(value, Mapping) and "node" in value)
         turns = removed & ROTATIONS.keys() or (
-            i == 0 and removed & DISPLACEMENTS.keys() not in ({}, DISPLACEMENTS.keys())
+            i == 0 and removed & DISPLACEMENTS.keys() not in (set(), set(DISPLACEMENTS))
         )
         if view.kind(marker.body) == "flexible" and is_node and turns:
             text = (
