@@ -113,6 +113,9 @@ INDEX = """\
 [double_pendulum.c](double_pendulum.c) simulates a scene in C. [chain_100.toml](chain_100.toml) and
 [chain_1000.toml](chain_1000.toml) are chains of 100 and 1000 flexible beams, each in one table with a `count`;
 [four_bars.toml](four_bars.toml) has forty linkages that pass positions in which all of their rods lie in one line.
+[spatial_crank_slider.toml](spatial_crank_slider.toml) is a mechanism in space with a finite-element rod, which
+[make_spatial_rod.py](../scenes/make_spatial_rod.py) makes, and
+[spatial_crank_slider_rigid.toml](spatial_crank_slider_rigid.toml) one of rigid bodies.
 
 Each script prints a number that a test compares with theory, a published value or an independent computation. Run it
 with `.venv/bin/python examples/NAME.py`. Scripts that draw a picture take a folder for it as an argument.

@@ -62,13 +62,13 @@ def test_numbers_of_the_specification_stay_and_others_are_exact() -> None:
 def test_rounding_errors_of_a_machine_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
     """Other libraries of linear algebra give other last digits."""
     made, rng = scene("four_bar"), np.random.default_rng(1)
-    exact = module.initial_state(made.spec, InterpretedScene(made.model))
+    exact = module.state_of(made.spec, InterpretedScene(made.model))
 
     def elsewhere(*_: Any) -> Any:
         noise = 2e-15 * rng.uniform(-1, 1, (2, len(exact.q)))
         return replace(exact, q=exact.q + noise[0], v=exact.v + noise[1])
 
-    monkeypatch.setattr(module, "initial_state", elsewhere)
+    monkeypatch.setattr(module, "state_of", elsewhere)
     for _ in range(3):
         assert start_state(made.spec, made.model) == start("four_bar")
 

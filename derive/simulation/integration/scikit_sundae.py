@@ -192,5 +192,5 @@ def _initial(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vecto
     """The initial y and ydot (size,): accelerations and multipliers from `solve`, zero multipliers mu."""
     vdot, lam = native.solve(t, q, v, k)
     rest = np.zeros(size - len(q) - len(v) - len(lam))
-    qdot = native.rates(q, v, k)
+    qdot = v if len(q) == len(v) else native.rates(q, v, k)  # in the plane both are the same
     return np.concatenate([q, v, lam, rest]), np.concatenate([qdot, vdot, np.zeros(len(lam) + len(rest))])

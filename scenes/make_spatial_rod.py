@@ -1,6 +1,6 @@
-"""Makes spatial_rod.npz: a slender steel rod by finite elements, the connecting rod of spatial_crank_slider.toml.
+"""Makes examples/spatial_rod.npz: a slender steel rod by finite elements, the rod of spatial_crank_slider.toml.
 
-    python examples/make_spatial_rod.py
+    python scenes/make_spatial_rod.py
 
 needs scikit-fem (`pip install 'tisserand[test]'`). The rod of 0.3 m, 8 mm by 4 mm, is meshed along e1 with quadratic
 bricks. The file holds nodes, mass, and the lowest elastic modes with their stiffness, in SI units; the first nine nodes
@@ -50,4 +50,4 @@ def arrays() -> dict[str, np.ndarray]:
 
 
 if __name__ == "__main__":
-    np.savez_compressed(Path(__file__).with_name("spatial_rod.npz"), **arrays())
+    np.savez_compressed(Path(__file__).parents[1] / "examples/spatial_rod.npz", **arrays())
