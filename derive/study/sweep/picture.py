@@ -128,6 +128,8 @@ def _map(axes: Axes, beside: Axes, result: SweepResult, output: SweepOutput) -> 
         axes.annotate(
             "\N{MULTIPLICATION X} failed", (1, 1.01), xycoords="axes fraction", ha="right", va="bottom", color=INK
         )
+    # The colours of a bar change at limits of rounding: its bytes would differ with the last bits of the values.
+    drawn.set_clim(*(float(f"{limit:.9g}") for limit in drawn.get_clim()))
     bar = axes.figure.colorbar(drawn, cax=beside)
     bar.set_label(_with_unit(output.label, output.unit))
     if isinstance(levels, list):
