@@ -143,6 +143,10 @@ def by_loops() -> derive.Scene:
         ("-i^2", 3, -9),
         ("sqrt(i)", 9, 3),
         ("cos(pi*i/6)", 2, Fraction("0.5000000000000001")),
+        ("floor(i/7)", 20, 2),
+        ("-floor(-i/7)", 20, 3),
+        ("0.5*mod(i, 7)", 20, 3),
+        ("mod(i - 3, 0.75)", 1, Fraction(1, 4)),
         ("i*xi - 1/i", 3, "3*xi - 1/3"),
         ("-(i+1)*sin(t)", 0, "-(0+1)*sin(t)"),
     ],
@@ -355,6 +359,13 @@ at = "hub[i].b"
 components = [0, { input = "push[i]" }]
 """
 )
+
+
+def test_symbols_may_have_the_index() -> None:
+    spec = parse(chain(("length = 0.1\n", 'length = { symbol = "L[i]", default = "0.1 + i/100" }\n')))
+    lengths = [body.beam.length for body in spec.bodies]
+    assert [length.symbol for length in lengths] == [f"L_{i}" for i in range(4)]
+    assert lengths[1].default == 0.11
 
 
 def test_inputs_may_have_a_count() -> None:

@@ -109,6 +109,9 @@ MADE_OF = (
     [
         ("", f"the text is empty: {MADE_OF}"),
         ("x", f'column 1 of "x": the name "x" is unknown: {MADE_OF}'),
+        ("1 + floor(t)", 'column 5 of "1 + floor(t)": floor jumps, and is a function of numbers alone'),
+        ("mod(7, -2)", 'column 1 of "mod(7, -2)": the remainder is that of a division by a positive number'),
+        ("mod(7)", 'column 1 of "mod(7)": mod has 2 operands, not 1; write mod(7/2, 2)'),
         ("2*T", 'column 3 of "2*T": the name "T" is unknown; did you mean "t"?'),
         ("Pi", 'column 1 of "Pi": the name "Pi" is unknown; did you mean "pi"?'),
         ("sine(t)", 'column 1 of "sine(t)": the function "sine" is unknown; did you mean "sin"?'),

@@ -49,6 +49,12 @@ def reference(text: str) -> InstanceReference | None:
     return InstanceReference(table, ending, int(number or f"{sign}{shift or 0}"), relative=not number)
 
 
+def symbol_at(text: str, i: int) -> str:
+    """The symbol of a parameter in instance i, such as m_3 for m[i]. Raises ExpressionError."""
+    instance = reference(text)
+    return f"{instance.table}_{instance.index(i)}" if instance and not instance.ending else text
+
+
 def contains_index(text: str) -> bool:
     """Whether a text is an expression that contains the index."""
     return INDEX in names_of(text)

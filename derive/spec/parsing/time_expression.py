@@ -27,7 +27,9 @@ OPERANDS = {
     "step": 3,
 }
 """The functions with a fixed number of operands; min and max take more than two as well."""
-FUNCTIONS = (*OPERANDS, "piecewise")
+WHOLE = {"floor": 1, "mod": 2}
+"""Functions of numbers alone, for rows and grids of instances, with their numbers of operands; they have jumps."""
+FUNCTIONS = (*OPERANDS, "piecewise", *WHOLE)
 """The functions that an expression may call besides tables."""
 INDEX = "i"
 """The name of the index of tables with a count."""
@@ -83,7 +85,7 @@ def constant_value(function: TimeFunction) -> float | None:
 class _Functions(Parser[TimeFunction]):
     made_of = (
         "a function of the time is made of numbers, t, pi, parameters, + - * / ^, parentheses, the functions "
-        f"{', '.join(FUNCTIONS)}, and tables"
+        f"{', '.join((*OPERANDS, 'piecewise'))}, and tables"
     )
     names: ClassVar[tuple[str, ...]] = ("t", "pi")
     functions: ClassVar[tuple[str, ...]] = FUNCTIONS
@@ -109,10 +111,13 @@ class _Functions(Parser[TimeFunction]):
             self.fail(at, "only piecewise has conditions; " + FORMS["piecewise"])
         if function in self.known.splines:
             return self._table(function, arguments, at)
-        count = OPERANDS[function]
+        count = (OPERANDS | WHOLE)[function]
         if len(arguments) != count and not (function in ("min", "max") and len(arguments) > count):
-            form = FORMS.get(function, f"write {function}({', '.join(('t', '1')[:count])})")
+            such = ("7/2", "2") if function in WHOLE else ("t", "1")
+            form = FORMS.get(function, f"write {function}({', '.join(such[:count])})")
             self.fail(at, f"{function} has {count} operand{'s' * (count > 1)}, not {len(arguments)}; {form}")
+        if function in WHOLE:
+            return self._whole(function, arguments, at)
         if function == "step":
             self._ends(arguments, at)
         if len(arguments) > count:
@@ -145,6 +150,18 @@ class _Functions(Parser[TimeFunction]):
             text = "its argument is made of t, numbers and parameters with + - * /"
             self.fail(at, f"the table {name} has one operand; write {name}(t); {text}")
         return TimeFunction("spline", arguments, spline=self.known.splines[name])
+
+    def _whole(self, function: str, arguments: tuple[TimeFunction, ...], at: Token) -> TimeFunction:
+        """The largest whole number that is not above a number, or the remainder of the division by a positive one."""
+        values = [a.value if a.kind == "number" else constant_value(a) for a in arguments]
+        numbers = [Fraction(value) for value in values if value is not None]
+        if len(numbers) < len(values):
+            self.fail(at, f"{function} jumps, and is a function of numbers alone")
+        if function == "floor":
+            return number_function(Fraction(math.floor(numbers[0])))
+        if numbers[1] <= 0:
+            self.fail(at, "the remainder is that of a division by a positive number")
+        return number_function(numbers[0] % numbers[1])
 
     def _ends(self, arguments: tuple[TimeFunction, ...], at: Token) -> None:
         """Check both ends of a step."""

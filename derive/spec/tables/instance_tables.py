@@ -13,7 +13,7 @@ from derive.errors import quoted
 from derive.spec.model.instances import COUNT, COUNTED, instance_name
 from derive.spec.model.scene import NAMED
 from derive.spec.parsing.faults import Fault, Faults, KeyPath, did_you_mean
-from derive.spec.parsing.instance_text import at_index, contains_index, reference
+from derive.spec.parsing.instance_text import at_index, contains_index, reference, symbol_at
 from derive.spec.parsing.scene_values import instance_count
 from derive.spec.parsing.time_expression import INDEX
 from derive.spec.parsing.values import WrongValueError
@@ -166,7 +166,9 @@ class _Expansion:
             return value
         result: object = FAULTY
         try:
-            if (instance := reference(value)) is not None:
+            if path[-1] == "symbol":
+                result = symbol_at(value, i)
+            elif (instance := reference(value)) is not None:
                 result = self._name(instance.table, instance.index(i), bool(instance.ending)) + instance.ending
             else:
                 result = at_index(value, i) if _is_formula(value, path[-1]) else value
