@@ -77,3 +77,10 @@ def test_given_values_that_contradict_joints_are_named() -> None:
     scene = parse(TEXT.replace("guess = true, position = [0.2, 0, 0]", "position = [0.2, 0.05, 0]"))
     with pytest.raises(derive.SpecError, match=r"bodies\.slider\.start\.position.*contradicts"):
         derive.simulate(scene)
+
+
+@pytest.mark.parametrize("value", ["0.5", '"pi/2"'])
+def test_a_number_does_not_make_a_start_one_in_space(value: str) -> None:
+    text = "[bodies.a]\nmass = 1\ninertia = 1\nmarkers = { o = [0, 0] }\nstart = { rotation = VALUE }\n"
+    with pytest.raises(derive.SpecError, match=r'a\.start\.rotation: unknown key; did you mean "angle"'):
+        parse(f'name = "plane"\n{text}'.replace("VALUE", value))

@@ -47,7 +47,9 @@ def vectors(data: Mapping[str, object]) -> Iterator[tuple[KeyPath, int]]:
     for path, value in _values(data):
         if isinstance(value, (list, tuple)) and len(value) in (PLANE, SPACE):
             yield path, len(value)
-        elif path[-1] in IN_SPACE or (path[-1] == "inertia" and isinstance(value, (list, tuple))):
+        elif isinstance(value, (list, tuple)) and path[-1] in (*IN_SPACE, "inertia"):
+            yield path, SPACE
+        elif isinstance(value, Mapping) and path[-1] in IN_SPACE:
             yield path, SPACE
 
 
