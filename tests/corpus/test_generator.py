@@ -99,7 +99,7 @@ def test_scenes_have_one_to_six_bodies_open_and_closed() -> None:
     assert {"tree", "free", "prescribed", "four_bar", "crank_slider", "beam", "body"} <= {*linkages}
 
 
-@pytest.mark.parametrize("seed", [*range(60), *range(2000, 2020)])
+@pytest.mark.parametrize("seed", [*range(60), 354, 466, *range(2000, 2020)])
 def test_scenes_are_valid(seed: int, tmp_path: Path) -> None:
     derive.read(corpus_scene(seed).write(tmp_path))
 
