@@ -13,7 +13,7 @@ from derive.spec.tables.instance_tables import instance_tables
 
 SHARE = 0.4
 """The share of the elements of a scene that have a count, if some have."""
-NAMES = ("joint", "spring", "beam", "cut", "drive", "over")
+NAMES = ("joint", "spring", "beam", "cut", "drive", "over", "input")
 """The keys whose values are names of elements."""
 NUMBERS = ("mass", "inertia", "length", "bending_stiffness", "stiffness")
 
@@ -22,7 +22,7 @@ def count_some(tables: Table, draws: Draws, probability: float) -> None:
     """With that probability, give elements of a specification a count, and the index where they are referred to."""
     if not draws.chance(probability):
         return
-    counted = {name for section in COUNTED for name in draws.some([*tables.get(section, {})], SHARE)}
+    counted = {name for section in COUNTED for name in draws.some(_single(tables.get(section, {})), SHARE)}
     for section, table in tables.items():
         if section in COUNTED:
             for name, element in table.items():
@@ -32,6 +32,11 @@ def count_some(tables: Table, draws: Draws, probability: float) -> None:
             tables[section] = _referring(table, "", counted, draws, own=False)
     for name in counted & tables.get("outputs", {}).keys():
         _rename_columns(tables, name)
+
+
+def _single(section: Table) -> list[str]:
+    """The elements of a section that have no count of their own."""
+    return [name for name, element in section.items() if "count" not in element]
 
 
 def expanded(tables: Table) -> Table:

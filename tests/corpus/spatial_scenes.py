@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 
 from corpus.draft import NAMES, Table
-from corpus.draws import Draws, rounded, words
-from derive.mechanics.multibody.space.forces import SPATIAL_BUSHINGS, SPATIAL_SPRINGS
+from corpus.draws import Draws, rounded
+from corpus.spatial_actions import act_in_space
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
-from derive.spec.model.spatial_scene import SpatialForce
 
 FIRST = 2000
 """The seeds of scenes in space begin here."""
@@ -127,8 +126,9 @@ class SpatialDraft:
         table: Table
         if flexible:
             table = {"nodes": BLOCK.name, "units": "SI", "modes": draws.whole(1, 3)}
+            table |= {"frame": "mean"} if draws.chance(0.3) else {}
             if draws.chance(0.5):
-                table["damping"] = {"ratio": 0.01}
+                table["damping"] = {"ratio": 0.01} if draws.chance(0.7) else {"mass": 0.1, "stiffness": 1e-6}
         else:
             mass = rounded(draws.scale(0.2, 5), 2)
             sides = [self.size * draws.between(0.1, 0.6) for _ in range(3)]
@@ -196,16 +196,20 @@ def listed(values: Vector) -> list[float]:
 def spatial_scene(draws: Draws, name: str) -> tuple[Table, dict[str, str | Path], str]:
     """The tables of a scene, the files beside it, and its linkage."""
     draft = SpatialDraft(draws, name)
-    linkage = draws.choice(["tree", "tree", "flexible", "free", *LOOPS])
+    linkage = draws.choice(["tree", "tree", "flexible", "free", "door", *LOOPS])
     if linkage in LOOPS:
         _loop(draft, LOOPS[linkage], parallel=linkage == "four_parallel_axes")
+    elif linkage == "door":
+        _door(draft)
     elif linkage == "free":
         for _ in range(draws.whole(1, 2)):
-            draft.body(flexible=draws.chance(0.3))
+            body = draft.body(flexible=draws.chance(0.3))
+            if body.flexible and draws.chance(0.7):
+                markers = {"face": {"nodes": [*FACE], "rotation": draft.written_rotation(draft.rotation())}}
+                draft.section("bodies")[body.name]["markers"] = markers | {"corner": {"node": FACE[0]}}
     else:
         _tree(draft, flexible=linkage == "flexible")
-    _gravity(draft)
-    _actions(draft)
+    act_in_space(draft)
     _starts(draft)
     duration = rounded(draws.between(0.1, 0.4) / draft.rate, 2)
     if any(body.flexible for body in draft.bodies.values()):
@@ -238,6 +242,17 @@ def _tree(draft: SpatialDraft, flexible: bool) -> None:
                 motions = draws.some(["x", "y", "z", "rx", "ry", "rz"], 0.5)
                 table["removes"] = motions or ["z"]
         before.append(body)
+
+
+def _door(draft: SpatialDraft) -> None:
+    """A body on two hinges along one line, of which the second is redundant, and perhaps another body on it."""
+    draws, door, axes = draft.draws, draft.body(flexible=False), draft.rotation()
+    at = draft.vector(draft.size)
+    for end in (at, at + rounded(0.5 * draft.size, 2) * axes[:, 2]):
+        draft.joint("revolute", draft.ground, door, end, axes)
+    draft.looped = True
+    if draws.chance(0.5):
+        draft.joint("spherical", door, draft.body(flexible=False), door.x, draft.rotation())
 
 
 def _rod(draft: SpatialDraft, first: SolidBody, second: SolidBody, at: Vector) -> None:
@@ -283,79 +298,6 @@ def _loop(draft: SpatialDraft, kinds: tuple[str, ...], parallel: bool) -> None:
         across = common @ np.array([math.cos(1.9 * i + 0.3), math.sin(2.3 * i), 0.0])
         at = rounded(draft.size, 2) * across if parallel else draft.vector(draft.size)
         draft.joint(kind, bodies[i], bodies[i + 1], at, common if parallel else draft.rotation())
-
-
-def _gravity(draft: SpatialDraft) -> None:
-    if draft.draws.chance(0.7) or draft.looped:
-        draft.section("scene")["gravity"] = [0, rounded(draft.draws.between(-3, 3), 2), draft.quantity(-9.81, "m/s^2")]
-
-
-def _function(draft: SpatialDraft, size: float, vanishes: bool = False) -> Any:
-    """A function of time with values of about a size."""
-    draws = draft.draws
-    value, w = rounded(size * draws.between(0.2, 1) * draws.sign(), 2), rounded(draft.rate, 2)
-    if not vanishes and draws.chance(0.4):
-        return value
-    return f"{value:g}*{draws.choice([f'sin({w:g}*t)', f'(1 - cos({w:g}*t))', f'{w:g}*t', f'tanh({w:g}*t)'])}"
-
-
-def _actions(draft: SpatialDraft) -> None:
-    """Drives, forces, torques, springs, outputs and plots."""
-    draws = draft.draws
-    for name, joint in draft.section("joints").items() if "joints" in draft.tables else ():
-        if not draft.looped and joint["kind"] in ("revolute", "prismatic") and draws.chance(0.3):
-            size = 0.5 if joint["kind"] == "revolute" else 0.1 * draft.size
-            drive: Table = {"joint": name}
-            if draws.chance(0.5):
-                drive["motion"] = _function(draft, size, vanishes=True)
-            else:
-                drive["speed"] = rounded(size * draft.rate * draws.between(0.2, 1), 2)
-            draft.section("drives")[draft.name("drives")] = drive
-    at = [f"{body.name}.{marker}" for body in draft.bodies.values() for marker in body.markers]
-    if not at:
-        return
-    force = 3.0 * draft.size
-    frames = words(SpatialForce, "frame")
-    if draws.chance(0.4):
-        table: Table = {"at": draws.choice(at), "force": [_function(draft, force) for _ in range(3)]}
-        draft.section("forces")[draft.name("forces")] = table | {"frame": draws.choice(frames)}
-    if draws.chance(0.4):
-        on = draws.choice(at)
-        table = {"on": on, "torque": [_function(draft, 0.1 * force) for _ in range(3)], "frame": draws.choice(frames)}
-        others = [other for other in at if other.split(".")[0] != on.split(".")[0]]
-        if others and draws.chance(0.5):
-            table["against"] = draws.choice(others)
-        draft.section("torques")[draft.name("torques")] = table
-    if draws.chance(0.5):
-        _spring(draft, at, force)
-    if draws.chance(0.5):
-        kind = draws.choice(["position", "velocity", "acceleration", "angular_velocity"])
-        draft.section("outputs")[draft.name("outputs")] = {"kind": kind, "marker": draws.choice(at)}
-    if draws.chance(0.3):
-        draft.section("outputs")[draft.name("outputs")] = {"kind": "energy"}
-    if draft.tables.get("joints") and draws.chance(0.3):
-        joint = draws.choice([*draft.section("joints")])
-        draft.section("outputs")[draft.name("outputs")] = {"kind": "reaction", "joint": joint}
-
-
-def _spring(draft: SpatialDraft, at: list[str], force: float) -> None:
-    """A spring or a bushing between a body and a point of the ground, which is at some distance."""
-    draws = draft.draws
-    first = draft.marker(draft.ground, draft.vector(draft.size) + np.array([0, 0, 2 * draft.size]), draft.rotation())
-    kind = draws.choice([*SPATIAL_SPRINGS, *SPATIAL_BUSHINGS])
-    stiffness = rounded(force / draft.size * draws.between(1, 5), 2)
-    table: Table = {"kind": kind, "between": [first, draws.choice(at)]}
-    if kind in SPATIAL_BUSHINGS:
-        table["stiffness"] = [rounded(stiffness * draws.between(0, 0.3), 2) for _ in range(6)]
-        if draws.chance(0.5):
-            table["damping"] = [rounded(0.01 * stiffness, 2)] * 6
-    else:
-        table["stiffness"] = draft.quantity(stiffness * (0.1 if kind == "rotational" else 1), "N/m")
-        if draws.chance(0.5):
-            table["damping"] = rounded(0.01 * stiffness, 2)
-        if draws.chance(0.5):
-            table["rest"] = rounded(draft.size, 2)
-    draft.section("springs")[draft.name("springs")] = table
 
 
 def _starts(draft: SpatialDraft) -> None:

@@ -71,7 +71,9 @@ class Numbers:
         return np.array([self(x) for x in values], dtype=object)
 
     def at(self, function: Any, t: Decimal) -> Decimal:
-        """The value of a function of time: a number, or a text such as "2*sin(t)"."""
+        """The value of a function of time: a number, a text such as "2*sin(t)", or that of an input."""
+        if isinstance(function, Mapping) and "input" in function:
+            function = self.inputs[function["input"]]
         if not isinstance(function, str):
             return self(function)
         return self._value(ast.parse(function.replace("^", "**"), mode="eval").body, t)

@@ -1,0 +1,171 @@
+"""All that acts on the bodies of a random scene in space, and what is observed: drives, loads, inputs, outputs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from corpus.draft import Table
+from corpus.draws import rounded, words
+from derive.mechanics.multibody.space.forces import SPATIAL_BUSHINGS, SPATIAL_SPRINGS
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
+from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
+from derive.spec.model.instances import identifier
+from derive.spec.model.keys import KeyType
+from derive.spec.model.spatial_scene import SpatialForce, SpatialScene
+
+if TYPE_CHECKING:
+    from corpus.spatial_scenes import SpatialDraft
+
+FUNCTIONS = ("sin({w}*t)", "(1 - cos({w}*t))", "{w}*t", "tanh({w}*t)", "(exp(-{w}*t) - 1)", "(sqrt(1 + ({w}*t)^2) - 1)")
+"""Functions of time that vanish at t = 0, with values and rates of the order of 1 and w."""
+
+
+def act_in_space(draft: SpatialDraft) -> None:
+    """Draw gravity, drives, forces, torques, springs, inputs, outputs, plots, and the treatment of redundant joints."""
+    draws = draft.draws
+    if draws.chance(0.7) or draft.looped:
+        draft.section("scene")["gravity"] = [0, rounded(draws.between(-3, 3), 2), draft.quantity(-9.81, "m/s^2")]
+    if draws.chance(0.15):
+        treatments = [word for word in words(SpatialScene, "redundant") if word != "error" or not draft.looped]
+        draft.section("scene")["redundant"] = draws.choice(treatments)
+    _drives(draft)
+    at = [f"{name}.{marker}" for name, body in draft.section("bodies").items() for marker in body["markers"]]
+    if at:
+        _loads(draft, at)
+        _outputs(draft, at)
+        _plot(draft)
+
+
+def _turns(draft: SpatialDraft, marker: str) -> bool:
+    """Whether a marker of a body has a rotation; one at a node has none."""
+    body, name = marker.split(".")
+    table = draft.section("bodies")[body]
+    value = table["markers"][name]
+    return "nodes" not in table or (isinstance(value, dict) and "nodes" in value)
+
+
+def _function(draft: SpatialDraft, size: float, vanishes: bool = False) -> Any:
+    """A function of time with values of about a size: a number, an expression, or one with a parameter."""
+    draws = draft.draws
+    value, w = rounded(size * draws.between(0.2, 1) * draws.sign(), 2), rounded(draft.rate, 2)
+    if not vanishes and draws.chance(0.4):
+        return value
+    factor = f"{value:g}"
+    if draws.chance(0.2):
+        factor = draft.name("parameters")
+        draft.section("parameters")[factor] = {"default": value} | ({"unit": "1"} if draws.chance(0.5) else {})
+    return f"{factor}*{draws.choice(FUNCTIONS).format(w=f'{w:g}')}"
+
+
+def _input_or_function(draft: SpatialDraft, size: float, unit: str, vanishes: bool = False) -> Any:
+    """A function of time, or a run-time input that follows one in simulations."""
+    if not draft.draws.chance(0.2):
+        return _function(draft, size, vanishes)
+    name = draft.name("inputs")
+    table: Table = {"value": _function(draft, size, vanishes)}
+    draft.section("inputs")[name] = table | ({"unit": unit} if draft.draws.chance(0.5) else {})
+    return {"input": name}
+
+
+def _drives(draft: SpatialDraft) -> None:
+    """Drive some joints, or give them a speed; in a loop at most the first one."""
+    draws, driven = draft.draws, False
+    for name, joint in draft.tables.get("joints", {}).items():  # type: ignore[attr-defined]
+        freedom = SPATIAL_JOINTS[joint["kind"]].driven
+        if freedom is None or (draft.looped and driven):
+            continue
+        size = 0.5 if freedom is Freedom.ROTATION else 0.1 * draft.size
+        if draws.chance(0.3):
+            driven = True
+            drive: Table = {"joint": name}
+            if draws.chance(0.6):
+                drive["motion"] = _input_or_function(draft, size, freedom.unit, vanishes=True)
+            else:
+                drive["speed"] = rounded(size * draft.rate * draws.between(0.2, 1), 2)
+            draft.section("drives")[draft.name("drives")] = drive
+        elif not draft.looped and draws.chance(0.6):
+            joint["start"] = {"speed": rounded(size * draft.rate * draws.between(-1, 1), 2)}
+            if draws.chance(0.5):
+                joint["start"]["angle" if freedom is Freedom.ROTATION else "displacement"] = 0
+
+
+def _loads(draft: SpatialDraft, at: list[str]) -> None:
+    draws, force = draft.draws, 3.0 * draft.size
+    frames = words(SpatialForce, "frame")
+    if draws.chance(0.5):
+        components = [_input_or_function(draft, force, "N") for _ in range(3)]
+        table: Table = {"at": draws.choice(at), "force": components}
+        draft.section("forces")[draft.name("forces")] = table | {"frame": draws.choice(frames)}
+    turning = [marker for marker in at if _turns(draft, marker)]
+    if turning and draws.chance(0.5):
+        on = draws.choice(turning)
+        components = [_input_or_function(draft, 0.1 * force, "N m") for _ in range(3)]
+        table = {"on": on, "torque": components, "frame": draws.choice(frames)}
+        others = [other for other in turning if other.split(".")[0] != on.split(".")[0]]
+        if others and draws.chance(0.5):
+            table["against"] = draws.choice(others)
+        draft.section("torques")[draft.name("torques")] = table
+    for _ in range(draws.choice([0, 1, 1, 2])):
+        _spring(draft, at, force)
+
+
+def _spring(draft: SpatialDraft, at: list[str], force: float) -> None:
+    """A spring or a bushing between a body and another one, or a point of the ground at some distance."""
+    draws = draft.draws
+    kind = draws.choice([*SPATIAL_SPRINGS, *SPATIAL_BUSHINGS])
+    ends = [marker for marker in at if _turns(draft, marker) or kind == "linear"]
+    if not ends:
+        return
+    second = draws.choice(ends)
+    other = draft.vector(draft.size)
+    other[2] += 2 * draft.size
+    first = draft.marker(draft.ground, other, draft.rotation())
+    stiffness = rounded(force / draft.size * draws.between(1, 5), 2)
+    table: Table = {"kind": kind, "between": [first, second]}
+    if kind in SPATIAL_BUSHINGS:
+        table["stiffness"] = [rounded(stiffness * draws.between(0, 0.3), 2) for _ in range(6)]
+        if draws.chance(0.5):
+            table["damping"] = [rounded(0.01 * stiffness, 2)] * 6
+    else:
+        table["stiffness"] = draft.quantity(stiffness * (0.1 if kind == "rotational" else 1), "N/m")
+        if draws.chance(0.5):
+            table["damping"] = rounded(0.01 * stiffness, 2)
+        if draws.chance(0.5):
+            table["rest"] = rounded(draft.size, 2)
+    draft.section("springs")[draft.name("springs")] = table
+
+
+def _outputs(draft: SpatialDraft, at: list[str]) -> None:
+    """Outputs of any kind that is registered, each key from what its type declares."""
+    draws = draft.draws
+    joints = draft.tables.get("joints", {})
+    for kind in draws.some([*SPATIAL_OUTPUTS], 0.2):
+        table: Table = {"kind": kind}
+        for key in SPATIAL_OUTPUTS[kind].keys:
+            free = [name for name in joints if kind == "reaction" or _has_coordinate(joints[name])]  # type: ignore[index]
+            turning = [marker for marker in at if _turns(draft, marker) or kind != "angular_velocity"]
+            options = {KeyType.MARKER: turning, KeyType.JOINT: free, KeyType.MARKER_PAIR: at}[key.type]
+            if key.type is KeyType.MARKER_PAIR:
+                bodies = {marker.split(".")[0]: marker for marker in at}
+                options = [[*bodies.values()][:2]] if len(bodies) > 1 else []
+            table[key.name] = draws.choice(options) if options else None
+        if None not in table.values():
+            draft.section("outputs")[draft.name("outputs")] = table
+
+
+def _has_coordinate(joint: Table) -> bool:
+    """Whether a joint has a relative motion that outputs can measure."""
+    return SPATIAL_JOINTS[joint["kind"]].driven is not None
+
+
+def _plot(draft: SpatialDraft) -> None:
+    """The components of an output over time, or over another one."""
+    draws, outputs = draft.draws, draft.tables.get("outputs", {})
+    columns = [
+        identifier(name, label)
+        for name, table in outputs.items()  # type: ignore[attr-defined]
+        for label in SPATIAL_OUTPUTS[table["kind"]].labels
+    ]
+    if columns and draws.chance(0.5):
+        plot: Table = {"y": draws.choice(columns) if draws.chance(0.5) else draws.some(columns, 0.5) or columns[:1]}
+        draft.section("plots")[draft.name("plots")] = plot
