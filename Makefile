@@ -9,6 +9,9 @@ PIP := $(BIN)/python -m pip install --disable-pip-version-check --constraint con
 
 .PHONY: run test test-long test-hosts clean
 
+# Bytecode of the tests and of the package is kept: without it, each of the many processes of a run compiles them again.
+export PYTHONDONTWRITEBYTECODE =
+
 run: $(VENV)/installed
 	$(BIN)/tisserand build scenes/free_beam_mean.toml scenes/free_beam_point.toml
 	$(BIN)/tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from pathlib import Path
+from functools import cache
 from xml.etree import ElementTree
 
 import numpy as np
@@ -12,6 +11,7 @@ import pytest
 
 import derive
 from conftest import ROOT
+from derive.generated_models import generated
 from derive.spec.model.scene import Scene
 from derive.visual.kkt_matrix import kkt_picture
 from derive.visual.line_chart import Chart, Curve, Panel, svg
@@ -24,20 +24,32 @@ SVG = "{http://www.w3.org/2000/svg}"
 LIGHT, DARK = "#ffffff", "#13171b"
 
 
-def pictures() -> Iterator[tuple[str, str]]:
-    """The committed pictures, and one of each kind that the code draws."""
-    for path in sorted((ROOT / "docs").rglob("*.svg")):
-        yield path.name, path.read_text(encoding="utf-8")
+COMMITTED = {path.stem: path for path in sorted((ROOT / "docs").rglob("*.svg"))}
+DRAWN = ("mass", "kkt", "mechanism", "modes", "chart")
+
+
+@cache
+def drawn() -> dict[str, str]:
+    """A picture of each kind that the code draws."""
     scene = derive.read(ROOT / "scenes/double_pendulum.toml")
     assert isinstance(scene, Scene)
-    model = derive.lower(derive.derive(scene))
+    model, _ = generated(scene)
     assert model.kkt is not None
-    yield "mass", mass_patterns([model])
-    yield "kkt", kkt_picture(model.kkt, tuple(x.name for x in (*model.coordinates, *model.multipliers)))
-    yield "mechanism", mechanism_picture(scene)
     line = np.array([[0.0, 0.0], [1.0, 0.5]])
-    yield "modes", mode_picture("modes", "note", [ModePanel("1", [line], [line + 0.1], [line - 0.1])], line)
-    yield "chart", svg(Chart("title", "time", "s", (Panel("y", "", (Curve("a", np.arange(3.0), np.arange(3.0)),)),)))
+    return {
+        "mass": mass_patterns([model]),
+        "kkt": kkt_picture(model.kkt, tuple(x.name for x in (*model.coordinates, *model.multipliers))),
+        "mechanism": mechanism_picture(scene),
+        "modes": mode_picture("modes", "note", [ModePanel("1", [line], [line + 0.1], [line - 0.1])], line),
+        "chart": svg(Chart("title", "time", "s", (Panel("y", "", (Curve("a", np.arange(3.0), np.arange(3.0)),)),))),
+    }
+
+
+@pytest.fixture(params=[*COMMITTED, *DRAWN])
+def picture(request: pytest.FixtureRequest) -> str:
+    """A committed picture, or one that the code draws."""
+    name = request.param
+    return COMMITTED[name].read_text(encoding="utf-8") if name in COMMITTED else drawn()[name]
 
 
 def backgrounds(text: str) -> tuple[str, str]:
@@ -57,11 +69,9 @@ def backgrounds(text: str) -> tuple[str, str]:
     return fill, re.search(rf'style\*="fill: {fill}"\] {{ fill: (#\w+) !important', dark)[1]  # type: ignore[index]
 
 
-@pytest.mark.parametrize(("name", "text"), [pytest.param(*each, id=Path(each[0]).stem) for each in pictures()])
-def test_the_background_is_opaque(name: str, text: str) -> None:
-    assert backgrounds(text) == (LIGHT, DARK)
+def test_the_background_is_opaque(picture: str) -> None:
+    assert backgrounds(picture) == (LIGHT, DARK)
 
 
-@pytest.mark.parametrize(("name", "text"), [pytest.param(*each, id=Path(each[0]).stem) for each in pictures()])
-def test_all_texts_are_within_the_picture(name: str, text: str) -> None:
-    assert outside(text) == []
+def test_all_texts_are_within_the_picture(picture: str) -> None:
+    assert outside(picture) == []
