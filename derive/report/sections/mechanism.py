@@ -168,6 +168,11 @@ def joint_blocks(spec: AnyScene, equations: Equations) -> tuple[Block, ...]:
         names = [c.shown for c in (*own.pop(joint.name, ()), *own.pop(drive, ()))]
         exerted = ", ".join(names) or "none: it eliminates coordinates"
         rows.append([joint.name, joint.kind, str(joint.first), str(joint.second), drive, exerted])
+    if isinstance(spec, SpatialScene):
+        rows += [
+            [gear.name, "gear", *gear.joints, "", ", ".join(c.shown for c in own.pop(gear.name, ()))]
+            for gear in spec.gears
+        ]
     cuts = sum(map(len, own.values()))
     variables = (Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in equations.constraints)
     multipliers = [row for series in variable_series(variables) for row in _multipliers(series)]
