@@ -199,7 +199,8 @@ class Constraint:
 
     `position` is g, `rate` is gdot, and `bias` is gddot with all accelerations set to zero. `jacobian` holds the factor
     of each generalised velocity in gdot, by the name of its row. `of` names the joint or the drive; `unit` is the unit
-    of g, `force_unit` that of the multiplier. `shown` is the name for people.
+    of g, `force_unit` that of the multiplier. `shown` is the name for people; `section` is that of the specification
+    with the elements to which `of` belongs.
     """
 
     name: str
@@ -212,6 +213,7 @@ class Constraint:
     rate: sp.Expr
     bias: sp.Expr
     jacobian: tuple[tuple[str, sp.Expr], ...]
+    section: str = "joints"
 
     @property
     def multiplier(self) -> sp.Symbol:

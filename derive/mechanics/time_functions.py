@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import sympy as sp
+from sympy.core.function import ArgumentIndexError
 from sympy.core.symbol import Str
 
 from derive.spec.model.time_function import Spline
@@ -65,6 +66,16 @@ class Atan2(TimeOperation):
         """The derivatives x/(x^2 + y^2) and -y/(x^2 + y^2)."""
         y, x = self.args
         return (x if argindex == 1 else -y) / (x**2 + y**2)
+
+
+class Wrapped(TimeOperation):
+    """The number next to zero among x + 2 pi n s for all whole n: of the arguments x, s an angle x/s without turns."""
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """The derivative by x, which is 1; s is a constant, by which nothing is differentiated here."""
+        if argindex != 1:
+            raise ArgumentIndexError(self, argindex)
+        return sp.S.One
 
 
 class Select(TimeOperation):

@@ -58,7 +58,7 @@ def scene_tables(scene: AnyScene) -> Data:
             name: without_none(default=p.default, unit=p.unit or None) for name, p in parameters.items()
         }
     for kind in NAMED:
-        if elements := getattr(scene, kind):
+        if elements := getattr(scene, kind, ()):
             tables[kind] = named(kind, elements)
     if scene.simulation is not None:
         tables["simulation"] = as_table(scene.simulation)

@@ -36,6 +36,16 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, Drive, Joint, Scene, SceneBody, SceneInput
 from derive.spec.model.simulation import Simulation
+from derive.spec.model.spatial_scene import (
+    FrameMarker,
+    Gear,
+    SpatialBody,
+    SpatialForce,
+    SpatialJoint,
+    SpatialScene,
+    SpatialSpring,
+    SpatialTorque,
+)
 from derive.spec.model.specification import Specification
 from derive.spec.parsing.names import element_name_problem
 
@@ -48,6 +58,7 @@ Named = Mapping[str, Element | Table] | Sequence[Element]
 """The type of elements with names: a mapping from names to tables or typed values, or a sequence of typed values."""
 
 S = TypeVar("S", bound=Specification)
+AnyOf = TypeVar("AnyOf", Scene, SpatialScene)
 Body = TypeVar("Body", PlanarBeam, NodalBody, SymbolicBody)
 Function = TypeVar("Function", bound=Callable[..., Specification])
 
@@ -179,24 +190,59 @@ def scene(
     "resolve" or "error", see the key. parameters, tables: what functions of time call by name. Files are relative to
     the working directory.
     """
-    sections = locals()
-    if isinstance(name, Mapping):
-        data = {key: named(key, table) if key in NAMED else table for key, table in name.items()}
+    return _scene(Scene, locals())
+
+
+def _scene(of: type[AnyOf], given: Mapping[str, Any]) -> AnyOf:
+    """A scene of a type from the arguments of a function. Raises TypeError where its tables specify another type."""
+    if isinstance(given["name"], Mapping):
+        data = {key: named(key, table) if key in NAMED else table for key, table in given["name"].items()}
     else:
-        markers = named("ground", ground)
-        of_scene = without_none(gravity=gravity, start=start, lowering=lowering, redundant=redundant)
+        markers = named("ground", given["ground"])
+        of_scene = without_none(**{key: given[key] for key in ("gravity", "start", "lowering", "redundant")})
         data = {
-            "name": name,
+            "name": given["name"],
             **({"ground": {"markers": markers}} if markers else {}),
             **({"scene": of_scene} if of_scene else {}),
-            "bodies": named("bodies", bodies),
-            **{kind: table for kind in NAMED if (table := named(kind, sections[kind]))},
-            **without_none(parameters=parameters, tables=tables, simulation=simulation),
+            "bodies": named("bodies", given["bodies"]),
+            **{kind: table for kind in NAMED if kind in given and (table := named(kind, given[kind]))},
+            **without_none(**{key: given[key] for key in ("parameters", "tables", "simulation")}),
         }
     result = _validate(data)
-    if not isinstance(result, Scene):
-        raise TypeError(f"these tables specify a {type(result).__name__}, not a Scene")
+    if not isinstance(result, of):
+        raise TypeError(f"these tables specify a {type(result).__name__}, not a {of.__name__}")
     return result
+
+
+def spatial_scene(
+    name: str | Table,
+    *,
+    ground: Named[FrameMarker] | Mapping[str, Sequence[Constant]] = (),
+    gravity: Sequence[Constant] | None = None,
+    start: str | None = None,
+    lowering: str | None = None,
+    redundant: str | None = None,
+    bodies: Named[SpatialBody] = (),
+    joints: Named[SpatialJoint] = (),
+    drives: Named[Drive] = (),
+    gears: Named[Gear] = (),
+    forces: Named[SpatialForce] = (),
+    torques: Named[SpatialTorque] = (),
+    springs: Named[SpatialSpring] = (),
+    inputs: Named[SceneInput] = (),
+    outputs: Named[SceneOutput] = (),
+    parameters: Mapping[str, Table] | None = None,
+    tables: Mapping[str, Table] | None = None,
+    simulation: Simulation | Table | None = None,
+    plots: Named[Plot] = (),
+) -> SpatialScene:
+    """A mechanism in space: rigid and finite-element bodies with joints, gears, drives, forces and gravity.
+
+    The arguments are those of `scene` with three components in place of two: markers are frames, which are coordinates,
+    or tables with the keys `at` and `rotation`; gears are ratios of the motions of two joints. That a scene is in space
+    is seen from its vectors and its finite-element bodies; TypeError is raised where they are in the plane.
+    """
+    return _scene(SpatialScene, locals())
 
 
 def validated(spec: S) -> S:

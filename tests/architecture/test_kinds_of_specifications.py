@@ -25,7 +25,6 @@ ASKING = {
     "cli/build_notes.py": "notes on the modes of a body of nodes",
     "cli/modes.py": "the state of a body alone is undeformed; a symbolic body has defaults alone",
     "spec/as_tables.py": "a scene has several tables, a body has one",
-    "spec/construction.py": "tables of a scene are needed",
     "spec/set_values.py": "which constants may be parameters, and which names are taken",
     "spec/checks/validation.py": "functions of time are those of scenes; a symbolic body has no nodes",
     "spec/checks/plotted_columns.py": "the columns of beams and scenes are known before the derivation",

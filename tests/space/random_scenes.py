@@ -26,7 +26,7 @@ KINDS = (
 )
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
 SEQUENCES = ("xyz", "xzy", "yzx", "yxz", "zxy", "zyx", "xyx", "xzx", "yzy", "yxy", "zxz", "zyz")
-PARTS = frozenset({"drives", "flexible", "forces", "torques", "springs"})
+PARTS = frozenset({"drives", "flexible", "forces", "gears", "torques", "springs"})
 """The parts of a scene besides rigid bodies, joints and gravity."""
 
 
@@ -41,6 +41,8 @@ class Writer:
         """The markers that have a rotation."""
         self.moves = False
         """Whether anything moves that nothing prescribes."""
+        self.coupled: list[str] = []
+        """The joints whose motions gears may couple."""
         self.files: dict[str, dict[str, np.ndarray]] = {}
 
     def number(self, size: float = 1.0) -> float:
@@ -152,6 +154,9 @@ class Writer:
         kind = self.random.choice(KINDS if both_turn else ("spherical", "distance"))
         if not both_turn:
             kind = "spherical"  # others are refused at a node without a rotation
+        more = Random(f"{name} of {self.seed}")  # leaves the rest of the scene as it is
+        if kind == "cylindrical" and more.random() < 0.5:
+            kind = "screw"
         self.lines += [f"[joints.{name}]", f'kind = "{kind}"', f"between = {list(between)}"]
         if kind == "general":
             count = self.random.randint(1, 5)
@@ -159,6 +164,10 @@ class Writer:
             self.lines.append(f"removes = {kept}")
         if kind == "distance":
             self.lines.append(f"distance = {self.positive(0.5, 3)}")
+        if kind == "screw":
+            self.lines.append(f"pitch = {more.choice([-1, 1]) * round(more.uniform(0.2, 2), 2)}")
+        if kind in ("revolute", "prismatic", "cylindrical", "screw", "planar"):
+            self.coupled.append(name)
         driven = kind in ("revolute", "prismatic") and "drives" in self.parts and self.chance(0.4)
         self.moves |= not driven and kind != "fixed"
         if driven:
@@ -168,6 +177,15 @@ class Writer:
                 if self.chance(0.6)
                 else f"speed = {self.number(3)}\noffset = {self.number()}"
             )
+
+    def gear(self) -> None:
+        """A gear between two joints, if there are two whose motions it may couple."""
+        random = Random(f"gear of {self.seed}")
+        if len(self.coupled) > 1 and "gears" in self.parts:
+            first, second = random.sample(self.coupled, 2)
+            ratio = f'"{random.choice([-1, 1]) * random.randint(1, 9)}/{random.randint(1, 9)}"'
+            self.lines += ["[gears.mesh]", f'joints = ["{first}", "{second}"]', f"ratio = {ratio}"]
+            self.lines.append(f"offset = {round(random.uniform(-2, 2), 2)}")
 
     def function(self) -> str:
         """A function of time."""
@@ -243,6 +261,7 @@ def random_scene(seed: int, folder: Path, parts: frozenset[str] = PARTS) -> Path
     actions = [m for m in writer.markers if not m.startswith("ground.")]
     for k, pair in enumerate(pairs):
         writer.joint(f"joint{k}", pair)
+    writer.gear()
     if not writer.moves:
         writer.rigid("loose")
     if parts & {"forces", "torques", "springs"}:

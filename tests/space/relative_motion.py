@@ -12,7 +12,7 @@ from decimal import Decimal
 
 import mpmath
 import numpy as np
-from decimal_vectors import Array, about, elementary, identity, zeros
+from decimal_vectors import ONE, Array, about, elementary, identity, zeros
 from written_scene import Numbers, Table
 
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
@@ -21,6 +21,7 @@ REMOVED: Mapping[str, tuple[str, ...]] = {
     "revolute": ("x", "y", "z", "rx", "ry"),
     "prismatic": ("x", "y", "rx", "ry", "rz"),
     "cylindrical": ("x", "y", "rx", "ry"),
+    "screw": ("x", "y", "rx", "ry"),
     "universal": ("x", "y", "z", "ry"),
     "planar": ("z", "rx", "ry"),
     "spherical": ("x", "y", "z"),
@@ -28,6 +29,7 @@ REMOVED: Mapping[str, tuple[str, ...]] = {
 }
 """The relative displacements and rotations that joints remove."""
 
+WHOLE_TURN = elementary(lambda: 2 * mpmath.pi)
 TWO_ROTATIONS = {"rx": ("rz", "ry"), "ry": ("rz", "rx"), "rz": ("ry", "rx")}
 """The rotations that are left where one is removed, in their order: the first one is about an axis of marker 1."""
 
@@ -76,7 +78,37 @@ def joint_rows(table: Table, d: Array, R: Array, value: Numbers) -> dict[str, De
         return {"distance": (d @ d - kept * kept) / (2 * kept)}
     gone = removed(table)
     rows = {name: d[MOTIONS.index(name)] for name in gone if not name.startswith("r")}
-    return rows | rotation_rows(R, [name for name in gone if name.startswith("r")])
+    rows |= rotation_rows(R, [name for name in gone if name.startswith("r")])
+    if table["kind"] == "screw":
+        turn = value(table["pitch"]) / WHOLE_TURN
+        rows["screw"] = without_turns(d[2] - turn * relative_angle(R), turn)
+    return rows
+
+
+def without_turns(x: Decimal, turn: Decimal) -> Decimal:
+    """The number next to zero among x and what whole turns, of `turn` for each rad, make of it."""
+    period = abs(turn) * WHOLE_TURN
+    return x - period * (x / period).to_integral_value()
+
+
+def gear_turn(ratio: Decimal, teeth: int, counted: tuple[bool, bool]) -> Decimal | None:
+    """The change of g of a gear by whole turns, for each rad; None where both of its motions count them.
+
+    teeth: the denominator of the ratio in lowest terms.
+    """
+    match counted:
+        case True, True:
+            return None
+        case True, False:
+            return ONE
+        case False, True:
+            return ratio
+    return ONE / teeth
+
+
+def coupled(table: Table) -> str:
+    """The relative motion of a joint that a gear couples: the rotation about z, or of a prismatic joint z."""
+    return "rz" if "rz" not in removed(table) else "z"
 
 
 def rotation_rows(R: Array, gone: Sequence[str]) -> dict[str, Decimal]:

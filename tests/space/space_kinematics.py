@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,18 @@ from decimal_vectors import (
     zeros,
 )
 from mass_points import MarkerFrame, NodalFields, PointBody, nodal_body, nodal_fields, rigid_body, rigid_marker
-from relative_motion import axial, driven_row, free_motions, joint_rows, relative, relative_angle
+from relative_motion import (
+    WHOLE_TURN,
+    axial,
+    coupled,
+    driven_row,
+    free_motions,
+    gear_turn,
+    joint_rows,
+    relative,
+    relative_angle,
+    without_turns,
+)
 from written_scene import Numbers, Table
 
 GROUND = "ground"
@@ -173,13 +185,32 @@ class SpaceKinematics:
         for motion, end in free_motions(table, sign).items():
             if ball and motion.startswith("r"):
                 continue
-            driven = joint in self.drives and motion == ("rz" if table["kind"] == "revolute" else "z")
+            if table["kind"] == "screw" and motion == "z":
+                continue
+            driven = joint in self.drives and motion == coupled(table)
             values[motion] = sign * self.motion(joint, t) if driven else state.scalars[f"{name}_{end}"]
+        if table["kind"] == "screw":
+            values["z"] = values["rz"] * self.value(table["pitch"]) / WHOLE_TURN
         d, R = relative(values)
         x, A = self.frame(other, state, known)
         _, marker = self.marker(own)
         turned = state.rotations[f"{name}_"] if ball else A @ R @ marker.rotation.T
         return Pose(x + A @ d - turned @ marker.position, turned)
+
+    def coupled_motion(
+        self, joint: str, t: Decimal, state: SpaceState, poses: Mapping[str, Pose]
+    ) -> tuple[Decimal, bool]:
+        """The motion of a joint that a gear couples, and whether it counts turns."""
+        table = self.joints[joint]
+        motion = coupled(table)
+        for body, placing in self.held:
+            if placing == joint:
+                sign = 1 if table["between"][1].split(".")[0] == body else -1
+                if joint in self.drives:
+                    return self.motion(joint, t), True
+                return sign * state.scalars[f"{body}_{'phi' if motion == 'rz' else 's'}"], True
+        (x1, A1), (x2, A2) = (self.frame(end, state, poses) for end in table["between"])
+        return (relative_angle(A1.T @ A2), False) if motion == "rz" else ((A1.T @ (x2 - x1))[2], True)
 
     def motion(self, joint: str, t: Decimal) -> Decimal:
         """The rotation or displacement that a drive prescribes."""
@@ -213,7 +244,7 @@ class SpaceKinematics:
         ]
 
     def constraints(self, t: Decimal, state: SpaceState, poses: Mapping[str, Pose]) -> dict[str, Decimal]:
-        """g of all joints that place no body, by joint and row."""
+        """g of all joints that place no body, by joint and row, and of gears."""
         result: dict[str, Decimal] = {}
         placing = {joint for _, joint in self.held}
         for name, table in self.joints.items():
@@ -226,6 +257,13 @@ class SpaceKinematics:
             if name in self.drives:
                 drive = self.drives[name]["name"]
                 result[drive] = driven_row(table, d, R, self.motion(name, t))
+        for name, table in self.scene.get("gears", {}).items():
+            (first, a), (second, b) = (self.coupled_motion(joint, t, state, poses) for joint in table["joints"])
+            g = second - self.value(table["ratio"]) * first - self.value(table.get("offset", 0))
+            ratio = table["ratio"]
+            teeth = 1 if isinstance(ratio, Mapping) else Fraction(str(ratio)).denominator
+            turn = gear_turn(self.value(ratio), teeth, (a, b))
+            result[name] = g if turn is None else without_turns(g, turn)
         return result
 
     def acted_on(self) -> list[str]:

@@ -27,6 +27,7 @@ from derive.mechanics.time_functions import (
     Sign,
     SmoothStep,
     Tanh,
+    Wrapped,
 )
 
 added, subtracted, multiplied, divided = (
@@ -273,6 +274,7 @@ CALLS: dict[type[sp.Expr], Callable[..., ca.SX]] = {
     Sign: ca.sign,
     Absolute: _absolute,
     Atan2: ca.atan2,
+    Wrapped: lambda x, s: s * ca.atan2(ca.sin(x / s), ca.cos(x / s)),
     Minimum: ca.fmin,
     Maximum: ca.fmax,
     Select: lambda a, b, x, y: ca.if_else(a < b, x, y),

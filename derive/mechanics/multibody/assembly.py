@@ -243,7 +243,9 @@ class SceneAssembly:
                 return sp.Rational(value)
             case KeyType.DIRECTION:
                 return sp.Matrix([sp.Rational(component) for component in value])
-            case KeyType.POSITIVE_QUANTITY | KeyType.NOT_NEGATIVE_QUANTITY | KeyType.QUANTITY:
+            case (
+                KeyType.POSITIVE_QUANTITY | KeyType.NOT_NEGATIVE_QUANTITY | KeyType.QUANTITY | KeyType.NONZERO_QUANTITY
+            ):
                 doc = f"{key.name} of {NAMED[section]} {name}"
                 return self._constant(element(name, key.name), value, doc, key.unit)
             case KeyType.FUNCTION:

@@ -184,7 +184,7 @@ def refuse_idle(conditions: tuple[Constraint, ...], redundant: Redundant) -> Non
     idle = [c for c in conditions if not c.jacobian and not (accepted and c.position == 0)]
     if idle:
         texts = ((c, implied if c.position == 0 else prescribed) for c in idle)
-        raise SpecError(tuple(Problem(f"joints.{c.of}", f"{c.doc}: {text}") for c, text in texts))
+        raise SpecError(tuple(Problem(f"{c.section}.{c.of}", f"{c.doc}: {text}") for c, text in texts))
 
 
 def _gathered(mechanism: Mechanism, parts: SceneMechanics, definitions: tuple[Intermediate, ...]) -> Equations:

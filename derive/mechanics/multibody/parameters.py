@@ -57,7 +57,13 @@ def spatial_parameters(scene: SpatialScene) -> tuple[ParameterSymbol, ...]:
         *chain.from_iterable(
             _constants("spring", spring.name, spring_type(spring.kind).keys, spring.values) for spring in scene.springs
         ),
+        *(Constant(j.pitch, f"pitch of joint {j.name}") for j in scene.joints if j.pitch is not None),
         *(Constant(drive.constant_speed, f"speed of drive {drive.name}") for drive in scene.drives),
+        *(
+            Constant(getattr(gear, key), f"{key} of gear {gear.name}")
+            for gear in scene.gears
+            for key in ("ratio", "offset")
+        ),
         *_of_functions(scene),
     ]
     return _symbols(constants)

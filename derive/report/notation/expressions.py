@@ -15,7 +15,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import IndexedEquations
 from derive.mechanics.symbols import MASS, Family, I, Identity, Symbol, amplitude, identity
 from derive.mechanics.time_expressions import KINDS
-from derive.mechanics.time_functions import Absolute, Lookup, Select, Sign, SmoothStep
+from derive.mechanics.time_functions import Absolute, Lookup, Select, Sign, SmoothStep, Wrapped
 from derive.report.document.formula import (
     Call,
     Fenced,
@@ -212,6 +212,8 @@ class Notation:
             case Select(args=(a, b, x, y)):
                 condition = row([self.formula(a), OperatorToken("<"), self.formula(b)])
                 return Call("piecewise", _listed([condition, self.formula(x), self.formula(y)]))
+            case Wrapped(args=(x, s)):
+                return Call("mod", _listed([self.formula(x), self.formula(2 * sp.pi * s)]))
             case Lookup(args=(name, order, x)):
                 return Call(f"{name}{PRIME * int(order)}", self.formula(x))
             case SmoothStep(args=(*args, order)):

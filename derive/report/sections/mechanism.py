@@ -160,14 +160,21 @@ def _quantity(quantity: Quantity, unit: str) -> str:
 def joint_blocks(spec: AnyScene, equations: Equations) -> tuple[Block, ...]:
     """The joints with their drives and multipliers, and the loads."""
     own: dict[str, list[Constraint]] = {}
+    of_gears = {c.of: c for c in equations.constraints if c.section == "gears"}
     for constraint in equations.constraints:
-        own.setdefault(constraint.of, []).append(constraint)
+        if constraint.section != "gears":
+            own.setdefault(constraint.of, []).append(constraint)
     rows: list[list[str]] = []
     for joint in spec.joints:
         drive = next((d.name for d in spec.drives if d.joint == joint.name), "")
         names = [c.shown for c in (*own.pop(joint.name, ()), *own.pop(drive, ()))]
         exerted = ", ".join(names) or "none: it eliminates coordinates"
         rows.append([joint.name, joint.kind, str(joint.first), str(joint.second), drive, exerted])
+    if isinstance(spec, SpatialScene):
+        rows += [
+            [gear.name, "gear", *(f"joint {joint}" for joint in gear.joints), "", of_gears[gear.name].shown]
+            for gear in spec.gears
+        ]
     cuts = sum(map(len, own.values()))
     variables = (Variable(c.name, c.doc, c.force_unit, shown=c.shown) for c in equations.constraints)
     multipliers = [row for series in variable_series(variables) for row in _multipliers(series)]
@@ -179,6 +186,9 @@ def joint_blocks(spec: AnyScene, equations: Equations) -> tuple[Block, ...]:
                 "A multiplier is the constraint reaction on body 2: a force, in components of "
                 f"{'the frame of marker 1' if isinstance(spec, SpatialScene) else 'the inertial frame'}, or "
                 "a torque; on body 1 the joint exerts the opposite.",
+                " That of a gear acts in its second joint, and in its first one - ratio times as much."
+                if of_gears
+                else "",
                 f" The welds between the beams of a rod have {cuts} further multipliers." if cuts else "",
             )
         ),

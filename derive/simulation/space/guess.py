@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.configurations import quaternion_of, rotation_matrix
-from derive.simulation.observables.motion import si_value
+from derive.simulation.observables.motion import si_value, simulated_drive
 from derive.simulation.space.marker_frames import MarkerFrame, frame_in_body
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.markers import GROUND
@@ -29,7 +29,7 @@ TRIALS = 16
 def guessed_configuration(scene: SpatialScene, native: NativeScene, k: Vector, size: float) -> Vector:
     """A configuration (nq,) near what is given or guessed of bodies and joints."""
     q = np.zeros(native.nq)
-    wanted = _wanted(scene)
+    wanted = _wanted(scene, _joint_starts(scene, native))
     names = {name: i for i, name in enumerate(native.coordinates)}
     for body in scene.bodies:
         own = [names[name] for name in _possible(body) if name in names]
@@ -96,7 +96,14 @@ def _fitted(
     return q
 
 
-def _wanted(scene: SpatialScene) -> dict[str, Pose]:
+def _joint_starts(scene: SpatialScene, native: NativeScene) -> dict[str, float]:
+    """The rotations, rad, or displacements, m, of joints at t = 0 that are given or prescribed."""
+    given = {joint.name: joint.start.coordinate for joint in scene.joints}
+    given |= {drive.joint: float(simulated_drive(native, drive, np.zeros(1))[0]) for drive in scene.drives}
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def _wanted(scene: SpatialScene, starts: Mapping[str, float]) -> dict[str, Pose]:
     """The pose of each body that is given, guessed, or such that it meets joints to bodies with a pose."""
     poses: dict[str, Pose] = {GROUND: (np.zeros(3), np.eye(3))}
     waiting = {body.name: body for body in scene.bodies}
@@ -105,7 +112,7 @@ def _wanted(scene: SpatialScene) -> dict[str, Pose]:
             poses[body.name] = np.array(body.start.position), _matrix(body.start.rotation)
             del waiting[body.name]
     while waiting:
-        name, pose = next(_laid(scene, poses, waiting), (next(iter(waiting)), None))
+        name, pose = next(_laid(scene, poses, waiting, starts), (next(iter(waiting)), None))
         poses[name] = pose or _alone(waiting[name])
         del waiting[name]
     return poses
@@ -121,7 +128,9 @@ def _matrix(quaternion: tuple[float, ...]) -> Matrix:
     return rotation_matrix(np.array(quaternion) / np.linalg.norm(quaternion))
 
 
-def _laid(scene: SpatialScene, poses: dict[str, Pose], waiting: dict[str, SpatialBody]) -> Iterator[tuple[str, Pose]]:
+def _laid(
+    scene: SpatialScene, poses: dict[str, Pose], waiting: dict[str, SpatialBody], starts: Mapping[str, float]
+) -> Iterator[tuple[str, Pose]]:
     """The bodies that a joint lays next to a body with a pose; values of a start take precedence."""
     for joint in scene.joints:
         for known, own in ((joint.first, joint.second), (joint.second, joint.first)):
@@ -131,21 +140,23 @@ def _laid(scene: SpatialScene, poses: dict[str, Pose], waiting: dict[str, Spatia
             at, mine = frame_in_body(scene, known), frame_in_body(scene, own)
             frame = MarkerFrame(position + Q @ at.position, Q @ at.axes)
             start = waiting[own.body].start
-            turned = frame.axes @ _relative(joint, own is joint.second) @ mine.axes.T
+            moved = starts.get(joint.name, 0.0) * (1 if own is joint.second else -1)
+            turned = frame.axes @ _relative(joint, moved) @ mine.axes.T
             rotation = turned if start.rotation is None else _matrix(start.rotation)
-            moved = frame.position + _shift(joint, own is joint.second, frame)
-            origin = moved - rotation @ mine.position if start.position is None else np.array(start.position)
+            at_joint = frame.position + frame.axes[:, 2] * _along(joint, moved)
+            origin = at_joint - rotation @ mine.position if start.position is None else np.array(start.position)
             yield own.body, (origin, rotation)
 
 
-def _relative(joint: SpatialJoint, second: bool) -> Matrix:
-    """The rotation of one marker against the other for the initial angle of a joint."""
-    angle = (joint.start.angle or 0.0) * (1 if second else -1)
+def _relative(joint: SpatialJoint, moved: float) -> Matrix:
+    """The rotation of one marker against the other for the initial motion of a joint."""
+    angle = moved if SPATIAL_JOINTS[joint.kind].driven is Freedom.ROTATION else 0.0
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def _shift(joint: SpatialJoint, second: bool, frame: MarkerFrame) -> Vector:
-    if SPATIAL_JOINTS[joint.kind].driven is not Freedom.DISPLACEMENT or joint.start.displacement is None:
-        return np.zeros(3)
-    return np.asarray(frame.axes[:, 2] * joint.start.displacement * (1 if second else -1))
+def _along(joint: SpatialJoint, moved: float) -> float:
+    """The displacement along z of one marker against the other for the initial motion of a joint, m."""
+    if joint.pitch is not None:
+        return moved * si_value(joint.pitch) / (2 * np.pi)
+    return moved if SPATIAL_JOINTS[joint.kind].driven is Freedom.DISPLACEMENT else 0.0

@@ -7,6 +7,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from derive.mechanics.bodies.modal_body import ModalFrame
+from derive.mechanics.symbols import amplitude, owned
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.configurations import rotation_matrix
 from derive.simulation.observables.motion import si_value
@@ -29,16 +31,16 @@ def own_frame(marker: FrameMarker | NodeFrame, body: SpatialBody | None = None) 
     axes = rotation_matrix(quaternion / np.linalg.norm(quaternion))
     if isinstance(marker, NodeFrame):
         assert isinstance(body, FlexibleBody)
-        return MarkerFrame(_positions(body)[marker.name], axes)
+        return MarkerFrame(_modal_frames(body)[marker.name].point.position, axes)
     return MarkerFrame(np.array([si_value(x) for x in marker.position]), axes)
 
 
 @lru_cache(8)
-def _positions(body: FlexibleBody) -> dict[str, Vector]:
-    """The positions (3,), m, of the markers of an undeformed finite-element body in its floating frame."""
+def _modal_frames(body: FlexibleBody) -> dict[str, ModalFrame]:
+    """The markers of a finite-element body in its floating frame by their names."""
     from derive.reduction.frame_points import modal_frames  # only for finite-element bodies
 
-    return {frame.point.name: frame.point.position for frame in modal_frames(body)}
+    return {frame.point.name: frame for frame in modal_frames(body)}
 
 
 def frame_in_body(scene: SpatialScene, marker: MarkerRef) -> MarkerFrame:
@@ -50,9 +52,45 @@ def frame_in_body(scene: SpatialScene, marker: MarkerRef) -> MarkerFrame:
 
 
 def frame_of(scene: SpatialScene, poses: SpatialPoses, marker: MarkerRef) -> MarkerFrame:
-    """A marker in the inertial frame, of a body that is not deformed."""
+    """A marker in the inertial frame, on a body that is deformed by its amplitudes."""
     own = frame_in_body(scene, marker)
     if marker.body == GROUND:
         return own
+    if deformed := deformed_frame(scene, poses, marker):
+        own = deformed.frame
     Q = poses.rotation(marker.body)
     return MarkerFrame(poses.position(marker.body) + Q @ own.position, Q @ own.axes)
+
+
+@dataclass(frozen=True, eq=False)
+class DeformedFrame:
+    """A marker in the frame of its deformed body, and how it moves there with the amplitudes.
+
+    columns (N,): the velocities of the amplitudes among those of the scene. moves (3, N): the velocity of the marker,
+    and turns (3, N), rad/m: its angular velocity, both for a unit rate of each amplitude.
+    """
+
+    frame: MarkerFrame
+    columns: tuple[int, ...]
+    moves: Matrix
+    turns: Matrix
+
+
+def deformed_frame(scene: SpatialScene, poses: SpatialPoses, marker: MarkerRef) -> DeformedFrame | None:
+    """A marker of a finite-element body in its floating frame; None for a marker of another body."""
+    body = next((b for b in scene.bodies if b.name == marker.body), None)
+    if not isinstance(body, FlexibleBody):
+        return None
+    of = _modal_frames(body)[marker.marker]
+    point, native = of.point, poses.native
+    modes = range(1, len(point.shapes) + 1)
+    alpha = poses.q[[native.coordinates.index(owned(amplitude(i), body.name).name) for i in modes]]
+    columns = tuple(native.velocities.index(owned(amplitude(i, 1), body.name).name) for i in modes)
+    bent = np.zeros_like(point.shapes) if point.second is None else np.einsum("j,ijk->ik", alpha, point.second)
+    position = point.position + alpha @ (point.shapes + bent / 2)
+    theta = alpha @ of.twists
+    p = np.array([1.0, *(theta / 2)])
+    own = own_frame(next(m for m in body.markers if m.name == marker.marker), body)
+    axes = rotation_matrix(p / np.linalg.norm(p)) @ own.axes
+    turns = (of.twists + np.cross(theta, of.twists) / 2) / (p @ p)
+    return DeformedFrame(MarkerFrame(position, axes), columns, (point.shapes + bent).T, turns.T)

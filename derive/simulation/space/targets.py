@@ -11,13 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
-from derive.mechanics.symbols import amplitude, owned
+from derive.mechanics.symbols import Family, amplitude, owned, quantity
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.configurations import rotation_matrix
 from derive.simulation.initial.targets import Strength
-from derive.simulation.space.marker_frames import frame_of
+from derive.simulation.observables.motion import simulated_drive
+from derive.simulation.space.marker_frames import deformed_frame, frame_of
 from derive.simulation.space.poses import SpatialPoses
+from derive.spec.model.instances import identifier, joined
 from derive.spec.model.markers import GROUND
 from derive.spec.model.spatial_scene import SpatialBody, SpatialJoint, SpatialScene
 
@@ -58,9 +60,17 @@ def spatial_targets(scene: SpatialScene, native: NativeScene) -> tuple[SpatialTa
     result = [target for body in scene.bodies for target in _of_body(body, native)]
     joints = {joint.name: joint for joint in scene.joints}
     for joint in scene.joints:
-        result += _of_joint(scene, joint, joint, f"joints.{joint.name}.start")
+        result += _of_joint(scene, joint, joint, f"joints.{joint.name}.start", native)
     for drive in scene.drives:
-        result += _of_joint(scene, joints[drive.joint], drive, f"drives.{drive.name}.start")
+        joint = joints[drive.joint]
+        result += _of_joint(scene, joint, drive, f"drives.{drive.name}.start", native)
+        freedom = SPATIAL_JOINTS[joint.kind].driven
+        if freedom is Freedom.ROTATION and joint_coordinate(joint, native) is None:
+            # the constraint of the drive is the sine of the difference, which is zero half a turn away as well
+            key = "motion" if drive.speed is None else "speed"
+            value = float(simulated_drive(native, drive, np.zeros(1))[0])
+            function = _function_of_frames(scene, joint, freedom, value, False)
+            result.append(SpatialTarget(f"drives.{drive.name}", key, (value,), Strength.GIVEN, True, False, function))
     return tuple(result)
 
 
@@ -139,7 +149,9 @@ def _twist(body: str, part: slice, value: Vector) -> Callable[[SpatialPoses], Li
 # ---- joints and drives ----
 
 
-def _of_joint(scene: SpatialScene, joint: SpatialJoint, of: object, table: str) -> Iterator[SpatialTarget]:
+def _of_joint(
+    scene: SpatialScene, joint: SpatialJoint, of: object, table: str, native: NativeScene
+) -> Iterator[SpatialTarget]:
     start = of.start  # type: ignore[attr-defined]
     freedom = SPATIAL_JOINTS[joint.kind].driven
     if freedom is None:
@@ -148,14 +160,54 @@ def _of_joint(scene: SpatialScene, joint: SpatialJoint, of: object, table: str) 
     angular = freedom is Freedom.ROTATION
     if start.coordinate is not None:
         key = "angle" if start.angle is not None else "displacement"
-        function = _joint_coordinate(scene, joint, freedom, start.coordinate, False)
+        function = _motion_of_joint(scene, joint, freedom, start.coordinate, False, native)
         yield SpatialTarget(table, key, (start.coordinate,), strength, angular, False, function)
     if start.speed is not None:
-        function = _joint_coordinate(scene, joint, freedom, start.speed, True)
+        function = _motion_of_joint(scene, joint, freedom, start.speed, True, native)
         yield SpatialTarget(table, "speed", (start.speed,), strength, angular, True, function)
 
 
-def _joint_coordinate(
+@dataclass(frozen=True)
+class JointColumn:
+    """The coordinate and the velocity of a joint that eliminates others, by their numbers; sign: see `sign` there."""
+
+    coordinate: int
+    velocity: int
+    sign: int
+
+
+def joint_coordinate(joint: SpatialJoint, native: NativeScene) -> JointColumn | None:
+    """The coordinate that is the motion of a joint; None of a joint that is a constraint, or that has a drive."""
+    joint_type = SPATIAL_JOINTS[joint.kind]
+    first_row = next((identifier(joined(joint.name, row.label)) for row in joint_type.rows(joint)), None)
+    if joint_type.driven is None or first_row in native.multipliers:
+        return None
+    family = Family.ANGLE if joint_type.driven is Freedom.ROTATION else Family.GUIDE
+    for marker, sign in ((joint.second, 1), (joint.first, -1)):
+        q, v = (owned(quantity(family, derivative=d), marker.body).name for d in (0, 1))
+        if q in native.coordinates:
+            return JointColumn(native.coordinates.index(q), native.velocities.index(v), sign)
+    return None
+
+
+def _motion_of_joint(
+    scene: SpatialScene, joint: SpatialJoint, freedom: Freedom, value: float, rate: bool, native: NativeScene
+) -> Callable[[SpatialPoses], Linearised]:
+    """The motion of a joint less its value: a coordinate, which counts whole turns, or a function of two frames."""
+    column = joint_coordinate(joint, native)
+    if column is None:
+        return _function_of_frames(scene, joint, freedom, value, rate)
+
+    def linearised(poses: SpatialPoses) -> Linearised:
+        gradient = np.zeros((1, poses.native.nv))
+        gradient[0, column.velocity] = column.sign
+        now = 0.0 if rate else column.sign * poses.q[column.coordinate]
+        return np.array([now - value]), gradient, np.zeros(1)
+
+    return linearised
+
+
+def _function_of_frames(
     scene: SpatialScene, joint: SpatialJoint, freedom: Freedom, value: float, rate: bool
 ) -> Callable[[SpatialPoses], Linearised]:
     """The rotation about, or the displacement along, the z axis of a joint less its value; rotations up to pi."""
@@ -175,6 +227,8 @@ def _joint_coordinate(
             for part in (twist, drift):
                 w = Q @ part[3:]
                 parts.append(np.concatenate([part[:3] + cross.T @ w, w]))
+            if deformed := deformed_frame(scene, poses, marker):
+                parts[0][:, list(deformed.columns)] += np.vstack([Q @ deformed.moves, Q @ deformed.turns])
             moving[marker] = parts[0], parts[1]
         relative = [moving[joint.second][n] - moving[joint.first][n] for n in (0, 1)]
         if freedom is Freedom.ROTATION:

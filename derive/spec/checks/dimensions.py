@@ -14,23 +14,27 @@ IN_SPACE = ("rotation", "angular_velocity")
 """The keys of a start that bodies in space alone have."""
 OF_BEAM = ("length", "bending_stiffness", "ansatz")
 """The keys that beams alone have."""
+OF_NODES = ("nodes",)
+"""The keys that finite-element bodies alone have."""
 
 
 def is_in_space(data: Mapping[str, object]) -> bool:
-    """Whether the data of a scene have vectors with three components, and no beam, which is in the plane."""
-    return not _has_beam(data) and any(dimension == SPACE for _, dimension in vectors(data))
+    """Whether the data of a scene have vectors with three components or nodes, and no beam, which is in the plane."""
+    if _has_body_with(data, OF_BEAM):
+        return False
+    return _has_body_with(data, OF_NODES) or any(dimension == SPACE for _, dimension in vectors(data))
 
 
-def _has_beam(data: Mapping[str, object]) -> bool:
+def _has_body_with(data: Mapping[str, object], keys: tuple[str, ...]) -> bool:
     bodies = data.get("bodies")
     tables = bodies.values() if isinstance(bodies, Mapping) else ()
-    return any(isinstance(body, Mapping) and any(key in body for key in OF_BEAM) for body in tables)
+    return any(isinstance(body, Mapping) and any(key in body for key in keys) for body in tables)
 
 
 def dimension_faults(data: Mapping[str, object]) -> Iterator[Fault]:
     """Faults of scenes with vectors of two and of three components: the first of each kind."""
     first: dict[int, KeyPath] = {}
-    for path, dimension in () if _has_beam(data) else vectors(data):
+    for path, dimension in () if _has_body_with(data, OF_BEAM) else vectors(data):
         first.setdefault(dimension, path)
     if len(first) == 2:
         for dimension, other in ((PLANE, SPACE), (SPACE, PLANE)):

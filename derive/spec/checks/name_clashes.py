@@ -12,7 +12,7 @@ from derive.errors import quoted
 from derive.mechanics.multibody.forces.registry import kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
-from derive.mechanics.multibody.space.rows import DISTANCE, RELATIVE_MOTIONS
+from derive.mechanics.multibody.space.rows import DISTANCE, RELATIVE_MOTIONS, SCREW
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.beam_parts import DEFAULT_ANSATZ
 from derive.spec.model.instances import identifier, joined, rate_name
@@ -40,6 +40,8 @@ def _labels(kind: str) -> tuple[str, ...]:
     """The suffixes of names derived from an element: those of multipliers, constants and intermediates."""
     if kind == "drives":
         return ("", "_speed")
+    if kind == "gears":
+        return ("", "_ratio", "_offset")
     if kind == "joints":
         labels_of_types = (
             (*(m.label for m in joint.removes), *quantities(joint.keys), *joint.axes.intermediates)
@@ -51,8 +53,8 @@ def _labels(kind: str) -> tuple[str, ...]:
 
 
 def _spatial_labels() -> tuple[str, ...]:
-    """The suffixes of the names of multipliers of joints in space."""
-    return tuple(f"_{label}" for label in (*RELATIVE_MOTIONS, DISTANCE.label))
+    """The suffixes of the names of multipliers and constants of joints in space."""
+    return tuple(f"_{label}" for label in (*RELATIVE_MOTIONS, DISTANCE.label, SCREW.label, "pitch"))
 
 
 Made = tuple[KeyPath, str, str]
@@ -135,10 +137,10 @@ def made_names(view: SceneData) -> Iterator[Made]:
         for rate in RATES:
             made = identifier(f"u_{rate_name(name, rate)}")
             yield ("inputs", name), made, f"the input {name}{' or its rate' if rate else ''}"
-    for kind in ("joints", "forces", "torques", "springs", "drives"):
+    for kind in ("joints", "forces", "torques", "springs", "drives", "gears"):
         labels = _spatial_labels() if view.in_space and kind == "joints" else _labels(kind)
         for name, _ in _named(view, kind):
-            what = "the multiplier" if kind == "drives" else "a name"
+            what = "the multiplier" if kind in ("drives", "gears") else "a name"
             for end in labels:
                 yield (kind, name), identifier(f"{name}{end}"), f"{what} of the {NAMED[kind]} {name}"
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from derive.errors import quoted
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.registry import Registry
 from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
 from derive.spec.model.beam import BEAM_QUANTITIES
@@ -17,6 +19,7 @@ from derive.spec.model.body import ACCELERATION_UNIT
 from derive.spec.model.keys import Key, declared_keys, quantities
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import NAMED, RigidBody
+from derive.spec.model.spatial_scene import Gear
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
@@ -115,14 +118,18 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
     ground = view.data.get(GROUND)
     if isinstance(ground, Mapping):
         yield from _markers((GROUND, "markers"), ground.get("markers"), "of the ground")
+    types: Registry[Any] = SPATIAL_JOINTS if view.in_space else JOINTS
     for name, joint in view.tables["joints"].items():
-        joint_type = JOINTS.get(str(joint.get("kind")))
+        joint_type = types.get(str(joint.get("kind")))
         for key, unit in _units(joint_type.keys if joint_type else ()).items():
             yield SceneConstant(("joints", name, key), joint.get(key), f"{key} of the joint {name}", unit)
     for name, drive in view.tables["drives"].items():
         joint = view.tables["joints"].get(str(drive.get("joint")), {})
         of_speed = speed_unit(str(joint.get("kind")))
         yield SceneConstant(("drives", name, "speed"), drive.get("speed"), f"the speed of the drive {name}", of_speed)
+    for name, gear in view.tables["gears"].items():
+        for key in _units(declared_keys(Gear)):
+            yield SceneConstant(("gears", name, key), gear.get(key), f"{key} of the gear {name}", "")
     for section, default in DEFAULT_KINDS.items():
         for name, table in view.tables[section].items():
             yield from _force(section, name, table, str(table.get("kind", default)))

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialJointType
+from derive.mechanics.multibody.space.outputs import JOINT, SPATIAL_OUTPUTS
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
 from derive.spec.checks.cross_references import ground_faults, input_faults, marker_faults
 from derive.spec.checks.name_clashes import name_faults
@@ -23,7 +24,15 @@ def spatial_scene_faults(data: Raw) -> list[Fault]:
     view = SceneData(data)
     faults = [*ground_faults(view), *name_faults(view), *parameter_faults(view)]
     if view.complete:
-        faults += [*marker_faults(view), *_joints(view), *_drives(view), *_starts(view), *_weightless(view)]
+        faults += [
+            *marker_faults(view),
+            *_joints(view),
+            *_drives(view),
+            *_gears(view),
+            *_outputs(view),
+            *_starts(view),
+            *_weightless(view),
+        ]
         faults += input_faults(view)
     return faults
 
@@ -56,8 +65,7 @@ def _without_rotation(
     view: SceneData, path: KeyPath, joint_type: SpatialJointType, joint: Raw, markers: tuple[MarkerRef, MarkerRef]
 ) -> Iterator[Fault]:
     """Faults of joints whose rotations or axes are those of a marker at a single node, which has none."""
-    removes = joint.get("removes") if joint_type.removes is None else joint_type.removes
-    removed = {str(name) for name in removes} if isinstance(removes, (list, tuple)) else set[str]()
+    removed = {*_removed(joint_type, joint)}
     for i, marker in enumerate(markers):
         body = view.bodies.get(marker.body)
         at = body.get("markers") if isinstance(body, Mapping) else None
@@ -92,6 +100,61 @@ def _drives(view: SceneData) -> Iterator[Fault]:
         other = driven.setdefault(joint, name)
         if other != name:
             yield Fault(path, f"the joint {joint} is driven by {other} already; leave one of the drives out")
+
+
+def _gears(view: SceneData) -> Iterator[Fault]:
+    """Faults of gears between joints that are not there, are the same, or have no motion that a gear couples."""
+    joints = view.tables["joints"]
+    coupled: dict[frozenset[str], str] = {}
+    for name, gear in view.tables["gears"].items():
+        pair = gear.get("joints")
+        if not isinstance(pair, (list, tuple)) or len(pair) != 2 or not all(isinstance(of, str) for of in pair):
+            continue
+        path: KeyPath = ("gears", name, "joints")
+        if pair[0] == pair[1]:
+            yield Fault(path, "a gear couples two joints, and these are the same")
+        for i, joint in enumerate(map(str, pair)):
+            if joint not in joints:
+                known = f"the joints are {names_text(joints)}" if joints else "write one, such as [joints.bearing]"
+                yield Fault((*path, i), f"there is no joint {quoted(joint)}{did_you_mean(joint, joints, known)}")
+            elif (joint_type := _type(joints[joint])) and not joint_type.couples(_removed(joint_type, joints[joint])):
+                kinds = [kind for kind, of in SPATIAL_JOINTS.items() if of.removes and of.couples(of.removes)]
+                text = (
+                    f"the {joints[joint].get('kind')} joint {joint} has no single rotation about z and no single "
+                    f"displacement along it, which a gear could couple; such joints are {', '.join(kinds)}"
+                )
+                yield Fault((*path, i), text)
+        other = coupled.setdefault(frozenset(map(str, pair)), name)
+        if other != name and pair[0] != pair[1]:
+            yield Fault(path, f"the gear {other} couples these joints already; leave one of the gears out")
+
+
+def _outputs(view: SceneData) -> Iterator[Fault]:
+    """Faults of outputs of joints that are not there, or that have no motion of their own."""
+    joints = view.tables["joints"]
+    for name, output in view.tables["outputs"].items():
+        kind, joint = str(output.get("kind")), output.get("joint")
+        output_type = SPATIAL_OUTPUTS.get(kind)
+        if output_type is None or not isinstance(joint, str) or JOINT not in output_type.keys:
+            continue
+        path: KeyPath = ("outputs", name, "joint")
+        if joint not in joints:
+            known = f"the joints are {names_text(joints)}" if joints else "the scene has no joints"
+            yield Fault(path, f"there is no joint {quoted(joint)}{did_you_mean(joint, joints, known)}")
+            continue
+        joint_type = _type(joints[joint])
+        if output_type.of_motion and joint_type and not joint_type.couples(_removed(joint_type, joints[joint])):
+            text = (
+                f"the {joints[joint].get('kind')} joint {joint} has no single rotation about z and no single "
+                f"displacement along it, which the output {kind} shows; write an output of its markers instead"
+            )
+            yield Fault(path, text)
+
+
+def _removed(joint_type: SpatialJointType, joint: Raw) -> tuple[str, ...]:
+    """The relative motions that a joint removes, of a general joint those that can be read."""
+    removes = joint.get("removes") if joint_type.removes is None else joint_type.removes
+    return tuple(str(name) for name in removes) if isinstance(removes, (list, tuple)) else ()
 
 
 def _starts(view: SceneData) -> Iterator[Fault]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from derive.spec.model.keys import KeyType, key
 
-COUNTED = ("bodies", "joints", "forces", "torques", "springs", "drives", "inputs", "outputs")
+COUNTED = ("bodies", "joints", "forces", "torques", "springs", "drives", "gears", "inputs", "outputs")
 """The sections whose tables may have a count."""
 
 COUNT = key(

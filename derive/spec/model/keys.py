@@ -33,6 +33,7 @@ class KeyType(Enum):
     POSITIVE_QUANTITY = "a positive number, or a run-time parameter of the generated code"
     NOT_NEGATIVE_QUANTITY = "a number that is not negative, or a run-time parameter"
     QUANTITY = "a number of either sign, or a run-time parameter"
+    NONZERO_QUANTITY = "a number of either sign but not zero, or a run-time parameter"
     SPEED = "a number, a run-time parameter, or a function of time whose integral is known"
     FUNCTION = "a function of time"
     FUNCTION_TRIPLE = "three components that are functions of time"
@@ -42,6 +43,7 @@ class KeyType(Enum):
     BEAM_MARKER = "a marker of a beam"
     MARKER_PAIR = "two markers"
     JOINT = "the name of a joint"
+    JOINT_PAIR = "the names of two joints"
     DRIVE = "the name of a drive"
     SPRING = "the name of a spring"
     BEAM = "the name of a beam"
@@ -111,7 +113,12 @@ class Key:
         return self.type in points or (isinstance(self.type, type) and has_name(self.type))
 
 
-QUANTITIES = (KeyType.POSITIVE_QUANTITY, KeyType.NOT_NEGATIVE_QUANTITY, KeyType.QUANTITY)
+QUANTITIES = (
+    KeyType.POSITIVE_QUANTITY,
+    KeyType.NOT_NEGATIVE_QUANTITY,
+    KeyType.QUANTITY,
+    KeyType.NONZERO_QUANTITY,
+)
 """The types of values that may be run-time parameters."""
 
 

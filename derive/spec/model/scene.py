@@ -23,6 +23,7 @@ NAMED = {
     "bodies": "body",
     "joints": "joint",
     "drives": "drive",
+    "gears": "gear",
     "forces": "force",
     "torques": "torque",
     "springs": "spring",
@@ -30,7 +31,7 @@ NAMED = {
     "inputs": "input",
     "outputs": "output",
 }
-"""The sections of a scene whose elements have names, with the noun for one element."""
+"""The sections of a scene whose elements have names, with the noun for one element; gears are in space alone."""
 
 
 @dataclass(frozen=True)

@@ -228,7 +228,43 @@ class SpatialJoint:
         Fraction | None,
         key(KeyType.POSITIVE, "Constant distance of the markers, m."),
     ] = None
+    pitch: Annotated[
+        Quantity | None,
+        key(
+            KeyType.NONZERO_QUANTITY,
+            "Displacement along z for a whole turn of the second marker about z, m; negative for left-handed threads.",
+            DEFAULT_LENGTH.unit,
+            example="0.005",
+        ),
+    ] = None
     start: Annotated[JointInitialValues, JOINT_START] = NO_JOINT_START
+
+
+@dataclass(frozen=True)
+class Gear:
+    """A constant ratio of the motions of two joints: motion of the second = ratio * motion of the first + offset."""
+
+    # The motion of a joint is that of its second marker against its first: the rotation about z (revolute, screw,
+    # cylindrical and planar joints), or the displacement along z (prismatic joints). The multiplier is the torque, or
+    # the force, that the gear exerts in the second joint; in the first one it is -ratio times that.
+    name: str
+    joints: Annotated[
+        tuple[str, str],
+        key(KeyType.JOINT_PAIR, "The two joints whose motions it couples.", example='["sun", "planet"]'),
+    ]
+    ratio: Annotated[
+        Quantity,
+        key(
+            KeyType.NONZERO_QUANTITY,
+            "Motion of the second joint for a unit motion of the first: 1, or m/rad or rad/m. Of toothed wheels write "
+            'a fraction, such as "-20/37".',
+            example='"-20/37"',
+        ),
+    ]
+    offset: Annotated[
+        Quantity,
+        key(KeyType.QUANTITY, "Motion of the second joint where that of the first is zero, rad or m."),
+    ] = Fraction(0)
 
 
 @dataclass(frozen=True)
@@ -323,6 +359,9 @@ class SpatialScene:
         tuple[SpatialJoint, ...], key(SpatialJoint, "Joints by name.", example="[joints.pin]", default=())
     ]
     drives: Annotated[tuple[Drive, ...], _OF_SCENE["drives"]] = ()
+    gears: Annotated[
+        tuple[Gear, ...], key(Gear, "Ratios of the motions of two joints by name.", example="[gears.mesh]")
+    ] = ()
     forces: Annotated[
         tuple[SpatialForce, ...], key(SpatialForce, "Forces by name.", example="[forces.load]", default=())
     ] = ()

@@ -116,6 +116,14 @@ def not_negative(value: object) -> Fraction:
     return exact
 
 
+def nonzero(value: object) -> Fraction:
+    """An exact number that is not zero."""
+    exact = number(value)
+    if exact == 0:
+        raise WrongValueError("a number is needed that is not zero")
+    return exact
+
+
 def whole(value: object) -> int:
     """A whole number, zero or more."""
     try:

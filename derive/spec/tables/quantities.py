@@ -53,9 +53,13 @@ _not_negative = _parameter(
 Number, SIGNED = _parameter(
     "SignedTable", "A number of any sign as a run-time parameter of the generated code.", values.number
 )
+_nonzero = _parameter(
+    "NonzeroTable", "A number that is not zero as a run-time parameter of the generated code.", values.nonzero
+)
 PositiveQuantity = plain_or_table(*_positive)
 NotNegativeQuantity = plain_or_table(*_not_negative)
 SignedQuantity = plain_or_table(Number, SIGNED)
+NonzeroQuantity = plain_or_table(*_nonzero)
 
 
 def quantity(value: Any, unit: str) -> Any:

@@ -24,6 +24,7 @@ from derive.spec.model.simulation import AT_REST
 from derive.spec.model.spatial_scene import (
     FlexibleBody,
     FrameMarker,
+    Gear,
     NodeFrame,
     SpatialForce,
     SpatialInitialValues,
@@ -137,7 +138,7 @@ SPATIAL_RIGID = declare(
     SpatialRigidBody, "SpatialRigidTable", keys=(*declared_keys(SpatialRigidBody), COUNT), check=_check_inertia
 )
 
-OF_KIND = ("removes", "distance")
+OF_KIND = ("removes", "distance", "pitch")
 """The fields of a joint in space that are keys of some kinds alone."""
 
 
@@ -153,6 +154,7 @@ def _joint(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SpatialJ
     return SpatialJoint("", kind, first, second, start=own["start"], **given)
 
 
+declare(Gear, "GearTable", keys=(*declared_keys(Gear), COUNT))
 declare(SpatialForce, "SpatialForceTable", keys=(*declared_keys(SpatialForce), COUNT))
 declare(SpatialTorque, "SpatialTorqueTable", keys=(*declared_keys(SpatialTorque), COUNT))
 
@@ -229,7 +231,8 @@ def _spatial_specification_table(elements: tuple[tuple[type, DeclaredTable], ...
             case _:
                 return key_field(_OF_SCENE[name], False, tables)
 
-    names = (name for name in (*SCENE, "simulation", "plots") if name in _OF_SCENE or name in _WRITTEN)
+    of_scene = (*SCENE, "gears", "simulation", "plots")
+    names = (name for name in of_scene if name in _OF_SCENE or name in _WRITTEN)
     sections: dict[str, Any] = {name: section(name) for name in names}
     doc = "A specification for Tisserand: a scene of bodies in space."
     return keyed_model("SpatialSpecificationTable", doc, (), SpecificationKeys, others=sections)

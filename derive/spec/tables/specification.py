@@ -147,7 +147,7 @@ def plots(table: Any, references: Mapping[str, Rows]) -> tuple[Plot, ...]:
 
 def scene(table: Any, references: Mapping[str, Rows]) -> Scene:
     """The scene that a table describes; `references` are the numbers of plots with a reference."""
-    sections: dict[str, Any] = {section: getattr(table, section) for section in NAMED}
+    sections: dict[str, Any] = {section: getattr(table, section) for section in NAMED if section in (*SCENE, "plots")}
     sections["drives"] = tuple(with_speed_unit(drive, table.joints) for drive in table.drives)
     sections["plots"] = plots(table, references)
     return Scene(

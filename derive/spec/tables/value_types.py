@@ -17,7 +17,15 @@ from derive.spec.model.quantity import Quantity
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.parser import MAX_LENGTH
-from derive.spec.tables.quantities import NotNegativeQuantity, Number, PositiveQuantity, SignedQuantity, Unit, quantity
+from derive.spec.tables.quantities import (
+    NonzeroQuantity,
+    NotNegativeQuantity,
+    Number,
+    PositiveQuantity,
+    SignedQuantity,
+    Unit,
+    quantity,
+)
 from derive.spec.tables.rotation import Rotation, Triple
 from derive.spec.tables.shared import MAX_MARKERS, Name, SchemaExtra, choice_type, components, few, number_schema
 from derive.spec.tables.speeds import Speed
@@ -170,6 +178,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.POSITIVE_QUANTITY: PositiveQuantity,
     KeyType.NOT_NEGATIVE_QUANTITY: NotNegativeQuantity,
     KeyType.QUANTITY: SignedQuantity,
+    KeyType.NONZERO_QUANTITY: NonzeroQuantity,
     KeyType.COORDINATES: _coordinates,
     KeyType.PLANAR_ACCELERATION: _quantities(("0", "-9.81"), ACCELERATION_UNIT),
     KeyType.ACCELERATION: _quantities(("0", "0", "-9.81"), ACCELERATION_UNIT),
@@ -218,6 +227,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.NODES: Nodes,
     KeyType.UNITS: UnitNames,
     KeyType.JOINT: _name_of,
+    KeyType.JOINT_PAIR: _pair(_name_of, ('"sun"', '"planet"'), "joints"),
     KeyType.DRIVE: _name_of,
     KeyType.SPRING: _name_of,
     KeyType.BEAM: _name_of,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
@@ -14,21 +15,21 @@ from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.parameters import spatial_parameters
 from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
+from derive.mechanics.multibody.space.constraints import lead
 from derive.mechanics.multibody.space.coordinates import free_spatial_coordinates
 from derive.mechanics.multibody.space.flexible import Flexible, ReducedBody
 from derive.mechanics.multibody.space.forces import keys_of, specified
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, fixed_frame
+from derive.mechanics.multibody.space.gears import GearInstance
 from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, minimal_spatial_coordinates
-from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
-from derive.mechanics.multibody.space.mechanism import (
-    SpatialActionInstance,
-    SpatialEliminatedJoint,
-    SpatialJointInstance,
-    SpatialMechanism,
-)
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialEliminatedJoint, SpatialJointInstance
+from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism
 from derive.mechanics.symbols import element
+from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
+
+_PITCH = next(key for key in declared_keys(SpatialJoint) if key.name == "pitch")
 
 
 def spatial_mechanism(scene: SpatialScene, reduced: Mapping[str, ReducedBody]) -> SpatialMechanism:
@@ -62,12 +63,24 @@ class _SpatialAssembly(SceneAssembly):
                 if joint.name not in self.eliminated_joints
             ),
             eliminated_joints=tuple(self.eliminated_joints.values()),
+            gears=self._gears(),
             forces=self._actions(),
             parameters=spatial_parameters(self.scene),
             constants=tuple(self.constants),
             definitions=tuple(self.definitions),
             eliminated=tuple(self.eliminated),
         )
+
+    def _gears(self) -> tuple[GearInstance, ...]:
+        """The gears with the values of their keys."""
+        keys = {key.name: key for key in declared_keys(Gear)}
+        result = []
+        for gear in self.scene.gears:
+            ratio, offset = (
+                self._value("gears", gear.name, keys[name], getattr(gear, name)) for name in ("ratio", "offset")
+            )
+            result.append(GearInstance(gear, ratio, offset))
+        return tuple(result)
 
     def _actions(self) -> tuple[SpatialActionInstance, ...]:
         """The forces, torques and springs with the values of their keys."""
@@ -99,6 +112,7 @@ class _SpatialAssembly(SceneAssembly):
             attached_to="the ground" if other.body == GROUND else other.body,
             sign=1 if own == joint.second else -1,
             drive=self.drives.get(joint.name),
+            lead=lead(joint),
         )
         return minimal_spatial_coordinates(SPATIAL_JOINTS[joint.kind], joint, support)
 
@@ -106,7 +120,10 @@ class _SpatialAssembly(SceneAssembly):
         return free_spatial_coordinates(component.name, component.body.motion)
 
     def _with_constants(self, joint: Any) -> Any:
-        return joint
+        """A joint with its pitch as an expression, if it has one."""
+        if joint.pitch is None:
+            return joint
+        return replace(joint, pitch=self._value("joints", joint.name, _PITCH, joint.pitch))
 
     def _ground(self) -> Mapping[str, FrameMotion]:
         doc = "point of the ground along e"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import reduce
 
 import sympy as sp
@@ -10,7 +11,17 @@ import sympy as sp
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
 from derive.mechanics.multibody.space.frame_motion import FrameMotion
 from derive.mechanics.multibody.space.joints import SpatialJointType
-from derive.mechanics.multibody.space.rows import COS, FIRST, LENGTH, MOTION, SECOND, SIN, RelativeFunction, derived
+from derive.mechanics.multibody.space.rows import (
+    COS,
+    FIRST,
+    LEAD,
+    LENGTH,
+    MOTION,
+    SECOND,
+    SIN,
+    RelativeFunction,
+    derived,
+)
 from derive.mechanics.quantity import rounded
 from derive.mechanics.terms import Constraint, EquationOfMotion
 from derive.spec.model.instances import identifier, joined
@@ -46,11 +57,54 @@ def row_values(
     values = FIRST.values(first) | SECOND.values(second)
     if joint.distance is not None:
         values[LENGTH] = sp.Rational(joint.distance)
+    if joint.pitch is not None:
+        values[LEAD] = lead(joint)
     if drive:
         motion = drive.motion
         values |= dict(zip(MOTION, motion, strict=True))
         values |= {COS: rounded(sp.cos(motion[0])), SIN: rounded(sp.sin(motion[0]))}
     return values
+
+
+def lead(joint: SpatialJoint) -> sp.Expr:
+    """The displacement of a screw joint for a rotation of 1 rad, m/rad; zero of other joints."""
+    return sp.S.Zero if joint.pitch is None else sp.sympify(joint.pitch) * rounded(1 / (2 * sp.pi))
+
+
+@dataclass(frozen=True)
+class RowMotion:
+    """A function of two frames as a function of coordinates: its value, its rate, and the factors of the velocities.
+
+    bias: its second derivative without accelerations. loads: what a unit multiplier exerts on the frames, a force and a
+    torque on the first, then on the second, in inertial components.
+    """
+
+    value: sp.Expr
+    rate: sp.Expr
+    bias: sp.Expr
+    factors: Mapping[str, sp.Expr]
+    loads: tuple[sp.Matrix, ...] = ()
+
+
+def row_motion(
+    joint: SpatialJoint,
+    row: RelativeFunction,
+    first: FrameMotion,
+    second: FrameMotion,
+    drive: PrescribedMotion | None,
+    rows: tuple[EquationOfMotion, ...],
+) -> RowMotion:
+    """A row of a joint, or of its drive, as a function of coordinates."""
+    values, of = row_values(joint, first, second, drive), derived(row)
+    still = {r.a: sp.S.Zero for r in rows}
+    f1, m1, f2, m2 = (vector.xreplace(values) for vector in (of.f1, of.m1, of.f2, of.m2))
+    bias = of.bias.xreplace(values)
+    for frame, force, torque in ((first, f1, m1), (second, f2, m2)):
+        pairs = ((force, frame.acceleration), (torque, frame.angular_acceleration))
+        for factors, acceleration in pairs:
+            bias += sp.Add(*(f * a.xreplace(still) for f, a in zip(factors, acceleration, strict=True)))
+    works = (dict(first.work(f1, m1)), dict(second.work(f2, m2)))
+    return RowMotion(row.g.xreplace(values), of.rate.xreplace(values), bias, reduce(_sum, works), (f1, m1, f2, m2))
 
 
 def _constraint(
@@ -63,16 +117,7 @@ def _constraint(
     drive: PrescribedMotion | None,
     rows: tuple[EquationOfMotion, ...],
 ) -> Constraint:
-    values, of = row_values(joint, first, second, drive), derived(row)
-    still = {r.a: sp.S.Zero for r in rows}
-    f1, m1, f2, m2 = (vector.xreplace(values) for vector in (of.f1, of.m1, of.f2, of.m2))
-    bias = of.bias.xreplace(values)
-    for frame, force, torque in ((first, f1, m1), (second, f2, m2)):
-        pairs = ((force, frame.acceleration), (torque, frame.angular_acceleration))
-        for factors, acceleration in pairs:
-            bias += sp.Add(*(f * a.xreplace(still) for f, a in zip(factors, acceleration, strict=True)))
-    works = (dict(first.work(f1, m1)), dict(second.work(f2, m2)))
-    factors = reduce(_sum, works)
+    motion = row_motion(joint, row, first, second, drive, rows)
     return Constraint(
         name=identifier(shown),
         shown=shown,
@@ -80,10 +125,10 @@ def _constraint(
         doc=doc,
         unit=row.unit,
         force_unit=row.force_unit,
-        position=row.g.xreplace(values),
-        rate=of.rate.xreplace(values),
-        bias=bias,
-        jacobian=tuple((r.name, factors[r.name]) for r in rows if factors.get(r.name, 0) != 0),
+        position=motion.value,
+        rate=motion.rate,
+        bias=motion.bias,
+        jacobian=tuple((r.name, motion.factors[r.name]) for r in rows if motion.factors.get(r.name, 0) != 0),
     )
 
 

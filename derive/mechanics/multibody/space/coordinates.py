@@ -50,12 +50,16 @@ def _owned_row(name: str, row: EquationOfMotion) -> EquationOfMotion:
 
 @dataclass(frozen=True)
 class JointCoordinate:
-    """A relative motion of a body behind a known marker: prescribed with its derivatives, or a coordinate."""
+    """A relative motion of a body behind a known marker: prescribed with its derivatives, or a coordinate.
+
+    along: a displacement that goes with a rotation, by this factor of it, m/rad: that of a screw.
+    """
 
     motion: str
     coordinate: Coordinate | None
     row: EquationOfMotion | None
     values: Derivatives
+    along: sp.Expr = sp.S.Zero
 
     @property
     def is_rotation(self) -> bool:
@@ -96,12 +100,12 @@ def behind_marker(
     """
     definitions: list[Intermediate] = []
     values: dict[sp.Basic, sp.Basic] = {}
-    moved = [c for c in coordinates if not c.is_rotation]
+    moved = [(c.motion, c.values) for c in coordinates if not c.is_rotation]
+    moved += [("z", _scaled(c.along, c.values)) for c in coordinates if c.along != 0]
     position, velocity, acceleration = (sp.Matrix(x) for x in (known.position, known.velocity, known.acceleration))
     A, w, wdot = sp.Matrix(known.axes), sp.Matrix(known.angular_velocity), sp.Matrix(known.angular_acceleration)
-    for c in moved:
-        s, rate, second = c.values
-        axis = A[:, AXES_OF[c.motion]]
+    for along, (s, rate, second) in moved:
+        axis = A[:, AXES_OF[along]]
         across = cross(w, axis)
         position += axis * s
         velocity += axis * rate + across * s
@@ -122,7 +126,9 @@ def behind_marker(
     for c in own:
         if c.is_rotation:
             direction = own_axes * axes[c.motion]
-            weights.append({motion.rows[3 + k].name: x for k, x in enumerate(direction) if x != 0})
+            weight = {motion.rows[3 + k].name: x for k, x in enumerate(direction) if x != 0}
+            advance = A[:, AXES_OF["z"]] * c.along
+            weights.append({**weight, **{motion.rows[k].name: x for k, x in enumerate(advance) if x != 0}})
         else:
             weights.append({motion.rows[k].name: x for k, x in enumerate(A[:, AXES_OF[c.motion]]) if x != 0})
     return CoordinateMap(
@@ -134,6 +140,11 @@ def behind_marker(
         reason,
         sp.ImmutableMatrix(attitude),
     )
+
+
+def _scaled(factor: sp.Expr, values: Derivatives) -> Derivatives:
+    position, rate, second = values
+    return factor * position, factor * rate, factor * second
 
 
 def _in_body(attitude: sp.Matrix, vector: sp.Matrix) -> sp.Matrix:

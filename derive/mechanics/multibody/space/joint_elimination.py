@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy as sp
 
@@ -28,7 +28,7 @@ class SpatialSupport:
 
     `motion` is that of the body, whose origin O is its marker of the joint; `own_axes` are the axes of this marker in
     the body, `known` is the motion of the other one, `attached_to` the text that names its body. `sign` is 1 if the
-    body is body 2 of the joint, -1 if it is body 1.
+    body is body 2 of the joint, -1 if it is body 1. `lead` is the displacement of a screw for a rotation of 1 rad.
     """
 
     body: str
@@ -38,6 +38,7 @@ class SpatialSupport:
     attached_to: str
     sign: int
     drive: PrescribedMotion | None
+    lead: sp.Expr = sp.S.Zero
 
 
 def minimal_spatial_coordinates(
@@ -61,6 +62,8 @@ def minimal_spatial_coordinates(
         rotations = _ORDER[removed][:: support.sign]
     driven = {Freedom.ROTATION: "rz", Freedom.DISPLACEMENT: "z"}[joint_type.driven] if joint_type.driven else ""
     ball = len(rotations) == len(ROTATIONS)
+    if joint_type.is_screw:
+        displacements = ()  # its displacement is a function of its rotation
     coordinates = []
     for group in (displacements, () if ball else rotations):
         for motion in group:
@@ -68,7 +71,8 @@ def minimal_spatial_coordinates(
             if support.drive and motion == driven:
                 position, rate, second = (support.sign * of for of in support.drive.motion)
                 prescribed = position, rate, second
-            coordinates.append(joint_coordinate(support.body, motion, len(group) > 1, prescribed))
+            coordinate = joint_coordinate(support.body, motion, len(group) > 1, prescribed)
+            coordinates.append(replace(coordinate, along=support.lead) if joint_type.is_screw else coordinate)
     reason = _reason(joint, support, coordinates, ball)
     if ball:
         return on_ball(support.body, support.motion, support.known, coordinates, reason)

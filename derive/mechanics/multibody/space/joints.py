@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
+from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
 from derive.mechanics.multibody.space.rows import (
+    DISPLACEMENTS,
     DISTANCE,
     DRIVEN_DISPLACEMENT,
     DRIVEN_ROTATION,
     RELATIVE_MOTIONS,
+    SCREW,
+    TURN,
     RelativeFunction,
     masked,
 )
 from derive.registry import Registry
 from derive.spec.model.keys import Key, declared_keys
+from derive.spec.model.markers import MarkerRef
 from derive.spec.model.spatial_scene import SpatialJoint
 
 _KEYS = {key.name: key for key in declared_keys(SpatialJoint)}
@@ -36,6 +41,11 @@ class Freedom(Enum):
         """The row by which a drive prescribes it."""
         return DRIVEN_ROTATION if self is Freedom.ROTATION else DRIVEN_DISPLACEMENT
 
+    @property
+    def motion(self) -> RelativeFunction:
+        """The relative motion itself, a rotation from -pi to pi."""
+        return TURN if self is Freedom.ROTATION else DISPLACEMENTS["z"]
+
 
 @dataclass(frozen=True)
 class SpatialJointType:
@@ -43,18 +53,23 @@ class SpatialJointType:
 
     doc: its function, in a clause. removes: the relative motions that vanish; None of a joint whose table says so.
     driven: the relative motion that a drive may prescribe. keeps_distance: whether the distance of the markers is what
-    it keeps.
+    it keeps. is_screw: whether the displacement along z is proportional to the rotation about it.
     """
 
     doc: str
     removes: tuple[str, ...] | None
     driven: Freedom | None = None
     keeps_distance: bool = False
+    is_screw: bool = False
 
     @property
     def keys(self) -> tuple[Key, ...]:
         """The keys of the table of a joint besides `kind`, `between` and `start`."""
-        return (*((_KEYS["removes"],) if self.removes is None else ()), *((_KEYS["distance"],) * self.keeps_distance))
+        return (
+            *((_KEYS["removes"],) if self.removes is None else ()),
+            *((_KEYS["distance"],) * self.keeps_distance),
+            *((replace(_KEYS["pitch"], required=True),) * self.is_screw),
+        )
 
     def removed(self, joint: SpatialJoint) -> tuple[str, ...]:
         """The relative motions that a joint of this type removes, in their order."""
@@ -68,7 +83,18 @@ class SpatialJointType:
 
     def rows(self, joint: SpatialJoint) -> tuple[RelativeFunction, ...]:
         """The rows that vanish."""
-        return (DISTANCE,) if self.keeps_distance else masked(self.removed(joint))
+        if self.keeps_distance:
+            return (DISTANCE,)
+        return (*masked(self.removed(joint)), *((SCREW,) * self.is_screw))
+
+    def coupled(self, joint: SpatialJoint) -> Freedom | None:
+        """The relative motion of a joint that a gear couples to that of another one, if there is one."""
+        return self.couples(self.removed(joint))
+
+    def couples(self, removed: tuple[str, ...]) -> Freedom | None:
+        """The motion that a gear couples where these are removed: a rotation about z wherever z axes are parallel."""
+        turns = "rz" not in removed and {"rx", "ry"} <= {*removed}
+        return Freedom.ROTATION if turns else self.driven
 
 
 _POINT = ("x", "y", "z")
@@ -78,6 +104,12 @@ SPATIAL_JOINTS: Registry[SpatialJointType] = Registry(
     {
         "fixed": SpatialJointType("the frames coincide", (*_POINT, "rx", "ry", "rz")),
         "revolute": SpatialJointType("rotation about z", (*_POINT, "rx", "ry"), Freedom.ROTATION),
+        "screw": SpatialJointType(
+            "rotation about z, and displacement along it by the pitch for each turn",
+            ("x", "y", "rx", "ry"),
+            Freedom.ROTATION,
+            is_screw=True,
+        ),
         "prismatic": SpatialJointType("displacement along z", ("x", "y", "rx", "ry", "rz"), Freedom.DISPLACEMENT),
         "cylindrical": SpatialJointType("displacement along and rotation about z", ("x", "y", "rx", "ry")),
         "universal": SpatialJointType(
@@ -90,3 +122,42 @@ SPATIAL_JOINTS: Registry[SpatialJointType] = Registry(
         "general": SpatialJointType("`removes` lists the relative motions that vanish", None),
     },
 )
+
+
+@dataclass(frozen=True)
+class SpatialJointInstance:
+    """A joint that is a constraint: its markers are on instances or on the ground."""
+
+    joint: SpatialJoint
+    type: SpatialJointType
+    drive: PrescribedMotion | None
+
+    @property
+    def rows(self) -> tuple[RelativeFunction, ...]:
+        """The rows that vanish, that of the drive behind those of the joint."""
+        driven = self.type.driven if self.drive else None
+        return (*self.type.rows(self.joint), *((driven.row,) if driven else ()))
+
+    @property
+    def multipliers(self) -> int:
+        """The number of constraints, one for each row that the joint removes and one for its drive."""
+        return len(self.rows)
+
+
+@dataclass(frozen=True)
+class SpatialEliminatedJoint:
+    """A joint that has eliminated coordinates of the body it supports, and is no constraint.
+
+    `own` is the marker on that body, `known` the other one, whose motion is known.
+    """
+
+    joint: SpatialJoint
+    type: SpatialJointType
+    drive: PrescribedMotion | None
+    own: MarkerRef
+    known: MarkerRef
+
+    @property
+    def sign(self) -> int:
+        """1 if the body that it supports is body 2 of the joint, -1 if it is body 1."""
+        return 1 if self.own == self.joint.second else -1

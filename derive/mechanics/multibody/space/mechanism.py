@@ -15,7 +15,6 @@ from derive.mechanics.expansion import mass_matrix
 from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
-from derive.mechanics.multibody.joints.joint_type import PrescribedMotion
 from derive.mechanics.multibody.kinds import BodyInstance, BodyKind
 from derive.mechanics.multibody.mechanism import (
     carried,
@@ -32,9 +31,11 @@ from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.multibody.space.constraints import row_values, spatial_constraints
 from derive.mechanics.multibody.space.forces import MarkerLoad, loads_of
 from derive.mechanics.multibody.space.frame_motion import FrameMotion
-from derive.mechanics.multibody.space.joints import SpatialJointType
+from derive.mechanics.multibody.space.gears import GearInstance, gear_constraint, gear_loads
+from derive.mechanics.multibody.space.joint_motion import JointMotion, joint_motion
+from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.outputs import SpatialParts, spatial_output_equations
-from derive.mechanics.multibody.space.rows import RelativeFunction, derived
+from derive.mechanics.multibody.space.rows import derived
 from derive.mechanics.terms import (
     Constraint,
     Coordinate,
@@ -47,41 +48,7 @@ from derive.mechanics.terms import (
 )
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene_functions import splines
-from derive.spec.model.spatial_scene import SpatialAction, SpatialJoint, SpatialScene
-
-
-@dataclass(frozen=True)
-class SpatialJointInstance:
-    """A joint that is a constraint: its markers are on instances or on the ground."""
-
-    joint: SpatialJoint
-    type: SpatialJointType
-    drive: PrescribedMotion | None
-
-    @property
-    def rows(self) -> tuple[RelativeFunction, ...]:
-        """The rows that vanish, that of the drive behind those of the joint."""
-        driven = self.type.driven if self.drive else None
-        return (*self.type.rows(self.joint), *((driven.row,) if driven else ()))
-
-    @property
-    def multipliers(self) -> int:
-        """The number of constraints, one for each row that the joint removes and one for its drive."""
-        return len(self.rows)
-
-
-@dataclass(frozen=True)
-class SpatialEliminatedJoint:
-    """A joint that has eliminated coordinates of the body it supports, and is no constraint.
-
-    `own` is the marker on that body, `known` the other one, whose motion is known.
-    """
-
-    joint: SpatialJoint
-    type: SpatialJointType
-    drive: PrescribedMotion | None
-    own: MarkerRef
-    known: MarkerRef
+from derive.spec.model.spatial_scene import SpatialAction, SpatialScene
 
 
 @dataclass(frozen=True)
@@ -106,6 +73,7 @@ class SpatialMechanism:
     ground: Mapping[str, FrameMotion]
     joints: tuple[SpatialJointInstance, ...]
     eliminated_joints: tuple[SpatialEliminatedJoint, ...]
+    gears: tuple[GearInstance, ...]
     forces: tuple[SpatialActionInstance, ...]
     parameters: tuple[ParameterSymbol, ...]
     constants: tuple[ModelConstant, ...]
@@ -148,7 +116,8 @@ class SpatialMechanism:
             names = [instance.name for instance in self.instances if instance.kind == number]
             lines.append(f"  kind {number + 1} of body, {len(kind.motion.alpha)} shapes: {', '.join(names)}")
         joints = (f"{j.joint.name} ({j.joint.kind}{', driven' if j.drive else ''})" for j in self.joints)
-        lines.append(f"  constraints: {', '.join(joints) or 'none'}")
+        gears = (f"{g.gear.name} (gear)" for g in self.gears)
+        lines.append(f"  constraints: {', '.join((*joints, *gears)) or 'none'}")
         lines += [f"  {e.what}: {e.reason}" for e in self.eliminated]
         return "\n".join([*lines, "  the equations, one row for each velocity: print(mechanism.expanded())"])
 
@@ -166,6 +135,14 @@ def _expanded(mechanism: SpatialMechanism) -> Equations:
         for j in mechanism.joints
         for condition in spatial_constraints(j.joint, j.type, at(j.joint.first), at(j.joint.second), j.drive, rows)
     )
+    of_name = {instance.name: instance for instance in mechanism.instances}
+    joints: dict[str, SpatialJointInstance | SpatialEliminatedJoint] = {j.joint.name: j for j in mechanism.joints}
+    joints |= {j.joint.name: j for j in mechanism.eliminated_joints}
+
+    def motion(joint: str) -> JointMotion:
+        return joint_motion(joints[joint], at, of_name, rows)
+
+    conditions += tuple(gear_constraint(gear, motion, rows) for gear in mechanism.gears)
     refuse_idle(conditions, scene.redundant)
     actions = tuple(loads_of(f.element, tuple(map(at, f.element.markers)), f.values) for f in mechanism.forces)
     in_order = [instances[name].definitions for name in mechanism.order]
@@ -187,6 +164,14 @@ def _expanded(mechanism: SpatialMechanism) -> Equations:
         actions=actions,
         joint_loads=_joint_loads(mechanism, conditions, at),
         supports={j.joint.name: j.own for j in mechanism.eliminated_joints},
+        motion=motion,
+        gear_loads=tuple(
+            load
+            for gear in mechanism.gears
+            for condition in conditions
+            if condition.section == "gears" and condition.of == gear.gear.name
+            for load in gear_loads(gear, condition.multiplier, motion)
+        ),
     )
     of_bodies = [b for b in bodies if b.rows]
     kinetic, strain, weight = (summed(b.energies[k] for b in of_bodies) for k in range(3))
@@ -226,7 +211,7 @@ def _joint_loads(
     """The loads of each joint that is a constraint, with its drive, on both bodies, in terms of its multipliers."""
     result: dict[str, tuple[MarkerLoad, ...]] = {}
     for j in mechanism.joints:
-        own = [c for c in conditions if c.of == j.joint.name]
+        own = [c for c in conditions if c.section == "joints" and c.of == j.joint.name]
         values = row_values(j.joint, at(j.joint.first), at(j.joint.second), j.drive)
         totals = [sp.zeros(3, 1) for _ in range(4)]
         for row, condition in zip(j.rows, own, strict=True):

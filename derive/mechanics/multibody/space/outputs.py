@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
@@ -11,9 +11,8 @@ import sympy as sp
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.space.forces import ActionLoads, MarkerLoad, moved_to
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, dot
-from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
+from derive.mechanics.multibody.space.joint_motion import JointMotion
 from derive.mechanics.terms import OutputEquation
-from derive.mechanics.time_functions import Atan2
 from derive.registry import Registry
 from derive.spec.model.instances import identifier, joined
 from derive.spec.model.keys import Key, KeyType
@@ -29,7 +28,8 @@ class SpatialParts:
     """The sources of outputs: the scene, its frames and instances, and the loads of actions and joints.
 
     joint_loads: of each joint that is a constraint, its multipliers as loads on both bodies. supports: of each joint
-    that has eliminated coordinates, the marker of the body that it supports.
+    that has eliminated coordinates, the marker of the body that it supports. motion: that of a joint by its name.
+    gear_loads: those of all gears.
     """
 
     scene: SpatialScene
@@ -37,7 +37,9 @@ class SpatialParts:
     instances: Mapping[str, InstanceEquations]
     actions: tuple[ActionLoads, ...]
     joint_loads: Mapping[str, tuple[MarkerLoad, ...]]
-    supports: Mapping[str, MarkerRef] = field(default_factory=dict)
+    supports: Mapping[str, MarkerRef]
+    motion: Callable[[str], JointMotion]
+    gear_loads: tuple[MarkerLoad, ...]
 
     def joint(self, name: str) -> SpatialJoint:
         """A joint by its name."""
@@ -64,7 +66,8 @@ class SpatialParts:
         instance, about = self.instances[own.body], sp.Matrix(self.at(own).position)
         force = sp.Matrix(instance.free_residual[:3])
         torque = sp.Matrix(self.at(own).frame) * sp.Matrix(instance.free_residual[3:6])
-        every = [load for of in (*(a.loads for a in self.actions), *self.joint_loads.values()) for load in of]
+        of_elements = (*(a.loads for a in self.actions), *self.joint_loads.values(), self.gear_loads)
+        every = [load for of in of_elements for load in of]
         for other, marker in self.supports.items():
             joint = self.joint(other)
             known = joint.first if marker == joint.second else joint.second
@@ -96,12 +99,16 @@ class SpatialComponent:
 
 @dataclass(frozen=True)
 class SpatialOutputType:
-    """A kind of output in space: a description, the keys of its table, the labels, and the components."""
+    """A kind of output in space: a description, the keys of its table, the labels, and the components.
+
+    of_motion: whether it shows the motion of a joint, which not all joints have.
+    """
 
     doc: str
     keys: tuple[Key, ...]
     labels: tuple[str, ...]
     components: Callable[[Mapping[str, Any], SpatialParts], tuple[SpatialComponent, ...]]
+    of_motion: bool = False
 
 
 MARKER = Key("marker", KeyType.MARKER, "", 'The marker, such as "rod.right".', required=True)
@@ -121,33 +128,17 @@ def _vector(name: str, unit: str, text: str) -> SpatialOutputType:
 
 
 def _joint_coordinate(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
-    joint, freedom, first, second = _frames(values, parts)
-    if freedom is Freedom.ROTATION:
-        x2 = second.axes[:, 0]
-        expr = Atan2(dot(first.axes[:, 1], x2), dot(first.axes[:, 0], x2))
-    else:
-        expr = dot(first.axes[:, 2], second.position - first.position)
-    return (SpatialComponent("", freedom.unit, f"relative motion in joint {joint}, a rotation from -pi to pi", expr),)
+    joint = values["joint"]
+    of = parts.motion(joint)
+    doc = f"relative motion in joint {joint}" + ("" if of.counted else ", a rotation from -pi to pi")
+    return (SpatialComponent("", of.freedom.unit, doc, of.motion.value),)
 
 
 def _joint_speed(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
-    joint, freedom, first, second = _frames(values, parts)
-    axis = first.axes[:, 2]
-    if freedom is Freedom.ROTATION:
-        expr = dot(axis, second.angular_velocity - first.angular_velocity)
-    else:
-        d, rate = second.position - first.position, second.velocity - first.velocity
-        w = first.angular_velocity
-        turned = sp.Matrix([w[1] * d[2] - w[2] * d[1], w[2] * d[0] - w[0] * d[2], w[0] * d[1] - w[1] * d[0]])
-        expr = dot(axis, rate - turned)
-    return (SpatialComponent("", f"{freedom.unit}/s", f"rate of the relative motion in joint {joint}", expr),)
-
-
-def _frames(values: Mapping[str, Any], parts: SpatialParts) -> tuple[str, Freedom, FrameMotion, FrameMotion]:
-    joint = parts.joint(values["joint"])
-    freedom = SPATIAL_JOINTS[joint.kind].driven
-    assert freedom is not None, "the specification refuses other joints"
-    return joint.name, freedom, parts.at(joint.first), parts.at(joint.second)
+    joint = values["joint"]
+    of = parts.motion(joint)
+    doc = f"rate of the relative motion in joint {joint}"
+    return (SpatialComponent("", f"{of.freedom.unit}/s", doc, of.motion.rate),)
 
 
 def _distance(values: Mapping[str, Any], parts: SpatialParts) -> tuple[SpatialComponent, ...]:
@@ -185,9 +176,13 @@ SPATIAL_OUTPUTS: Registry[SpatialOutputType] = Registry(
         "acceleration": _vector("acceleration", "m/s^2", "acceleration"),
         "angular_velocity": _vector("angular_velocity", "rad/s", "angular velocity"),
         "joint": SpatialOutputType(
-            "rotation of a revolute or displacement of a prismatic joint", (JOINT,), ("",), _joint_coordinate
+            "rotation about z of a joint with parallel z axes, or displacement of a prismatic one",
+            (JOINT,),
+            ("",),
+            _joint_coordinate,
+            of_motion=True,
         ),
-        "joint_speed": SpatialOutputType("rate of that motion", (JOINT,), ("",), _joint_speed),
+        "joint_speed": SpatialOutputType("rate of that motion", (JOINT,), ("",), _joint_speed, of_motion=True),
         "distance": SpatialOutputType("distance of two markers", (BETWEEN_MARKERS,), ("",), _distance),
         "energy": SpatialOutputType(
             "kinetic, strain (with springs), gravitational and total energy",

@@ -15,6 +15,7 @@ import sympy as sp
 
 from derive.mechanics.motion.spatial import skew
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, dot
+from derive.mechanics.time_functions import Atan2, Wrapped
 
 
 def _dummies(label: str, rows: int, columns: int = 1) -> sp.Matrix:
@@ -58,6 +59,8 @@ COS, SIN = sp.Dummy("cos_motion"), sp.Dummy("sin_motion")
 """The prescribed motion of a drive with its derivatives, its cosine and its sine."""
 LENGTH = sp.Dummy("length")
 """The distance of a joint that keeps one."""
+LEAD = sp.Dummy("lead")
+"""The displacement along z of a screw joint for a rotation of 1 rad about it, m/rad."""
 
 
 @dataclass(frozen=True)
@@ -173,6 +176,14 @@ def masked(removes: tuple[str, ...]) -> tuple[RelativeFunction, ...]:
 DISTANCE = RelativeFunction(
     "distance", "{markers} keep their distance", "m", "N", (dot(_D, _D) - LENGTH**2) / (2 * LENGTH)
 )
+
+TURN = RelativeFunction("turn", "", "rad", "N m", Atan2(dot(_Y1, _X2), dot(_X1, _X2)))
+"""The rotation about z from -pi to pi: the angle of x of the second marker in the plane of x and y of the first."""
+
+SCREW = RelativeFunction(
+    "screw", "{markers} move along z by the pitch for each turn", "m", "N", Wrapped(dot(_Z1, _D) - LEAD * TURN.g, LEAD)
+)
+"""The displacement along z less that of the rotation about z, modulo the pitch: the displacement counts the turns."""
 
 DRIVEN_ROTATION = RelativeFunction(
     "turn", "drive {drive} turns {second}", "rad", "N m", dot(_Y1, _X2) * COS - dot(_X1, _X2) * SIN

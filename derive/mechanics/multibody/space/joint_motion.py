@@ -1,0 +1,78 @@
+"""The motion of a joint in space that gears couple and outputs show: a coordinate, that of a drive, or a function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive.mechanics.multibody.kinds import BodyInstance
+from derive.mechanics.multibody.space.constraints import RowMotion, row_motion
+from derive.mechanics.multibody.space.forces import MarkerLoad
+from derive.mechanics.multibody.space.frame_motion import FrameMotion
+from derive.mechanics.multibody.space.joints import Freedom, SpatialEliminatedJoint, SpatialJointInstance
+from derive.mechanics.symbols import Family, identity
+from derive.mechanics.terms import EquationOfMotion
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.spatial_scene import SpatialJoint
+
+NONE = sp.zeros(3, 1)
+Rows = tuple[EquationOfMotion, ...]
+At = Callable[[MarkerRef], FrameMotion]
+
+
+@dataclass(frozen=True)
+class JointMotion:
+    """The motion of a joint, which a gear couples: its value with the derivatives, and whether it counts turns.
+
+    loads: those of a unit torque about, or of a unit force along, the axis of the joint on both of its bodies.
+    """
+
+    freedom: Freedom
+    motion: RowMotion
+    counted: bool
+    loads: tuple[MarkerLoad, MarkerLoad]
+
+
+def joint_motion(
+    joint: SpatialJointInstance | SpatialEliminatedJoint, at: At, instances: Mapping[str, BodyInstance], rows: Rows
+) -> JointMotion:
+    """The motion of the second marker of a joint against the first: a coordinate, that of a drive, or a function."""
+    freedom = joint.type.coupled(joint.joint)
+    assert freedom is not None, "the specification refuses other joints"
+    loads = _unit_loads(joint, at)
+    match joint:
+        case SpatialEliminatedJoint():
+            return JointMotion(freedom, _of_coordinate(joint, freedom, instances), True, loads)
+        case SpatialJointInstance():
+            first, second = at(joint.joint.first), at(joint.joint.second)
+            motion = row_motion(joint.joint, freedom.motion, first, second, None, rows)
+            return JointMotion(freedom, motion, freedom is Freedom.DISPLACEMENT, loads)
+
+
+def _of_coordinate(joint: SpatialEliminatedJoint, freedom: Freedom, instances: Mapping[str, BodyInstance]) -> RowMotion:
+    """The motion of a joint that has eliminated coordinates: of body 2 against body 1, whichever it supports."""
+    sign = joint.sign
+    if joint.drive:
+        position, rate, second = (sp.sympify(of) for of in joint.drive.motion)
+        return RowMotion(position, rate, second, {})
+    family = Family.ANGLE if freedom is Freedom.ROTATION else Family.GUIDE
+    own = instances[joint.own.body].coordinates
+    (number,) = (i for i, c in enumerate(own.coordinates) if identity(c.q).family is family)
+    row = own.rows[number]
+    return RowMotion(sign * own.coordinates[number].q, sign * row.v, sp.S.Zero, {row.name: sp.Integer(sign)})
+
+
+def _unit_loads(joint: SpatialJointInstance | SpatialEliminatedJoint, at: At) -> tuple[MarkerLoad, MarkerLoad]:
+    """The loads of a unit multiplier of the motion of a joint on its two bodies."""
+    of: SpatialJoint = joint.joint
+    first, second = at(of.first), at(of.second)
+    freedom = joint.type.coupled(of)
+    assert freedom is not None, "the specification refuses other joints"
+    if isinstance(joint, SpatialEliminatedJoint) and freedom is Freedom.ROTATION:
+        axis = sp.Matrix(first.axes[:, 2])  # that of the second marker as well
+        return MarkerLoad(of.first, NONE, -axis), MarkerLoad(of.second, NONE, axis)
+    motion = row_motion(of, freedom.motion, first, second, None, ())
+    f1, m1, f2, m2 = motion.loads
+    return MarkerLoad(of.first, f1, m1), MarkerLoad(of.second, f2, m2)
