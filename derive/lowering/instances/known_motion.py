@@ -19,9 +19,10 @@ from derive.lowering.flat.sensitivities import by_parameters_and_inputs, derivat
 from derive.lowering.instances.varying_joints import prescribed_alone, varies
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.constraints import constraints
+from derive.mechanics.multibody.gathering import functions_of_time
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.kinds import ForceInstance, JointInstance
-from derive.mechanics.multibody.mechanism import Mechanism, functions_of_time, pose
+from derive.mechanics.multibody.mechanism import Mechanism, pose
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
 from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.symbols import local, t

@@ -18,7 +18,8 @@ from derive.lowering.instances.markers import Markers
 from derive.lowering.instances.sensitivities import parameter_jacobian
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.symbol_variables import symbol_variable
-from derive.mechanics.multibody.mechanism import Mechanism, refuse_equal_names, refuse_idle
+from derive.mechanics.multibody.gathering import refuse_equal_names, refuse_idle
+from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.mechanism_text import frame_doc, mechanism_doc
 
 FUNCTIONS: Mapping[FunctionKind, Callable[[InstanceContext, ModelFunction], Kernel]] = {

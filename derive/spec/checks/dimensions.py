@@ -51,9 +51,9 @@ def vectors(data: Mapping[str, object]) -> Iterator[tuple[KeyPath, int]]:
     for path, value in _values(data):
         if isinstance(value, (list, tuple)) and len(value) in (PLANE, SPACE):
             yield path, len(value)
-        elif isinstance(value, (list, tuple)) and path[-1] in (*IN_SPACE, "inertia"):
-            yield path, SPACE
-        elif isinstance(value, Mapping) and path[-1] in IN_SPACE:
+            continue
+        telling = {"inertia": (list, tuple)} | dict.fromkeys(IN_SPACE, (list, tuple, Mapping))
+        if isinstance(value, telling.get(str(path[-1]), ())):
             yield path, SPACE
 
 

@@ -2,32 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import chain
 from typing import Any
 
 import sympy as sp
 
 from derive.mechanics.equations import Equations
-from derive.mechanics.expansion import mass_matrix
 from derive.mechanics.multibody.bodies.body_type import ComponentDamping
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
-from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
-from derive.mechanics.multibody.kinds import BodyInstance, BodyKind
-from derive.mechanics.multibody.mechanism import (
-    carried,
-    constants_of_scene,
-    depends,
-    functions_of_time,
-    markers_of_scene,
-    moving_symbols,
-    refuse_equal_names,
-    refuse_idle,
-)
+from derive.mechanics.multibody.gathering import Gathered, InstancesOfKinds, equations_of_mechanism, refuse_idle
+from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES, count_text
-from derive.mechanics.multibody.ports import input_symbols
 from derive.mechanics.multibody.space.constraints import row_values, spatial_constraints
 from derive.mechanics.multibody.space.forces import MarkerLoad, loads_of
 from derive.mechanics.multibody.space.frame_motion import FrameMotion
@@ -39,15 +25,10 @@ from derive.mechanics.multibody.space.rows import derived
 from derive.mechanics.terms import (
     Constraint,
     Coordinate,
-    Eliminated,
     EquationOfMotion,
-    Intermediate,
-    ModelConstant,
-    ParameterSymbol,
     SpatialPose,
 )
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.scene_functions import splines
 from derive.spec.model.spatial_scene import SpatialAction, SpatialScene
 
 
@@ -60,149 +41,79 @@ class SpatialActionInstance:
 
 
 @dataclass(frozen=True)
-class SpatialMechanism:
+class SpatialMechanism(InstancesOfKinds):
     """The kinds, instances, joints and forces of a scene in space. `expanded()` returns the equations of all of them.
 
     The fields are those of a planar mechanism; `ground` are the marker frames of the inertial frame.
     """
 
     scene: SpatialScene
-    kinds: tuple[BodyKind, ...]
-    instances: tuple[BodyInstance, ...]
-    order: tuple[str, ...]
     ground: Mapping[str, FrameMotion]
     joints: tuple[SpatialJointInstance, ...]
     eliminated_joints: tuple[SpatialEliminatedJoint, ...]
     gears: tuple[GearInstance, ...]
     forces: tuple[SpatialActionInstance, ...]
-    parameters: tuple[ParameterSymbol, ...]
-    constants: tuple[ModelConstant, ...]
-    definitions: tuple[Intermediate, ...]
-    eliminated: tuple[Eliminated, ...]
 
     @property
     def dampings(self) -> tuple[ComponentDamping, ...]:
         """Damping between components of a body: none, since no body in space has several."""
         return ()
 
-    @property
-    def coordinates(self) -> tuple[Coordinate, ...]:
-        """The coordinates of all instances."""
-        return tuple(c for instance in self.instances for c in instance.coordinates.coordinates)
-
-    @property
-    def rows(self) -> tuple[EquationOfMotion, ...]:
-        """The equations of motion of all instances."""
-        return tuple(row for instance in self.instances for row in instance.coordinates.rows)
-
-    def instance(self, name: str) -> BodyInstance:
-        """An instance by its name."""
-        return next(instance for instance in self.instances if instance.name == name)
-
-    def expanded(self) -> Equations:
-        """The equations of motion without reference to kinds: each instance has rows of its own.
-
-        Raises SpecError where a constraint has no coordinate that could meet it, or where two names meet.
-        """
-        return self._expanded
-
-    @cached_property
-    def _expanded(self) -> Equations:
-        return _expanded(self)
-
     def __str__(self) -> str:
-        lines = [f"mechanism in space {self.scene.name}"]
-        for number, kind in enumerate(self.kinds):
-            names = [instance.name for instance in self.instances if instance.kind == number]
-            lines.append(f"  kind {number + 1} of body, {len(kind.motion.alpha)} shapes: {', '.join(names)}")
         joints = (f"{j.joint.name} ({j.joint.kind}{', driven' if j.drive else ''})" for j in self.joints)
         gears = (f"{g.gear.name} (gear)" for g in self.gears)
-        lines.append(f"  constraints: {', '.join((*joints, *gears)) or 'none'}")
-        lines += [f"  {e.what}: {e.reason}" for e in self.eliminated]
-        return "\n".join([*lines, "  the equations, one row for each velocity: print(mechanism.expanded())"])
+        return self.summary("mechanism in space", {"constraints": [*joints, *gears]})
 
+    def _equations(self) -> Equations:
+        instances = self.equations_of_instances()
+        frames = {GROUND: self.ground, **{name: instance.frames for name, instance in instances.items()}}
+        scene, rows = self.scene, self.rows
 
-def _expanded(mechanism: SpatialMechanism) -> Equations:
-    instances = _instances(mechanism)
-    frames = {GROUND: mechanism.ground, **{name: instance.frames for name, instance in instances.items()}}
-    scene, rows, coordinates = mechanism.scene, mechanism.rows, mechanism.coordinates
+        def at(marker: MarkerRef) -> FrameMotion:
+            return frames[marker.body][marker.marker]
 
-    def at(marker: MarkerRef) -> FrameMotion:
-        return frames[marker.body][marker.marker]
+        conditions = tuple(
+            condition
+            for j in self.joints
+            for condition in spatial_constraints(j.joint, j.type, at(j.joint.first), at(j.joint.second), j.drive, rows)
+        )
+        of_name = {instance.name: instance for instance in self.instances}
+        joints: dict[str, SpatialJointInstance | SpatialEliminatedJoint] = {j.joint.name: j for j in self.joints}
+        joints |= {j.joint.name: j for j in self.eliminated_joints}
 
-    conditions = tuple(
-        condition
-        for j in mechanism.joints
-        for condition in spatial_constraints(j.joint, j.type, at(j.joint.first), at(j.joint.second), j.drive, rows)
-    )
-    of_name = {instance.name: instance for instance in mechanism.instances}
-    joints: dict[str, SpatialJointInstance | SpatialEliminatedJoint] = {j.joint.name: j for j in mechanism.joints}
-    joints |= {j.joint.name: j for j in mechanism.eliminated_joints}
+        def motion(joint: str) -> JointMotion:
+            return joint_motion(joints[joint], at, of_name, rows)
 
-    def motion(joint: str) -> JointMotion:
-        return joint_motion(joints[joint], at, of_name, rows)
-
-    conditions += tuple(gear_constraint(gear, motion, rows) for gear in mechanism.gears)
-    refuse_idle(conditions, scene.redundant)
-    actions = tuple(loads_of(f.element, tuple(map(at, f.element.markers)), f.values) for f in mechanism.forces)
-    in_order = [instances[name].definitions for name in mechanism.order]
-    definitions = tuple(chain(mechanism.definitions, *in_order, *(action.definitions for action in actions)))
-    bodies, inputs = list(instances.values()), input_symbols(scene)
-    moving = moving_symbols(definitions, inputs)
-    coefficients = constants_of_scene(mechanism.parameters, mechanism.constants, (b.coefficients for b in bodies))
-    refuse_equal_names(rows, conditions, coefficients, definitions)
-
-    def summed(of: Iterable[sp.Expr]) -> sp.Expr:
-        """The sum of the expressions without explicit time dependence; a prescribed motion supplies energy."""
-        return sp.Add(*(e for e in of if not e.free_symbols & moving))
-
-    terms = (*chain.from_iterable(b.terms for b in bodies), *chain.from_iterable(a.terms(at, rows) for a in actions))
-    parts = SpatialParts(
-        scene=scene,
-        at=at,
-        instances=instances,
-        actions=actions,
-        joint_loads=_joint_loads(mechanism, conditions, at),
-        supports={j.joint.name: j.own for j in mechanism.eliminated_joints},
-        motion=motion,
-        gear_loads=tuple(
-            load
-            for gear in mechanism.gears
-            for condition in conditions
-            if condition.section == "gears" and condition.of == gear.gear.name
-            for load in gear_loads(gear, condition.multiplier, motion)
-        ),
-    )
-    of_bodies = [b for b in bodies if b.rows]
-    kinetic, strain, weight = (summed(b.energies[k] for b in of_bodies) for k in range(3))
-    number = {row.name: i for i, row in enumerate(rows)}
-    return Equations(
-        name=scene.name,
-        doc=_doc(scene, coordinates, rows, conditions),
-        frame_doc=f"For several bodies {BETWEEN_BODIES}.",
-        coordinates=coordinates,
-        rows=rows,
-        rates=tuple(rate for b in bodies for rate in b.rates),
-        parameters=mechanism.parameters,
-        splines=splines(functions_of_time(scene)),
-        coefficients=coefficients,
-        definitions=definitions,
-        terms=terms,
-        vanished=tuple(v for b in bodies for v in b.vanished),
-        mass=mass_matrix(rows, terms),
-        mass_zeros=tuple((number[i], number[j], why) for b in bodies for i, j, why in b.mass_zeros),
-        kinetic_energy=kinetic,
-        strain_energy=strain + summed(action.potential for action in actions),
-        weight_energy=weight if scene.gravity else None,
-        linear_momentum=tuple(summed(b.linear[k] for b in of_bodies) for k in range(3)),
-        angular_momentum=tuple(summed(b.angular[k] for b in of_bodies) for k in range(3)),
-        markers=tuple(m for m in markers_of_scene(bodies) if not depends(m.definitions, m.position, moving)),
-        constraints=conditions,
-        inputs=inputs,
-        outputs=spatial_output_equations(scene.outputs, parts),
-        poses=tuple(_pose(name, instance) for name, instance in instances.items()),
-        eliminated=(*mechanism.eliminated, *carried(instances, moving)),
-    )
+        conditions += tuple(gear_constraint(gear, motion, rows) for gear in self.gears)
+        refuse_idle(conditions, scene.redundant)
+        actions = tuple(loads_of(f.element, tuple(map(at, f.element.markers)), f.values) for f in self.forces)
+        parts = SpatialParts(
+            scene=scene,
+            at=at,
+            instances=instances,
+            actions=actions,
+            joint_loads=_joint_loads(self, conditions, at),
+            supports={j.joint.name: j.own for j in self.eliminated_joints},
+            motion=motion,
+            gear_loads=tuple(
+                load
+                for gear in self.gears
+                for condition in conditions
+                if condition.section == "gears" and condition.of == gear.gear.name
+                for load in gear_loads(gear, condition.multiplier, motion)
+            ),
+        )
+        contributions = Gathered(
+            doc=_doc(scene, self.coordinates, rows, conditions),
+            frame_doc=f"For several bodies {BETWEEN_BODIES}.",
+            conditions=conditions,
+            terms=tuple(term for action in actions for term in action.terms(at, rows)),
+            potentials=tuple(action.potential for action in actions),
+            definitions=tuple(definition for action in actions for definition in action.definitions),
+            outputs=spatial_output_equations(scene.outputs, parts),
+            poses=tuple(_pose(name, instance) for name, instance in instances.items()),
+        )
+        return equations_of_mechanism(self, instances, contributions)
 
 
 def _joint_loads(
@@ -221,13 +132,6 @@ def _joint_loads(
         f1, m1, f2, m2 = totals
         result[j.joint.name] = (MarkerLoad(j.joint.first, f1, m1), MarkerLoad(j.joint.second, f2, m2))
     return result
-
-
-def _instances(mechanism: SpatialMechanism) -> Mapping[str, InstanceEquations]:
-    return {
-        instance.name: instance_equations(instance, mechanism.kinds[instance.kind], False)
-        for instance in mechanism.instances
-    }
 
 
 def _pose(name: str, instance: InstanceEquations) -> SpatialPose:
