@@ -166,13 +166,16 @@ def mapped(expr: Expr, leaf: Callable[[Leaf], Expr]) -> Expr:
 
 def walk(expr: Expr) -> list[Expr]:
     """An expression and all its parts, operands first."""
-    waiting, parts = [expr], list[Expr]()
-    while waiting:  # each operation before its operands, the last of which is first: the order is turned round
-        part = waiting.pop()
-        parts.append(part)
-        if isinstance(part, Operation):
-            waiting.extend(part.args)
-        elif isinstance(part, TableValue):
-            waiting.append(part.argument)
-    parts.reverse()
+    parts: list[Expr] = []
+    _add_parts(expr, parts)
     return parts
+
+
+def _add_parts(expr: Expr, parts: list[Expr]) -> None:
+    """Add to one list: generators in generators would pass on each part once for each operation around it."""
+    if isinstance(expr, Operation):
+        for arg in expr.args:
+            _add_parts(arg, parts)
+    elif isinstance(expr, TableValue):
+        _add_parts(expr.argument, parts)
+    parts.append(expr)
