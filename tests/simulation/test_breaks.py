@@ -12,7 +12,6 @@ import derive
 from derive.simulation.integration.time_segments import BEFORE, TimeSegment, time_segments
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
-from explicit_motion import moved
 
 PUSHED = """
 name = "pushed"
@@ -43,7 +42,7 @@ def simulated(integrator: str, **more: object) -> derive.Trajectory:
     scene = parse(PUSHED)
     assert isinstance(scene, Scene)
     try:
-        return moved(scene, integrator=integrator, step=FIXED.get(integrator), **more)  # type: ignore[call-overload, no-any-return]
+        return derive.simulate(scene, integrator=integrator, step=FIXED.get(integrator), **more)  # type: ignore[call-overload, no-any-return]
     except derive.TisserandError as error:
         if "was not found. Install it" in str(error) and not os.environ.get("CI"):
             pytest.skip(str(error).splitlines()[0])
