@@ -33,7 +33,13 @@ The smallest one is compiled at every level, the others at the highest one.
 """
 
 
-@pytest.fixture(scope="module", params=MODELS)
+LARGE = ("mean_8", "point_off_centre_5", "tangent_5", "mean_20_loops")
+"""Models that are others with more shapes: point_8 and given_13_loops have as many."""
+
+
+@pytest.fixture(
+    scope="module", params=[pytest.param(name, marks=pytest.mark.long if name in LARGE else ()) for name in MODELS]
+)
 def compiled(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Compiled:
     """Compiled with all warnings as errors: what does not pass them fails here."""
     made = MODELS[request.param]()
