@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Callable
 from difflib import unified_diff
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -45,6 +46,12 @@ def pytest_unconfigure() -> None:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update", action="store_true", help="write golden files instead of comparing with them")
+
+
+def random_cases(first: int, long: int, further: int) -> list[Any]:
+    """Parameters of a test of random cases: `long` seeds from the first one on with that mark, and `further` ones."""
+    marks = [pytest.mark.long] * long + [pytest.mark.further] * further
+    return [pytest.param(seed, marks=mark) for seed, mark in enumerate(marks, first)]
 
 
 @pytest.fixture

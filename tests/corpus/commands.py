@@ -2,9 +2,9 @@
 
 `build` and `simulate` run on every scene, and `simulate` once more with one of the other integrators in turn. Each
 scene gets one of the light commands (`LIGHT` and an export), each fourth one of the `HEAVY` ones, and each with an odd
-seed `modes`, in rotation over the seeds: 300 scenes run each other integrator 43 times, each light command about 14
-times (exports for all platforms, which compile for ten seconds, three times), each heavy one 12 times, with options
-that make it short, and `modes` 150 times. Studies get what they need, see `studied_scenes.py`.
+seed `modes`, in rotation over the seeds: 100 scenes run each other integrator 17 times, each light command about 5
+times (exports for all platforms, which compile for ten seconds, once), each heavy one 4 times, with options that make
+it short, and `modes` 50 times. Studies get what they need, see `studied_scenes.py`.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ def physics(scene: CorpusScene, path: Path) -> Iterator[Finding]:
     variant.write_text(tomlkit.dumps(with_outputs(scene.tables, kept)))
     spec = derive.read(variant)
     assert isinstance(spec, Scene)
-    run = PreparedRun(spec)
+    run = PreparedRun(spec, complete=False)
     motion = run.trajectory().motion
     native = motion.native
     for name, value in parameters(scene.tables).items():

@@ -39,7 +39,7 @@ Vector = np.ndarray
 def physics_in_space(scene: CorpusScene, path: Path) -> Iterator[Finding]:
     """Yield what the motion of a scene contradicts."""
     spec = derive.read(path)
-    run = PreparedRun(spec)
+    run = PreparedRun(spec, complete=False)
     motion = run.trajectory().motion
     native = motion.native
     oracle = SpaceOracle(tables(path), native.coordinates, native.multipliers, fields=fields(spec))

@@ -26,11 +26,20 @@ class Compiled:
     objects: tuple[Path, ...]
 
 
-IN_ALL_WAYS = ("mean_2", "mean_3_loops", "crank_slider_3")
-"""The models that are compiled with all optimisations, and to objects as C++: a body, loops and a mechanism."""
+SMALLEST, *_ = IN_ALL_WAYS = ("mean_2", "mean_3_loops", "crank_slider_3")
+"""The models that are compiled to objects as C++, and with more than -O1: a body, loops and a mechanism.
+
+The smallest one is compiled at every level, the others at the highest one.
+"""
 
 
-@pytest.fixture(scope="module", params=MODELS)
+LARGE = ("mean_8", "point_off_centre_5", "tangent_5", "mean_20_loops")
+"""Models that are others with more shapes: point_8 and given_13_loops have as many."""
+
+
+@pytest.fixture(
+    scope="module", params=[pytest.param(name, marks=pytest.mark.long if name in LARGE else ()) for name in MODELS]
+)
 def compiled(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Compiled:
     """Compiled with all warnings as errors: what does not pass them fails here."""
     made = MODELS[request.param]()
@@ -39,7 +48,8 @@ def compiled(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     gcc, cpp = tool("gcc"), tool("g++")
     ways = {"O1": [gcc, *C99, "-O1"]}
     if request.param in IN_ALL_WAYS:
-        ways |= {level: [gcc, *C99, f"-{level}"] for level in ("O0", "O2", "O3")} | {"cpp": [cpp, *CPP11, "-O1"]}
+        levels = ("O0", "O2", "O3") if request.param == SMALLEST else ("O3",)
+        ways |= {level: [gcc, *C99, f"-{level}"] for level in levels} | {"cpp": [cpp, *CPP11, "-O1"]}
     commands = [[*command, *FIXED, source, "-o", folder / f"{way}.o"] for way, command in ways.items()]
     checks = ([cpp, *CPP11], [tool("clang"), *C99], [tool("clang"), *CPP11])
     commands += [[*command, "-fsyntax-only", source] for command in checks]

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pytest
 from varying_joints import more_joints, with_varying_joints
 
 import derive
@@ -20,6 +21,8 @@ from derive.ir.model import Model
 from derive.lowering.flat.constraints import DependentConstraints
 from derive.lowering.flat.lower import lower as lower_flat
 from derive.lowering.instances.lower import lower_instances
+from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
+from derive.mechanics.equations import Equations
 from derive.roles import Role
 
 Edges = list[tuple[int, int]]
@@ -128,6 +131,9 @@ def lowered(scene: derive.Scene, shape: str, seed: int, ports: bool = False, red
     mechanism = derive.derive(scene)
     form = {"sensitivities": ports, "proximal": redundant > 0}
     try:
+        first = _constrained_mass(mechanism.expanded(), form["proximal"])
+        if not _well_posed(first, _state(first, scene, np.random.default_rng(seed)), redundant):
+            return None
         flat = lower_flat(mechanism.expanded(), **form)
     except DependentConstraints:
         return None
@@ -139,7 +145,7 @@ def lowered(scene: derive.Scene, shape: str, seed: int, ports: bool = False, red
     taken = {i for i, _ in flat.kernel("constraint_jacobian").outputs[0].pattern.entries}
     for k in set(number.values()) - taken:  # no coordinate can meet these
         state["r"][k] = state["b"][k] = 0.0
-    if not _independent(flat, state, redundant):
+    if not _solvable(flat, state):
         return None
     return Graph(scene, shape, flat, lower_instances(mechanism, **form), state)
 
@@ -356,15 +362,35 @@ def _state(model: Model, scene: derive.Scene, rng: np.random.Generator) -> dict[
     }
 
 
-def _independent(model: Model, state: dict[str, Any], redundant: int) -> bool:
+def _constrained_mass(equations: Equations, proximal: bool) -> Model:
+    """The model with the functions of M and G alone, a small part of the work: many graphs are rejected by these."""
+    kinds = (FunctionKind.MASS, FunctionKind.CONSTRAINT_JACOBIAN)
+
+    def functions(*of: Any) -> list[ModelFunction]:
+        return [function for function in functions_of(*of) if function.kind in kinds]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("derive.lowering.flat.lower.functions_of", functions)
+        return lower_flat(equations, proximal=proximal)
+
+
+def _well_posed(model: Model, state: dict[str, Any], redundant: int) -> bool:
     """Whether M is positive definite and the constraints are independent of each other, but for so many."""
     m, g = (dense(model, name, state) for name in ("mass", "constraint_jacobian"))
     try:
         values = relative_eigenvalues(m, g)
-        interpret(model.kernel("solve"), {a.name: state[a.name] for a in model.kernel("solve").arguments})
-    except (np.linalg.LinAlgError, RequirementError, ZeroDivisionError):
+    except np.linalg.LinAlgError:
         return False
     return int((values > WELL_POSED).sum()) == len(g) - redundant
+
+
+def _solvable(model: Model, state: dict[str, Any]) -> bool:
+    """Whether the pivots of the elimination are as they have to be."""
+    try:
+        interpret(model.kernel("solve"), {a.name: state[a.name] for a in model.kernel("solve").arguments})
+    except (RequirementError, ZeroDivisionError):
+        return False
+    return True
 
 
 def relative_eigenvalues(m: np.ndarray, g: np.ndarray) -> np.ndarray:

@@ -22,7 +22,7 @@ from generated_sine import sines
 from random_graphs import SHAPES, TWIN, Graph, dense, graph, relative_eigenvalues, ring_of_rods, sliding_chain
 
 import derive
-from conftest import QUICK
+from conftest import QUICK, random_cases
 from corpus.summed_terms import summed_terms, worst
 from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
@@ -239,21 +239,21 @@ def test_every_shape_is_among_the_small_graphs() -> None:
     assert {seed % len(SHAPES) for seed in SMALL} == {*range(len(SHAPES))}
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("seed", range(100, 170))
-def test_seventy_graphs(seed: int) -> None:
+# 48 larger graphs are long, and 152 further ones are run by `pytest -m further tests/kernel`.
+
+
+@pytest.mark.parametrize("seed", random_cases(100, long=18, further=52))
+def test_larger_graphs(seed: int) -> None:
     check(graph(seed))
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("seed", range(200, 290))
-def test_ninety_graphs_with_joints_that_depend_on_both_of_their_bodies(seed: int) -> None:
+@pytest.mark.parametrize("seed", random_cases(200, long=18, further=72))
+def test_more_graphs_with_joints_that_depend_on_both_of_their_bodies(seed: int) -> None:
     check(graph(seed, FEW, ports=seed % 2 == 0, varying=True))
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("seed", range(20, 60))
-def test_forty_graphs_with_parameters_inputs_springs_and_outputs(seed: int) -> None:
+@pytest.mark.parametrize("seed", random_cases(20, long=12, further=28))
+def test_larger_graphs_with_parameters_inputs_springs_and_outputs(seed: int) -> None:
     check(graph(seed, ports=True))
 
 

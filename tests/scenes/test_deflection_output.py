@@ -14,6 +14,7 @@ from derive.spec.as_tables import scene_tables
 from derive.spec.model.scene import Scene
 from derive.spec.set_values import with_values
 from derive.spec.toml.read import parse
+from explicit_motion import moved
 
 PENDULUM = """
 name = "bent"
@@ -83,7 +84,7 @@ def test_it_is_the_distance_from_the_line_of_the_chord(pieces: int) -> None:
 
 def test_a_plot_shows_the_column() -> None:
     spec = scene()
-    run = derive.simulate(spec)
+    run = moved(spec)
     assert np.abs(run["bend"]).max() > 1e-3
     for plot, unit, label in zip(spec.plots, ("m", ""), ("deflection", "deflection / 0.8 m"), strict=True):
         (curve,) = plot_curves(plot, run, "")

@@ -11,6 +11,7 @@ from derive.generated_models import generated
 from derive.simulation.observables.default_plots import default_plots
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.toml.read import parse
+from explicit_motion import moved
 
 CRANK = """
 name = "sensed"
@@ -145,7 +146,7 @@ RUNS = {
     params=[pytest.param(run, id=name, marks=pytest.mark.long if "full" in name else ()) for name, run in RUNS.items()],
 )
 def run(request):
-    return derive.simulate(scene(**request.param))
+    return moved(scene(**request.param))
 
 
 def compiled(spec):
@@ -348,10 +349,10 @@ def test_the_jacobian_of_outputs_by_differences():
 
 def test_inputs_of_functions_of_python_and_of_the_specification_are_one():
     spec = parse(DRIVEN)
-    known = derive.simulate(spec)
+    known = moved(spec)
     inputs = {"turn": lambda t: (0.3 * t**2, 0.6 * t, 0.6), "lift": np.sin}
     for some in (inputs, {"lift": np.sin}):
-        given = derive.simulate(spec, inputs=some)
+        given = moved(spec, inputs=some)
         np.testing.assert_allclose(given.q, known.q, atol=1e-8)
         np.testing.assert_allclose(given["torque"], known["torque"], atol=1e-6)
         np.testing.assert_allclose(given["tip_2"], known["tip_2"], atol=1e-6)
@@ -395,9 +396,9 @@ def test_wrong_ports_are_refused():
 def test_an_input_without_a_value_needs_one_in_a_simulation():
     spec = parse(DRIVEN.replace('value = "sin(t)"\n', ""))
     with pytest.raises(derive.SpecError, match=r"inputs\.lift: a simulation needs its value"):
-        derive.simulate(spec)
+        moved(spec)
     with pytest.raises(derive.UnknownNameError, match='there is no input of driven "lit"; did you mean "lift"'):
-        derive.simulate(spec, inputs={"lit": np.sin})
+        moved(spec, inputs={"lit": np.sin})
 
 
 def shown(text: str) -> dict[str, tuple[str, ...]]:
@@ -482,7 +483,7 @@ joint = "guide"
 duration = 0.2
 output = 0.1
 """
-    run = derive.simulate(parse(text))
+    run = moved(parse(text))
     np.testing.assert_allclose(run["force"], 2 * 1.0 + 2 * 9.81 * 0.8, rtol=1e-12)
     force = 2 * np.array([0.6, 0.8 + 9.81])  # mass times acceleration, less the weight; at the centre of mass
     np.testing.assert_allclose([run["hold_1"][-1], run["hold_2"][-1]], force, rtol=1e-12)

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import derive
 from derive.cli.main import main
 from derive.spec.toml.read import parse
+from explicit_motion import moved
 
 CRANK = """
 name = "driven"
@@ -49,11 +49,11 @@ AS_ZERO = (
     [("mass = 2\ninertia = 0.7", ""), ("mass = 2", "inertia"), ("inertia = 0.7", "mass"), ("", "mass and inertia")],
 )
 def test_what_is_not_given_counts_as_zero_and_powers_balance(given: str, missing: str) -> None:
-    run = derive.simulate(parse(CRANK.replace("GIVEN", given) + OUTPUTS))
+    run = moved(parse(CRANK.replace("GIVEN", given) + OUTPUTS))
     assert run.notes == ((f"crank: {missing}: {AS_ZERO}",) if missing else ())
     mass, inertia = 2.0 * ("mass =" in given), 0.7 * ("inertia =" in given)
     angle, spin = run.t * (2 + run.t), 2 + 2 * run.t
-    without = derive.simulate(parse(CRANK.replace("GIVEN", "") + OUTPUTS))
+    without = moved(parse(CRANK.replace("GIVEN", "") + OUTPUTS))
     kinetic = 0.5 * (mass * 0.3**2 + inertia) * spin**2
     np.testing.assert_allclose(run["e_kinetic"] - without["e_kinetic"], kinetic, rtol=0, atol=1e-8)
     potential = mass * 10 * 0.3 * np.sin(angle)

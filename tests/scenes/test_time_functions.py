@@ -21,6 +21,7 @@ from derive.spec.files.splines import cubic_spline
 from derive.spec.model.scene_functions import breaks
 from derive.spec.set_values import with_values
 from derive.spec.toml.read import parse
+from explicit_motion import moved
 
 STRICT = (*QUICK, "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
 
@@ -143,7 +144,7 @@ def test_functions_that_jump_are_integrated_exactly_between_their_breaks() -> No
     """F = 4 N until 1 s, -2 N until 2 s, then 2 N: velocities and positions in closed form, in few steps."""
     scene = parse(PUSHED.format(more="", force="piecewise(t < 1, 4, t < 2, -2, 2)"))
     assert breaks(scene) == (1.0, 2.0)
-    found = derive.simulate(scene)
+    found = moved(scene)
     np.testing.assert_allclose(found["block_sdot"], [0, 1, 2, 1.5, 1, 1.5, 2], atol=1e-12)
     np.testing.assert_allclose(found["block_s"], [0, 0.25, 1, 1.875, 2.5, 3.125, 4], atol=1e-12)
     assert found.solution.cost.steps < 30  # 12; without the breaks 65, with stages beyond them 100
@@ -167,7 +168,7 @@ def test_breaks_of_functions(force: str, times: tuple[float, ...]) -> None:
 
 def test_functions_with_kinks_are_integrated_exactly_between_them() -> None:
     """2 x'' = max(t^2 - 1, 0): polynomials, which methods of high order integrate exactly if they stop at 1 s."""
-    found = derive.simulate(parse(PUSHED.format(more="", force="max(t^2 - 1, 0)")))
+    found = moved(parse(PUSHED.format(more="", force="max(t^2 - 1, 0)")))
     late = np.maximum(found.t, 1)
     np.testing.assert_allclose(found["block_sdot"], (late**3 / 3 - late + 2 / 3) / 2, rtol=0, atol=1e-13)
     assert found["block_s"][-1] == pytest.approx(2, abs=1e-13)
@@ -182,11 +183,11 @@ def test_breaks_depend_on_parameters() -> None:
     changed, (change,) = with_values(scene, {"T1": "0.25"})
     assert breaks(changed) == (0.25, 0.75) and str(change) == "parameters.T1: 0.5 s -> 0.25, the parameter T1"
     # 2 x'' = 3 until T1 and 6 until 3 T1: the speed is 1.5 T1 + 3 * 2 T1.
-    assert derive.simulate(scene)["block_sdot"][-1] == pytest.approx(7.5 * 0.5, rel=1e-9)
-    assert derive.simulate(changed)["block_sdot"][-1] == pytest.approx(7.5 * 0.25, rel=1e-9)
+    assert moved(scene)["block_sdot"][-1] == pytest.approx(7.5 * 0.5, rel=1e-9)
+    assert moved(changed)["block_sdot"][-1] == pytest.approx(7.5 * 0.25, rel=1e-9)
 
 
 def test_a_smooth_step_has_its_integral() -> None:
     """The step is from 0 to 1 between 0.5 s and 1.5 s: 2 x'' = 6 step; its integral is half of its width."""
-    found = derive.simulate(parse(PUSHED.format(more="", force="6*step(t, 0.5, 1.5)")))
+    found = moved(parse(PUSHED.format(more="", force="6*step(t, 0.5, 1.5)")))
     np.testing.assert_allclose(found["block_sdot"][[0, 1, 3, 6]], [0, 0, 1.5, 6], atol=1e-10)

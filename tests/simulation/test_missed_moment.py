@@ -16,6 +16,7 @@ from derive.simulation.validity.missed_moment import ENDS, missed_fields
 from derive.simulation.validity.monitors import Cause
 from derive.simulation.validity.piece_shapes import PieceShapes, gauss_points
 from derive.spec.model.scene import Scene
+from explicit_motion import moved
 
 FORCE = 0.3
 """The place xi at which a force acts."""
@@ -106,8 +107,8 @@ def test_the_missed_deflection_of_a_pinned_beam_is_that_of_statics(
 def test_a_run_knows_what_sine_waves_miss_between_pins(
     moment: Callable[[Vector], Vector], acting: dict[str, dict[str, object]], count: int
 ) -> None:
-    moved = derive.simulate(pinned({"kind": "pinned", "count": count}, **acting))
-    implied = next(m.error for m in moved.validity if m.cause is Cause.BENDING_MOMENT)
+    run = moved(pinned({"kind": "pinned", "count": count}, **acting))
+    implied = next(m.error for m in run.validity if m.cause is Cause.BENDING_MOMENT)
     xi, weights = gauss_points()
     waves = [lambda at, n=n: np.sin(n * np.pi * (at + 1) / 2) for n in range(1, count + 1)]
     parts = [(moment(xi) * weights) @ wave(xi) for wave in waves]
@@ -119,6 +120,6 @@ def test_a_run_knows_what_sine_waves_miss_between_pins(
 
 def test_a_beam_whose_shapes_no_joint_admits_warns_that_it_cannot_bend() -> None:
     force = {"at": "rod.loaded", "components": [0, 1]}
-    moved = derive.simulate(pinned({"kind": "pinned", "count": 1}, "weld", forces={"push": force}))
-    missed = next(m for m in moved.validity if m.cause is Cause.BENDING_MOMENT)
-    assert missed.value == 1 and missed.error > 0.99 and len(moved.warnings) == 1
+    run = moved(pinned({"kind": "pinned", "count": 1}, "weld", forces={"push": force}))
+    missed = next(m for m in run.validity if m.cause is Cause.BENDING_MOMENT)
+    assert missed.value == 1 and missed.error > 0.99 and len(run.warnings) == 1

@@ -12,6 +12,7 @@ import derive
 from derive.simulation.inputs import InputFunction
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
+from explicit_motion import moved
 
 TURNED = """
 name = "turned"
@@ -61,7 +62,7 @@ def scene() -> Scene:
 def test_integrators_that_call_python_follow_them(integrator: str) -> None:
     if integrator == "ida" and not find_spec("sksundae") and not os.environ.get("CI"):
         pytest.skip("no scikit-sundae")
-    found = derive.simulate(scene(), inputs=INPUTS, integrator=integrator)
+    found = moved(scene(), inputs=INPUTS, integrator=integrator)
     t = found.t
     np.testing.assert_allclose(found["block_s"], t**3 / 2, rtol=0, atol=1e-7)
     np.testing.assert_allclose(found["motor"], 0.3 * t**3, rtol=1e-14, err_msg="the drive has a column of its own")
@@ -74,7 +75,7 @@ def test_integrators_that_call_python_follow_them(integrator: str) -> None:
 
 def test_integrators_in_c_refuse_them() -> None:
     with pytest.raises(derive.SimulationError, match=r"rk4 calls C alone, .* for turn, pull; choose dop853, rk45 or"):
-        derive.simulate(scene(), inputs=INPUTS, integrator="rk4")
+        moved(scene(), inputs=INPUTS, integrator="rk4")
 
 
 @pytest.mark.parametrize("integrator", ["dop853", "ida"])
@@ -88,6 +89,6 @@ def test_what_a_function_raises_reaches_the_caller(integrator: str) -> None:
         return 1.0
 
     with pytest.raises(ZeroDivisionError, match="my own mistake"):
-        derive.simulate(scene(), inputs={**INPUTS, "pull": failing}, integrator=integrator)
+        moved(scene(), inputs={**INPUTS, "pull": failing}, integrator=integrator)
     with pytest.raises(ValueError, match="the inputs turn, turndot, turnddot, pull: a vector of 4 is needed"):
-        derive.simulate(scene(), inputs={**INPUTS, "turn": lambda t: t}, integrator=integrator)
+        moved(scene(), inputs={**INPUTS, "turn": lambda t: t}, integrator=integrator)

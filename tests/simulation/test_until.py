@@ -15,6 +15,7 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.integration.stop_event import StopEvent
 from derive.spec.parsing.condition import condition
 from derive.spec.parsing.parser import ExpressionError
+from explicit_motion import moved
 
 BEAM = replace(
     derive.planar_beam("falling", gravity=[0, "-9.81"]),
@@ -27,7 +28,7 @@ def test_the_run_ends_where_a_coordinate_crosses_a_value() -> None:
     """2 t - 9.81 t^2 / 2 returns to 0 at 4 / 9.81 s; that it is 0 at the start does not count."""
     end = 4 / 9.81
     for text in ("beam_c2 = 0", "beam_c2 < 0", "t > 1/2 + t + beam_c2 - 0.5"):
-        found = derive.simulate(BEAM, until=text)
+        found = moved(BEAM, until=text)
         assert found.t[-1] == pytest.approx(end, abs=1e-9)
         np.testing.assert_allclose(found.t[:-1], [0, 0.1, 0.2, 0.3, 0.4], atol=1e-15)
         assert found.q.shape[0] == found.lam.shape[0] == 6 and abs(found["beam_c2"][-1]) < 1e-9
@@ -37,13 +38,13 @@ def test_the_run_ends_where_a_coordinate_crosses_a_value() -> None:
 
 
 def test_a_condition_that_is_never_met_is_reported() -> None:
-    found = derive.simulate(replace(BEAM, simulation=derive.Simulation(0.2, 0.1, until="beam_c1 > 5")))
+    found = moved(replace(BEAM, simulation=derive.Simulation(0.2, 0.1, until="beam_c1 > 5")))
     assert found.t[-1] == 0.2 and found.solution.notes == ("until beam_c1 > 5: not met up to t = 0.2 s",)
 
 
 def test_unknown_columns_are_refused() -> None:
     with pytest.raises(derive.SpecError, match=r'simulation.until: .*no column "beam_c3"; did you mean "beam_c'):
-        derive.simulate(BEAM, until="beam_c3 < 0")
+        moved(BEAM, until="beam_c3 < 0")
 
 
 def test_columns_of_a_state_are_computed_from_the_state_alone(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -51,10 +52,10 @@ def test_columns_of_a_state_are_computed_from_the_state_alone(monkeypatch: pytes
     calls: list[float] = []
     solve = NativeScene.solve
     monkeypatch.setattr(NativeScene, "solve", lambda self, t, *rest: (calls.append(t), solve(self, t, *rest))[1])
-    quick = derive.simulate(BEAM, until="beam_c2 + beam_phidot*t < 0")
+    quick = moved(BEAM, until="beam_c2 + beam_phidot*t < 0")
     assert not any(calls)  # at the start monitors ask for the forces of vibrations
     monkeypatch.setattr("derive.simulation.prepared_run.state_columns", lambda scene, native, names: {})
-    slow = derive.simulate(BEAM, until="beam_c2 + beam_phidot*t < 0")
+    slow = moved(BEAM, until="beam_c2 + beam_phidot*t < 0")
     assert len(calls) > 50
     assert np.array_equal(quick.t, slow.t) and np.array_equal(quick.q, slow.q)
 
@@ -109,7 +110,7 @@ def test_anything_else_is_refused(text: str) -> None:
     with pytest.raises(ExpressionError):
         condition(text)
     with pytest.raises(derive.SpecError, match=r"simulation\.until"):
-        derive.simulate(BEAM, until=text)
+        moved(BEAM, until=text)
 
 
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -23,6 +23,7 @@ from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.toml.read import parse
+from explicit_motion import moved
 
 SCENES = ROOT / "scenes"
 
@@ -79,7 +80,7 @@ def changed(name: str, *changes: tuple[str, str]) -> Scene:
 
 
 def run(scene: Scene, duration: float, output: float) -> Trajectory:
-    return derive.simulate(scene, duration=duration, output=output)
+    return moved(scene, duration=duration, output=output)
 
 
 def monitor(trajectory: Trajectory, cause: Cause, beam: str = "") -> Monitor:
@@ -124,7 +125,7 @@ def struck(rate: float, duration: float = 0.6) -> Trajectory:
 
 
 def column(load: float) -> Trajectory:
-    return derive.simulate(parse(COLUMN.replace("LOAD", str(load))))
+    return moved(parse(COLUMN.replace("LOAD", str(load))))
 
 
 # ---- warnings ----
@@ -244,9 +245,7 @@ def pushed(highest: int, pieces: int) -> Trajectory:
     text = text.replace('"1", "xi", "xi^2", "xi^3"', ", ".join(f'"xi^{n}"' for n in range(highest + 1)))
     text = text.replace("left = -1, right = 1", f"left = -1, right = 1, {markers}")
     text = text.replace("bending_stiffness = 4\n", f"bending_stiffness = 4\npieces = {pieces}\n")
-    return derive.simulate(
-        parse(f'{text}\n[forces.push]\nat = "rod.at0"\ncomponents = [0, 0.01]\n{"".join(deflections)}')
-    )
+    return moved(parse(f'{text}\n[forces.push]\nat = "rod.at0"\ncomponents = [0, 0.01]\n{"".join(deflections)}'))
 
 
 PLACES = (-0.8, -0.4, 0.1, 0.5, 0.8)

@@ -14,13 +14,14 @@ from derive.roles import Role
 from derive.simulation.linear.modes import modes
 from derive.simulation.trajectory import Trajectory
 from derive.study.sweep.samples import grid
+from explicit_motion import moved
 
 SCENE = derive.read(ROOT / "examples" / "spatial_crank_slider_rigid.toml")
 
 
 @pytest.fixture(scope="module")
 def run() -> Trajectory:
-    return derive.simulate(SCENE)
+    return moved(SCENE)
 
 
 def test_start_is_that_of_the_benchmark(run: Trajectory) -> None:
@@ -75,5 +76,5 @@ def test_a_sweep_runs_what_a_simulation_runs() -> None:
     assert result.models == 1
     for mass, found in zip((1, 3), result["final_slider_s"], strict=True):
         bodies = tuple(replace(b, mass=Fraction(mass)) if b.name == "slider" else b for b in SCENE.bodies)
-        alone = derive.simulate(replace(SCENE, bodies=bodies), duration=0.05, output=0.05, tolerance=1e-9)
+        alone = moved(replace(SCENE, bodies=bodies), duration=0.05, output=0.05, tolerance=1e-9)
         assert found == pytest.approx(alone["slider_s"][-1], abs=1e-9)

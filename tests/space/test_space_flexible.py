@@ -13,6 +13,7 @@ from derive.simulation.compiled_scene import constraint_matrix
 from derive.simulation.configurations import displaced
 from derive.simulation.trajectory import Trajectory
 from derive.spec.toml.read import parse
+from explicit_motion import moved
 
 ROD = f"""
 nodes = "{ROOT / "examples" / "spatial_rod.npz"}"
@@ -53,7 +54,7 @@ tolerance = 1e-10
 
 @pytest.fixture(scope="module")
 def run() -> Trajectory:
-    return derive.simulate(parse(SCENE.replace("KIND", "fixed")))
+    return moved(parse(SCENE.replace("KIND", "fixed")))
 
 
 def bent(native: NativeScene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -9,6 +9,7 @@ from random_scenes import KINDS, random_scene
 from space_kernels import disagreements, space_model
 from written_scene import tables
 
+from conftest import random_cases
 from derive.errors import SpecError
 
 FEW = (1, 8, 14, 24, 46, 101)
@@ -29,7 +30,7 @@ def test_they_have_all_kinds_of_joints(tmp_path: Path) -> None:
     assert any("nodes" in body for scene in scenes for body in scene["bodies"].values())
 
 
-@pytest.mark.parametrize("seed", [7, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(100, 140))])
+@pytest.mark.parametrize("seed", [7, *random_cases(100, long=10, further=30)])
 def test_random_scenes_with_all_kernels(seed: int, tmp_path: Path) -> None:
     """The C and the Python. Scenes in which all motion is prescribed are refused."""
     try:

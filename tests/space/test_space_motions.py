@@ -29,6 +29,7 @@ from tops import EulerBody, SymmetricTop, steady_precession
 
 import derive
 from derive.spec.toml.read import parse
+from explicit_motion import moved
 
 SETTINGS = """
 [simulation]
@@ -41,7 +42,7 @@ tolerance = 1e-11
 @cache
 def simulated(text: str, **changes: object) -> derive.Trajectory:
     """The motion of a scene."""
-    return derive.simulate(parse(text), **changes)
+    return moved(parse(text), **changes)
 
 
 def rotations(found: derive.Trajectory, body: str) -> Array:
@@ -216,7 +217,7 @@ between = ["one.end", "two.end"]
 )
 def test_joints_conserve_energy_and_momentum(kind: str) -> None:
     """Two bodies that a joint connects, and nothing acts on."""
-    found = derive.simulate(parse(FREE_PAIR.replace("KIND", kind)))
+    found = moved(parse(FREE_PAIR.replace("KIND", kind)))
     native, k = found.motion.native, found.motion.k
     momenta = np.array([native.momentum(q, v, k) for q, v in zip(found.q, found.v, strict=True)])
     energies = np.array([sum(native.energy(q, v, k)) for q, v in zip(found.q, found.v, strict=True)])
@@ -230,7 +231,7 @@ def test_joints_conserve_energy_and_momentum(kind: str) -> None:
 def test_rotation_constraints_do_not_drift(steps: int) -> None:
     """With steps of fixed length, constraints and the length of quaternions are met to rounding."""
     spec, duration = parse(turned_double_pendulum_scene(1.2, -0.8)), 1e-3 * steps
-    found = derive.simulate(spec, duration=duration, output=duration / 4, integrator="rk4", step=1e-3)
+    found = moved(spec, duration=duration, output=duration / 4, integrator="rk4", step=1e-3)
     native, k = found.motion.native, found.motion.k
     for t, q, v in zip(found.t, found.q, found.v, strict=True):
         assert np.abs(native.constraints(t, q, k)).max() < 5e-15

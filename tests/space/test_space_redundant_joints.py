@@ -10,6 +10,7 @@ import derive
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.simulate import with_simulation
 from derive.spec.toml.read import parse
+from explicit_motion import moved
 
 FOUR_BAR = """
 name = "four_bar_in_space"
@@ -80,4 +81,4 @@ def test_a_four_bar_of_revolute_joints_in_space_moves_as_its_closed_form() -> No
 def test_redundant_joints_may_be_refused() -> None:
     text = FOUR_BAR.replace("[scene]", '[scene]\nredundant = "error"')
     with pytest.raises(derive.TisserandError, match="redundant"):
-        derive.simulate(parse(text))
+        moved(parse(text))

@@ -22,6 +22,7 @@ from derive.spec.parsing.instance_text import InstanceReference, at_index, conta
 from derive.spec.parsing.parser import ExpressionError
 from derive.spec.set_values import with_values
 from derive.spec.toml.read import parse, warnings, with_lines
+from explicit_motion import moved
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CHAIN = """\
@@ -267,7 +268,7 @@ def test_a_scene_moves_like_the_one_with_other_names():
 
     tables = specification_tables(parse(CHAIN))
     plain = {section: renamed(table) if section != "simulation" else table for section, table in tables.items()}
-    one, other = derive.simulate(parse(CHAIN)), derive.simulate(derive.scene(plain))
+    one, other = moved(parse(CHAIN)), moved(derive.scene(plain))
     assert one.q.tobytes() == other.q.tobytes()
     assert one.model.coordinates[3].name == other.model.coordinates[3].name == "link_0_alpha1"
     assert [*map(identifier, one.columns)] == [*other.columns]
@@ -279,7 +280,7 @@ def test_a_scene_moves_like_the_one_with_other_names():
 def test_columns_have_the_names_of_instances() -> None:
     """Coordinates, rates, multipliers and outputs, in plots and conditions as well."""
     text = CHAIN.replace("[simulation]", '[plots.turn]\ny = ["link[2]_phi", "tip[3]_1"]\n[simulation]')
-    motion = derive.simulate(parse(text), until="link[1]_phi < -0.001", duration=0.05)
+    motion = moved(parse(text), until="link[1]_phi < -0.001", duration=0.05)
     names = ["link[3]_alpha2", "link[0]_phidot", "lambda_weld[2]_turn", "lambda_hinge_1", "tip[1]_2", "reaction[0]_1"]
     assert set(names) <= set(motion.columns)
     assert not any("link_" in name for name in motion.columns)
@@ -336,7 +337,7 @@ output = 0.05
 
 
 def test_drives_may_have_a_count() -> None:
-    motion = derive.simulate(parse(DRIVEN))
+    motion = moved(parse(DRIVEN))
     assert motion["motor[1]"] == pytest.approx(0.2 * np.sin(motion.t))
     assert motion["hub[2]_phi"] - motion["hub[1]_phi"] == pytest.approx(0.2 * np.sin(motion.t), abs=1e-9)
     assert {"motor[0]", "lambda_motor[0]", "lambda_motor[1]"} <= set(motion.columns)
@@ -371,9 +372,9 @@ def test_symbols_may_have_the_index() -> None:
 def test_inputs_may_have_a_count() -> None:
     """They give the motion of the scene in which their values are written, and have names and columns of instances."""
     by_hand = DRIVEN + '[forces.push]\ncount = 3\nat = "hub[i].b"\ncomponents = [0, "0.3*i"]\n'
-    np.testing.assert_array_equal(derive.simulate(parse(PUSHED)).q, derive.simulate(parse(by_hand)).q)
+    np.testing.assert_array_equal(moved(parse(PUSHED)).q, moved(parse(by_hand)).q)
     given = {f"turn[{i}]": lambda t, i=i: 0.1 * (i + 1) * np.array([np.sin(t), np.cos(t), -np.sin(t)]) for i in (0, 1)}
-    motion = derive.simulate(parse(PUSHED), inputs=given)
+    motion = moved(parse(PUSHED), inputs=given)
     np.testing.assert_allclose(motion["u_turn[1]_dot"], 0.2 * np.cos(motion.t), rtol=1e-14)
     assert [given.name for given in motion.model.inputs][:3] == ["turn_0", "turn_0_dot", "turn_0_ddot"]
     with pytest.raises(SpecError, match=r'components\[1\]: for i = 2: there is no input "push\[2\]"'):
@@ -563,6 +564,6 @@ def test_hash_seed_does_not_matter():
             check=True,
             env={**os.environ, "PYTHONHASHSEED": seed},
         ).stdout
-        for seed in ("0", "1", "2")
+        for seed in ("0", "1")
     }
     assert len(results) == 1
