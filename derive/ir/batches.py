@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import count, groupby
 
 from derive.ir.analysis import names_read
+from derive.ir.continuation import continued_nodes
 from derive.ir.expansion import ZERO, expand_in_tiles
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped
 from derive.ir.fusion import fused
@@ -76,7 +77,7 @@ def batch(kernel: Kernel) -> Batch:
     """A kernel for many states."""
     nodes = [node for argument, view in state_views(kernel) for node in _gathered(argument, view)]
     nodes += [node for statement in kernel.statements for node in expand_in_tiles(statement)]
-    nodes = [*_initialised(_in_records(fused(_one_by_one(nodes))))]
+    nodes = [*_initialised(_in_records(fused(continued_nodes(_one_by_one(nodes)))))]
     arguments = frozenset(argument.name for argument in state_arguments(kernel))
     nodes = _in_loops(nodes, frozenset(state_elements(kernel)), arguments)
     scalars = _scalars(nodes) - state_elements(kernel).keys()
@@ -88,11 +89,16 @@ def batch(kernel: Kernel) -> Batch:
 
 
 def _one_by_one(nodes: Iterable[Node]) -> Iterator[Node]:
-    """Plain statements with a loop for each end of a path in place of loops over both."""
+    """Plain statements with a loop for each end of a path in place of loops over both.
+
+    The loop of the first end is beside the joint that is left on its side, behind it and, in the back substitution,
+    before it: a loop that continues it.
+    """
     for node in nodes:
         if isinstance(node, For) and (names := {e.variable for e in ends_of(node)}):
             assert names == {node.variable}
-            yield from (loop for end in (0, 1) for loop in _at_end(node, end).body)
+            backward = any(isinstance(loop, For) and loop.step < 0 for loop in node.body)
+            yield from (loop for end in ((0, 1) if backward else (1, 0)) for loop in _at_end(node, end).body)
         else:
             yield node
 

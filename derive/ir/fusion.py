@@ -111,11 +111,15 @@ class _Move:
 
 
 def _piece(loop: For, first: int, stop: int) -> For:
-    """Some iterations of a loop, in the order of these, with a variable that begins at zero."""
+    """Some iterations of a loop, in the order of these, with a variable that begins at zero.
+
+    The indices of a single one are numbers, in which what it stores is known to be what it reads.
+    """
     lowest = loop.start.offset + loop.step * (first if loop.step > 0 else stop - 1)
 
     def change(index: ElementIndex) -> ElementIndex:
-        return index.plus(lowest * index.stride(loop.variable))
+        moved = index.plus(lowest * index.stride(loop.variable))
+        return moved.with_value(loop.variable, 0) if stop - first == 1 else moved
 
     body = tuple(reindexed(node, change) for node in loop.body)
     count = stop - first

@@ -15,6 +15,7 @@ from derive.backends.c.loop_text import vector_starts
 from derive.backends.c.nests import CNests
 from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
 from derive.backends.c.packed import entries, packed_functions
+from derive.backends.c.shared_sections import SharedSections, shared_sections
 from derive.backends.c.signatures import parameters, signature
 from derive.backends.c.splines import spline_lines
 from derive.backends.description import (
@@ -60,17 +61,20 @@ class CBackend:
         builder = SourceBuilder(model)
         builder.text(render("c/prologue.c.jinja", values))
         shared = {first: model.kernel(whole) for first, whole in beginnings(model).items()}
+        sections = shared_sections(model, [kernel for kernel in model.kernels if kernel.name not in shared])
+        for section in sections.values():
+            builder.text("".join(f"{line.text}\n" for line in [*section.function(), *plain("")]))
         for part, kernels in groupby(model.kernels, lambda kernel: optional_part(kernel.name)):
             builder.text(f"#ifndef {part.value}\n\n" if part else "")
             for kernel in kernels:
                 if whole := shared.get(kernel.name):
-                    builder.function(whole, _shared_function(model, kernel, whole))
+                    builder.function(whole, _shared_function(model, kernel, whole, sections))
                     builder.text("\n")
                     builder.function(kernel, calling(model, kernel, whole))
                 elif kernel in shared.values():
                     builder.text("".join(f"{line.text}\n" for line in calling(model, kernel, kernel)))
                 else:
-                    builder.function(kernel, _function(kernel, _signature_of(model, kernel)))
+                    builder.function(kernel, _function(kernel, _signature_of(model, kernel), sections))
                 builder.text("\n")
             builder.text("#endif\n\n" if part else "")
         builder.text(render("c/epilogue.c.jinja", values))
@@ -174,19 +178,19 @@ def _constant_array(array: ConstantArray) -> list[str]:
     return [f"static const {kind} {array.name}[] = {{", *prefixed([", ".join(values)], "    "), "};", ""]
 
 
-def _shared_function(model: Model, kernel: Kernel, whole: Kernel) -> list[SourceLine]:
+def _shared_function(model: Model, kernel: Kernel, whole: Kernel, shared: SharedSections) -> list[SourceLine]:
     """The static function of a kernel that begins with another one, after which it ends if the caller wants no more."""
-    return _function(whole, shared_signature(model, whole), {len(kernel.sections): without_last(whole)})
+    return _function(whole, shared_signature(model, whole), shared, {len(kernel.sections): without_last(whole)})
 
 
 def _function(
-    kernel: Kernel, head: Sequence[str], before: Mapping[int, Sequence[str]] | None = None
+    kernel: Kernel, head: Sequence[str], shared: SharedSections, before: Mapping[int, Sequence[str]] | None = None
 ) -> list[SourceLine]:
     """The function of a kernel. Elements of arguments are loaded where they are needed first.
 
-    head: its signature; before: lines before its sections, by the numbers of these. Compilers keep values in the order
-    of the text: what is loaded before a call, such as that of a sine far from 0, or long before its use, goes to the
-    stack in between.
+    head: its signature; shared: the sections that have a function; before: lines before its sections, by the numbers of
+    these. Compilers keep values in the order of the text: what is loaded before a call, such as that of a sine far from
+    0, or long before its use, goes to the stack in between.
     """
     named = _arguments(kernel)
     lines = plain(*head, "{", *named)
@@ -198,7 +202,8 @@ def _function(
     for k, (section, body) in enumerate(zip(kernel.sections, sections, strict=True)):
         lines += plain(*(before or {}).get(k, ()))
         lines += plain(*([""] if k or named else []), *comment([section_text(section)], "    "))
-        lines += _section(body, k, nests, loads)
+        call = shared.get(section.body)
+        lines += [line.of(k, 0) for line in call.call()] if call else _section(body, k, nests, loads)
     return [*lines, *plain("    return 0;", "}")]
 
 

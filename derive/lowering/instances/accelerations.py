@@ -192,13 +192,18 @@ def solved(
     given: Sequence[Statement] = (),
     inputs: Mapping[str, Argument] | None = None,
     in_lanes: bool = True,
+    alone: bool = False,
 ) -> Kernel:
-    """A kernel that solves the system of bodies and joints; in_lanes: whether many bodies are computed in vectors."""
+    """A kernel that solves the system of bodies and joints.
+
+    given: the statements that write what is known of the right-hand sides of the joints, to KNOWN; alone: they write
+    all of them, to RIGHT[0] after the bodies, which have zeros. in_lanes: whether many bodies are computed in vectors.
+    """
     systems = [_system(context, of, right, names, unknown, in_lanes) for of in context.classes]
     works = [s.work for s in systems if s.work]
     applied = applied_sums(context) if right is _forces else ()
     has_bias = bool(context.joints) and right is _forces
-    has_known = bool(given) or has_bias
+    has_known = (bool(given) and not alone) or has_bias
     factors = VaryingFactors(context)
     steps: list[Part] = [
         (
@@ -212,9 +217,11 @@ def solved(
         varying: list[Statement] = [*factors.works(), *factors.loops(context.blocks, names, has_bias, in_lanes)]
         steps[:0] = [
             ("system", Source.FACTORISATION, "the blocks of the joints", declared(context.blocks, has_known)),
-            ("known", "(5)", "what is known of the right-hand sides", list(given)),
+            ("known", "(5)", "what is known of the right-hand sides", [] if alone else list(given)),
             ("factors", "(6)", "what the rows of G of one body owe to another", varying),
         ]
+        if alone:
+            steps.append(("right", "(5)", "the right-hand sides of the joints", list(given)))
         steps.append(
             (
                 "joints",

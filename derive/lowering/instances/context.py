@@ -8,6 +8,7 @@ from fractions import Fraction
 from itertools import accumulate
 
 from derive.ir.analysis import reads
+from derive.ir.continuation import continued_statements
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.model import Argument, Kernel, Output, Section, View
 from derive.ir.patterns import Pattern
@@ -214,7 +215,7 @@ def kernel(
     outputs = tuple(results[name].output(name, doc) for name, doc in function.outputs.items())
     bodies = without_unused([tuple(body) for *_, body in sections], [output.name for output in outputs])
     made = [
-        Section(name, equation, text, body)
+        Section(name, equation, text, tuple(continued_statements(body)))
         for (name, equation, text, _), body in zip(sections, without_shadows(bodies), strict=True)
     ]
     used = {name for section in made for statement in section.body for name in reads(statement)}

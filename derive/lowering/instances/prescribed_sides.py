@@ -10,7 +10,7 @@ from derive.ir.model import Kernel
 from derive.ir.statements import ForEach, Statement, StoreElement
 from derive.lowering.flat.context import array_input
 from derive.lowering.instances.accelerations import by_joint, entries_of, solved
-from derive.lowering.instances.block_system import KNOWN
+from derive.lowering.instances.block_system import KNOWN, RIGHT
 from derive.lowering.instances.class_code import INSTANCE, ClassCode
 from derive.lowering.instances.context import InstanceContext, Result, whole
 from derive.lowering.instances.local_system import Right
@@ -26,8 +26,10 @@ def project_velocity(context: InstanceContext, function: ModelFunction) -> Kerne
 
     argument = whole("r", len(context.multipliers), "prescribed change of gdot")
     results = {"dv": Result(("body by body",), count=len(context.rows))}
-    given = _given_right(context, "r")
-    return solved(context, function, results, nothing, ("t", "q"), "dv", given, {"r": argument}, in_lanes=False)
+    given = _given_right(context, RIGHT[0], "r")
+    return solved(
+        context, function, results, nothing, ("t", "q"), "dv", given, {"r": argument}, in_lanes=False, alone=True
+    )
 
 
 def solve_kkt(context: InstanceContext, function: ModelFunction) -> Kernel:
@@ -45,15 +47,15 @@ def solve_kkt(context: InstanceContext, function: ModelFunction) -> Kernel:
         "x": Result(("body by body",), count=len(context.rows)),
         "lam": Result(("joint by joint",), count=len(context.multipliers)),
     }
-    given = _given_right(context, "b")
+    given = _given_right(context, KNOWN, "b")
     return solved(context, function, results, prescribed, ("t", "q"), "x", given, inputs, in_lanes=False)
 
 
-def _given_right(context: InstanceContext, array: str) -> list[Statement]:
+def _given_right(context: InstanceContext, to_array: str, array: str) -> list[Statement]:
     """The right-hand sides of the joints from an argument with an element for each constraint."""
     result: list[Statement] = []
     if context.blocks:
         for rows, count, to, of in by_joint(context, context.blocks):
-            body = [StoreElement(Element(KNOWN, of.at(k)), Element(array, to.at(k))) for k in range(rows)]
+            body = [StoreElement(Element(to_array, of.at(k)), Element(array, to.at(k))) for k in range(rows)]
             result.append(ForEach(INSTANCE, constant(0), constant(count), (*entries_of(to), *entries_of(of), *body)))
     return result
