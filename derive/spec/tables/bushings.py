@@ -38,7 +38,7 @@ def _matrix(rows: Sequence[Sequence[Any]]) -> tuple[tuple[Quantity, ...], ...]:
                 )
                 raise WrongValueError(text)
     if not any(isinstance(entry, Parameter) for row in matrix for entry in row):
-        _check_definite([[float(entry) for entry in row] for row in matrix])  # type: ignore[arg-type]
+        _check_definite([[float(entry) for entry in row] for row in matrix])
     return matrix
 
 
