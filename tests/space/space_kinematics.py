@@ -289,13 +289,39 @@ class SpaceKinematics:
         return result
 
     def elements(self) -> list[tuple[Decimal, Decimal, Decimal]]:
-        """Stiffness, damping constant and rest of each spring; six of a bushing, which is at rest at zero."""
+        """Stiffness, damping constant and rest of each spring; six of a bushing, which is at rest at zero.
+
+        They are zero for the matrices of a bushing, which are in `couplings`.
+        """
         result = []
         for table in self.springs.values():
             if table.get("kind") == "bushing":
-                damping = self.value.vector(table.get("damping", [0] * 6))
-                result += [(k, c, ZERO) for k, c in zip(self.value.vector(table["stiffness"]), damping, strict=True)]
+                numbers = (self.value.vector(_diagonal(table.get(key, [0] * 6))) for key in ("stiffness", "damping"))
+                result += [(k, c, ZERO) for k, c in zip(*numbers, strict=True)]
             else:
                 names = ("stiffness", "damping", "rest")
                 result.append(tuple(self.value(table.get(name, 0)) for name in names))
         return result
+
+    def couplings(self) -> list[tuple[int, Array, Array]]:
+        """The matrices of stiffness and damping of bushings, with the place of their motions among those of springs."""
+        result, place = [], 0
+        for table in self.springs.values():
+            if table.get("kind") == "bushing":
+                matrices = [self.value.vector([x for row in _rows(table.get(key)) for x in row]) for key in _KEYS]
+                result.append((place, *(matrix.reshape(6, 6) for matrix in matrices)))
+            place += 6 if table.get("kind") == "bushing" else 1
+        return result
+
+
+_KEYS = ("stiffness", "damping")
+
+
+def _diagonal(value: Sequence[object]) -> Sequence[object]:
+    """Six numbers as they are; of a matrix zeros, as its entries are counted elsewhere."""
+    return [0] * 6 if isinstance(value[0], list) else value
+
+
+def _rows(value: object) -> list[list[object]]:
+    """The rows of a matrix; zeros of six numbers, which are counted elsewhere."""
+    return value if isinstance(value, list) and isinstance(value[0], list) else [[0] * 6] * 6

@@ -183,6 +183,10 @@ class SpaceOracle(SpaceKinematics):
         result = []
         for i, (stiffness, damping, rest) in enumerate(self.elements()):
             result += [stiffness * (now[i] - rest) * J[i], damping * rate[i] * J[i]]
+        for i, K, C in self.couplings():
+            own = slice(i, i + 6)
+            for matrix, x in ((K, now[own]), (C, rate[own])):
+                result += [(matrix[k] @ x) * J[i + k] for k in range(6)]
         return result
 
     def _energies(self, state: SpaceState, now: tuple[Array, ...], rate: list[Array], J: Array) -> dict[str, Decimal]:
@@ -200,6 +204,7 @@ class SpaceOracle(SpaceKinematics):
             strain += alpha @ body.stiffness @ alpha / 2 if body.n else ZERO
         for x, (stiffness, _, rest) in zip(now[3], self.elements(), strict=True):
             strain += stiffness * (x - rest) ** 2 / 2
+        strain += sum((now[3][i : i + 6] @ K @ now[3][i : i + 6] / 2 for i, K, _ in self.couplings()), ZERO)
         return {"kinetic": kinetic, "strain": strain, "gravity": potential}
 
     def _momenta(self, now: Array, rate: Array) -> Array:

@@ -33,9 +33,9 @@ def test_faults_have_a_line(old: str, new: str, message: str) -> None:
         parse(TEXT.replace(old, new))
 
 
-def test_drives_are_those_of_revolute_and_prismatic_joints() -> None:
+def test_drives_are_those_of_revolute_screw_and_prismatic_joints() -> None:
     drive = '[drives.motor]\njoint = "ball"\nspeed = 1\n'
-    with pytest.raises(derive.SpecError, match="drive a revolute or a prismatic one"):
+    with pytest.raises(derive.SpecError, match="drive a revolute, a screw or a prismatic one"):
         parse(TEXT.replace("[simulation]", f"{drive}[simulation]"))
 
 

@@ -250,9 +250,8 @@ class SceneAssembly:
                 return self._constant(element(name, key.name), value, doc, key.unit)
             case KeyType.FUNCTION:
                 return self._function(value, f"{section}.{name}.{key.name}")
-            case KeyType.SIX_QUANTITIES:
-                doc = f"{key.name} of {NAMED[section]} {name}"
-                return tuple(self._constant(element(name, key.name, i), of, doc, "") for i, of in enumerate(value, 1))
+            case KeyType.BUSHING_MATRIX:
+                return self._bushing_matrix(name, key.name, value)
             case KeyType.FUNCTION_PAIR | KeyType.FUNCTION_TRIPLE:
                 return sp.Matrix([self._function(of, f"{section}.{name}.{key.name}") for of in value])
             case KeyType.MARKER | KeyType.BEAM_MARKER:
@@ -263,6 +262,17 @@ class SceneAssembly:
                 return value
             case _:
                 raise TypeError(f"{name}: an element of a registered kind has no key `{key.name}` of type {key.type}")
+
+    def _bushing_matrix(self, name: str, key: str, value: tuple[Any, ...]) -> sp.Matrix:
+        """The symmetric matrix of a bushing, diagonal if it has six numbers; parameters become constants."""
+        result = sp.zeros(len(value), len(value))
+        for i, row in enumerate(value):
+            entries = [(i, row)] if not isinstance(row, tuple) else list(enumerate(row))[i:]
+            for j, of in entries:
+                components = (i + 1,) if not isinstance(row, tuple) else (i + 1, j + 1)
+                symbol = element(name, key, *components)
+                result[i, j] = result[j, i] = self._constant(symbol, of, f"{key} of spring {name}", "")
+        return result
 
     def _outputs(self) -> tuple[OutputInstance, ...]:
         result = []

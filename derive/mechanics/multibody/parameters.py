@@ -20,7 +20,7 @@ from derive.spec.model.keys import Key, KeyType, quantities
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, CustomJoint, Scene
 from derive.spec.model.scene_functions import function_parameters, time_functions
-from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.spatial_scene import SpatialScene, SpatialSpring
 from derive.spec.model.specification import AnyScene
 
 
@@ -57,6 +57,7 @@ def spatial_parameters(scene: SpatialScene) -> tuple[ParameterSymbol, ...]:
         *chain.from_iterable(
             _constants("spring", spring.name, spring_type(spring.kind).keys, spring.values) for spring in scene.springs
         ),
+        *chain.from_iterable(_of_bushing(spring) for spring in scene.springs),
         *(Constant(j.pitch, f"pitch of joint {j.name}") for j in scene.joints if j.pitch is not None),
         *(Constant(drive.constant_speed, f"speed of drive {drive.name}") for drive in scene.drives),
         *(
@@ -67,6 +68,15 @@ def spatial_parameters(scene: SpatialScene) -> tuple[ParameterSymbol, ...]:
         *_of_functions(scene),
     ]
     return _symbols(constants)
+
+
+def _of_bushing(spring: SpatialSpring) -> Iterator[Constant]:
+    """The entries of the matrices of a bushing."""
+    for key in spring_type(spring.kind).keys:
+        if key.type is KeyType.BUSHING_MATRIX and key.name in spring.values:
+            for row in spring.values[key.name]:  # type: ignore[attr-defined]  # of any key
+                for entry in row if isinstance(row, tuple) else (row,):
+                    yield Constant(entry, f"{key.name} of spring {spring.name}")
 
 
 def _of_gravity(scene: AnyScene) -> Iterator[Constant]:

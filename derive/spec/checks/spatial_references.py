@@ -95,7 +95,8 @@ def _drives(view: SceneData) -> Iterator[Fault]:
             continue
         joint_type, kind = _type(joints[joint]), joints[joint].get("kind")
         if joint_type and not joint_type.driven:
-            kinds = " or a ".join(kind for kind, of in SPATIAL_JOINTS.items() if of.driven)
+            *others, last = (kind for kind, of in SPATIAL_JOINTS.items() if of.driven)
+            kinds = f"{', a '.join(others)} or a {last}"
             yield Fault(path, f"no drive can prescribe the motion of the {kind} joint {joint}; drive a {kinds} one")
         other = driven.setdefault(joint, name)
         if other != name:

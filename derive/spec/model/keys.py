@@ -37,7 +37,7 @@ class KeyType(Enum):
     SPEED = "a number, a run-time parameter, or a function of time whose integral is known"
     FUNCTION = "a function of time"
     FUNCTION_TRIPLE = "three components that are functions of time"
-    SIX_QUANTITIES = "six numbers or run-time parameters, three for displacements and three for rotations"
+    BUSHING_MATRIX = "six numbers or run-time parameters, three for displacements and three for rotations, or a matrix"
     FUNCTION_PAIR = "two components that are functions of time"
     MARKER = "a marker"
     BEAM_MARKER = "a marker of a beam"

@@ -17,6 +17,7 @@ from derive.spec.model.quantity import Quantity
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.parser import MAX_LENGTH
+from derive.spec.tables.bushings import BushingMatrix
 from derive.spec.tables.quantities import (
     NonzeroQuantity,
     NotNegativeQuantity,
@@ -188,7 +189,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
         tuple[_time, _time, _time],  # type: ignore[valid-type]  # a type that is made
         components(("0", "0", '"-10*sin(t)"'), "components"),
     ],
-    KeyType.SIX_QUANTITIES: _quantities(("1000", "1000", "1000", "10", "10", "10"), "", "numbers"),
+    KeyType.BUSHING_MATRIX: BushingMatrix,
     KeyType.FUNCTION_PAIR: _pair(_time, ("0", '"-10*sin(t)"'), "components"),
     KeyType.DEFLECTION: _read(Polynomial, values.deflection, _FORMULA),
     KeyType.SHAPES: Annotated[

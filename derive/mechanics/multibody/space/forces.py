@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -186,28 +186,32 @@ def _bushing(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: Val
     name = _Definitions(spring.name, f"spring {spring.name}")
     first, second = frames
     variables = FIRST.values(first) | SECOND.values(second)
-    totals = [sp.zeros(3, 1) for _ in range(4)]
-    potential, dissipation = sp.S.Zero, sp.S.Zero
+    K, C = values["stiffness"], values.get("damping", sp.zeros(6, 6))
+    moved, rate = ([sp.S.Zero] * 6 for _ in range(2))
     for number, row in enumerate(BUSHING_ROWS):
-        stiffness = values["stiffness"][number]
-        damping = values["damping"][number] if "damping" in values else sp.S.Zero
-        if stiffness == 0 and damping == 0:
+        if any(K[:, number]):
+            moved[number] = name(f"moved_{row.label}", row.g.xreplace(variables), f"displacement {row.label}")
+        if any(C[:, number]):
+            of_rate = derived(row).rate.xreplace(variables)
+            rate[number] = name(f"rate_{row.label}", of_rate, f"rate of displacement {row.label}")
+    totals = [sp.zeros(3, 1) for _ in range(4)]
+    for number, row in enumerate(BUSHING_ROWS):
+        force = dot(K[number, :], moved) + dot(C[number, :], rate)
+        if force == 0:
             continue
-        of = derived(row)
-        moved = name(f"moved_{row.label}", row.g.xreplace(variables), f"displacement {row.label}")
-        force = stiffness * moved
-        potential += stiffness * moved**2 / 2
-        if damping != 0:
-            rate = name(f"rate_{row.label}", of.rate.xreplace(variables), f"rate of displacement {row.label}")
-            force += damping * rate
-            dissipation -= damping * rate**2
         force = name(f"force_{row.label}", force, f"force of displacement {row.label}")
+        of = derived(row)
         factors = (of.f1, of.m1, of.f2, of.m2)
         totals = [total - f.xreplace(variables) * force for total, f in zip(totals, factors, strict=True)]
     labels = ("f1", "m1", "f2", "m2")
     f1, m1, f2, m2 = (name.vector(label, total, label) for label, total in zip(labels, totals, strict=True))
     loads = (MarkerLoad(spring.first, f1, m1), MarkerLoad(spring.second, f2, m2))
-    return ActionLoads(f"spring {spring.name}", loads, tuple(name.made), potential, dissipation)
+    potential, power = _quadratic(K, moved) / 2, _quadratic(C, rate)
+    return ActionLoads(f"spring {spring.name}", loads, tuple(name.made), potential, -power)
+
+
+def _quadratic(matrix: sp.Matrix, x: Sequence[sp.Expr]) -> sp.Expr:
+    return sp.Add(*(matrix[i, j] * x[i] * x[j] for i in range(len(x)) for j in range(len(x))))
 
 
 @dataclass(frozen=True)
@@ -232,7 +236,10 @@ def _keys(force: str, length: str) -> tuple[Key, ...]:
     )
 
 
-_SIX = "along and about x, y, z of the first marker: three in {0}, three in {1}; for small rotations."
+_SIX = (
+    "along and about x, y, z of the first marker, for small rotations: three numbers in {0} and three in {1}, or the "
+    "six rows of a symmetric matrix."
+)
 
 SPATIAL_SPRINGS: Registry[SpatialSpringType] = Registry(
     "spring in space",
@@ -245,13 +252,13 @@ SPATIAL_BUSHINGS = {
     "bushing": SpatialSpringType(
         "along and about three axes",
         (
-            Key("stiffness", KeyType.SIX_QUANTITIES, "", f"Stiffnesses {_SIX.format('N/m', 'N m/rad')}", required=True),
-            Key("damping", KeyType.SIX_QUANTITIES, "", f"Damping constants {_SIX.format('N s/m', 'N m s/rad')}"),
+            Key("stiffness", KeyType.BUSHING_MATRIX, "", f"Stiffnesses {_SIX.format('N/m', 'N m/rad')}", required=True),
+            Key("damping", KeyType.BUSHING_MATRIX, "", f"Damping constants {_SIX.format('N s/m', 'N m s/rad')}"),
         ),
         _bushing,
     )
 }
-"""The kinds of bushings, whose keys have six numbers each."""
+"""The kinds of bushings, whose keys have six numbers or a matrix each."""
 
 
 def spring_type(kind: str) -> SpatialSpringType:
