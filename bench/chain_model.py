@@ -20,7 +20,7 @@ from chain_scene import chain
 import derive
 from derive.backends.c.source import CBackend
 from derive.ir.expressions import Number
-from derive.lowering.flat.constraints import jacobian_entries, kkt_pattern
+from derive.lowering.flat.constraints import jacobian_entries, kkt, kkt_pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.lower import lower
@@ -40,7 +40,7 @@ def casadi_accelerations(equations: Equations) -> ca.Function:
     for (i, j), value in jacobian_entries(context, symbols).items():
         matrix[n + i, j] = matrix[j, n + i] = -value
     right = ca.vertcat(*(-symbols(h) for h in equations.force), *(symbols(c.bias) for c in equations.constraints))
-    order = list(context.elimination.order(pattern, n))
+    order = list(kkt(context).order)
     solution = ca.ldl_solve(right[order], *ca.ldl(matrix[order, order], False))
     vdot = ca.vertcat(*(solution[order.index(i)] for i in range(n)))
     return numeric_function(equations.name, context, symbols, vdot)

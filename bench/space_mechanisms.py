@@ -97,7 +97,7 @@ CASES = {
     ),
     "slider_crank_rigid": Case("slider-crank, 3 rigid bodies", lambda f: scenes.slider_crank(False, f), _random),
     "slider_crank_flexible": Case("slider-crank, flexible rod", lambda f: scenes.slider_crank(True, f), _random),
-    **{f"rigid_{kind}": _rigid_case(kind) for kind in ("spherical", "revolute", "fixed")},
+    **{f"rigid_{kind}": _rigid_case(kind) for kind in ("spherical", "revolute")},
     "flexible_fixed": Case(
         f"chain of {COUNT} bodies with {scenes.MODES} modes, welded",
         lambda folder: scenes.chain_of_flexible_bodies(COUNT, "fixed", folder),
