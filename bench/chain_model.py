@@ -20,7 +20,8 @@ from chain_scene import chain
 import derive
 from derive.backends.c.source import CBackend
 from derive.ir.expressions import Number
-from derive.lowering.flat.constraints import jacobian_entries, kkt_pattern
+from derive.lowering.flat.constraints import jacobian_entries, kkt, kkt_pattern
+from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.lower import lower
 from derive.lowering.instances.lower import lower_instances
@@ -39,14 +40,19 @@ def casadi_accelerations(equations: Equations) -> ca.Function:
     for (i, j), value in jacobian_entries(context, symbols).items():
         matrix[n + i, j] = matrix[j, n + i] = -value
     right = ca.vertcat(*(-symbols(h) for h in equations.force), *(symbols(c.bias) for c in equations.constraints))
-    order = list(context.elimination.order(pattern, n))
+    order = list(kkt(context).order)
     solution = ca.ldl_solve(right[order], *ca.ldl(matrix[order, order], False))
     vdot = ca.vertcat(*(solution[order.index(i)] for i in range(n)))
+    return numeric_function(equations.name, context, symbols, vdot)
+
+
+def numeric_function(name: str, context: Context, symbols: Symbols, values: ca.SX) -> ca.Function:
+    """Values as a function of q and v; the numbers of the equations are constants of CasADi."""
     every = zip(symbols.inputs, symbols.leaves, strict=True)
     numbers = [(symbol, float(leaf.value)) for symbol, leaf in every if isinstance(leaf, Number)]
-    vdot = ca.substitute(vdot, ca.vertcat(*(s for s, _ in numbers)), ca.DM([value for _, value in numbers]))
+    known = ca.vertcat(*(s for s, _ in numbers)), ca.DM([value for _, value in numbers])
     state = [ca.vertcat(*symbols.values_of(argument.symbols)) for argument in (context.q, context.v)]
-    return ca.Function(equations.name, state, [ca.densify(vdot)], {"cse": True})
+    return ca.Function(name, state, [ca.densify(ca.substitute(values, *known))], {"cse": True})
 
 
 def files(mechanism: Mechanism, form: str, clock: dict[str, float]) -> tuple[str, str, int]:

@@ -5,7 +5,7 @@ The system [M, -G^T; -G, 0] [vdot; lambda] = [-h; -gamma] is M vdot + h = G^T la
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import casadi as ca
 import numpy as np
@@ -14,7 +14,7 @@ from derive.ir.expressions import Number
 from derive.ir.model import Kernel, Kkt
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
-from derive.lowering.elimination_orders import coordinates_first, fill_in
+from derive.lowering.elimination_orders import EliminationRule, coordinates_first, fill_in, work
 from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
@@ -22,10 +22,11 @@ from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue, Step, StepItem
 from derive.lowering.ldlt import Factorisation, backward, factorise, forward, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
+from derive.lowering.paired_elimination import Pair, PairedElimination, forest_of_pairs, left_by_pairs
 from derive.lowering.proximal import PROXIMAL, REFINEMENTS
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
 from derive.mechanics.symbols import local
-from derive.mechanics.terms import Constraint
+from derive.mechanics.terms import Constraint, SpatialPose
 from derive.roles import Source
 
 
@@ -144,24 +145,54 @@ def kkt_pattern(context: Context) -> Pattern:
 def kkt(context: Context) -> Kkt:
     """The structure of the KKT matrix: its pattern, elimination order and fill-in."""
     shape = kkt_pattern(context)
-    order = kkt_order(context, shape)
+    pairs = kkt_pairs(context, shape)
+    together = tuple(row for pair in pairs for row in (pair.coordinate, pair.multiplier))
+    order = (*together, *kkt_order(context, left_by_pairs(shape, pairs)[0], together))
     return Kkt(shape, order, fill_in(shape, order))
 
 
-def kkt_order(context: Context, shape: Pattern) -> tuple[int, ...]:
-    """The elimination order of the KKT matrix with the pattern `shape`."""
+def kkt_order(context: Context, shape: Pattern, without: Sequence[int] = ()) -> tuple[int, ...]:
+    """The elimination order of the KKT matrix with the pattern `shape`, without some rows."""
     n = len(context.rows)
-    return coordinates_first(shape, n) if context.proximal else context.elimination.order(shape, n)
+    order = coordinates_first(shape, n) if context.proximal else context.elimination.order(shape, n)
+    return tuple(row for row in order if row not in without)
+
+
+def kkt_pairs(context: Context, shape: Pattern) -> tuple[Pair, ...]:
+    """The pairs of the KKT matrix of a mechanism in space that are eliminated beforehand; none if that takes longer."""
+    in_space = any(isinstance(pose, SpatialPose) for pose in context.equations.poses)
+    if not in_space or context.proximal or context.elimination is not EliminationRule.SAFE:
+        return ()
+    n, column = len(context.rows), {name: j for j, name in enumerate(context.rows)}
+    factors = ((n + i, column[row], f) for i, c in enumerate(context.equations.constraints) for row, f in c.jacobian)
+    pairs = forest_of_pairs(shape, n, ((i, j) for i, j, factor in factors if factor.is_Rational))
+    left, products = left_by_pairs(shape, pairs)
+    together = {row for pair in pairs for row in (pair.coordinate, pair.multiplier)}
+    faster = products + work(left, kkt_order(context, left, [*together])) < work(shape, kkt_order(context, shape))
+    return pairs if faster else ()
+
+
+def kkt_entries(context: Context, symbols: Symbols) -> dict[tuple[int, int], ca.SX]:
+    """The entries of the lower triangle of the KKT matrix by row and column."""
+    n = len(context.rows)
+    entries = {(i, j): symbols(context.equations.mass[i, j]) for i, j in context.mass_pattern().entries}
+    return entries | {(n + i, j): -value for (i, j), value in jacobian_entries(context, symbols).items()}
 
 
 def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
-    """The factorisation of the KKT matrix in its elimination order."""
-    n = len(context.rows)
-    entries = {(i, j): symbols(context.equations.mass[i, j]) for i, j in context.mass_pattern().entries}
-    entries |= {(n + i, j): -value for (i, j), value in jacobian_entries(context, symbols).items()}
-    shape = kkt_pattern(context)
+    """The factorisation of the KKT matrix in its elimination order, behind that of pairs."""
+    shape, entries = kkt_pattern(context), kkt_entries(context, symbols)
+    return _factors(context, symbols, shape, entries, PairedElimination(entries, kkt_pairs(context, shape)).pairs)
+
+
+def _factors(
+    context: Context, symbols: Symbols, shape: Pattern, entries: dict[tuple[int, int], ca.SX], pairs: Sequence[Pair]
+) -> Factorisation:
+    """The factorisation of what pairs leave; entries: those that are left."""
+    left = left_by_pairs(shape, pairs)[0] if pairs else shape
+    together = [row for pair in pairs for row in (pair.coordinate, pair.multiplier)]
     proximal = symbols.number(PROXIMAL) if context.proximal else None
-    return factorise(shape, entries, kkt_order(context, shape), n, proximal)
+    return factorise(left, entries, kkt_order(context, left, together), len(context.rows), proximal)
 
 
 def _refined(
@@ -245,10 +276,12 @@ def _with_pivots(
     The right-hand sides are eliminated beside the pivots, since each pivot waits for the division before; and all
     checks come last, since compilers move nothing across their branches.
     """
-    factors = kkt_factors(context, symbols)
-    names = (*context.rows, *context.multipliers)
-    eliminated = forward(factors, right)
-    solution = _refined(context, symbols, factors, right, backward(factors, eliminated))
+    shape, entries, names = kkt_pattern(context), kkt_entries(context, symbols), (*context.rows, *context.multipliers)
+    pairs = PairedElimination(entries, kkt_pairs(context, shape))
+    factors = _factors(context, symbols, shape, entries, pairs.pairs)
+    eliminated = forward(factors, pairs.forward(right))
+    reduced = _refined(context, symbols, factors, right, backward(factors, eliminated))
+    solution = pairs.backward(eliminated, {row: reduced[row] for row in factors.order})
     items: list[StepItem] = []
     for j, pivot in zip(factors.order, factors.pivots, strict=True):
         items += [NamedValue(f"pivot_{names[j]}", pivot), EarlyValue(eliminated[j])]
@@ -259,7 +292,9 @@ def _with_pivots(
         start += len(elements.names)
     total = sum(solution[1:start], start=solution[0])
     finite = RequiredValue(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "a result is not finite")
-    order = ", ".join(names[j] for j in factors.order)
+    order = ", ".join(
+        [*(f"{names[p.coordinate]} with {names[p.multiplier]}" for p in pairs.pairs), *(names[j] for j in factors.order)]
+    )
     term = f"; pivots of multipliers with a proximal term, refined {REFINEMENTS} times" if context.proximal else ""
     return context.kernel(
         function,

@@ -127,6 +127,13 @@ def _displacement(axis: str, direction: sp.Matrix) -> RelativeFunction:
     return RelativeFunction(axis, doc, "m", "N", dot(direction, _D))
 
 
+COINCIDENT = tuple(
+    RelativeFunction(axis, f"{{markers}} coincide along the inertial {axis} axis", "m", "N", component)
+    for axis, component in zip("xyz", _D, strict=True)
+)
+"""The rows of a joint that removes all displacements: inertial components, whose factors do not depend on the state."""
+
+
 def _rotation(axis: str, g: sp.Expr, doc: str) -> RelativeFunction:
     return RelativeFunction(f"r{axis}", f"{{markers}}: {doc}", "rad", "N m", g)
 
@@ -169,7 +176,8 @@ def masked(removes: tuple[str, ...]) -> tuple[RelativeFunction, ...]:
     """The rows of a joint that removes these relative motions."""
     rotations = tuple(name for name in ROTATIONS if name in removes)
     forms = _FORMS.get(rotations, ())
-    displacements = (DISPLACEMENTS[name] for name in DISPLACEMENTS if name in removes)
+    along = tuple(DISPLACEMENTS[name] for name in DISPLACEMENTS if name in removes)
+    displacements = COINCIDENT if len(along) == len(COINCIDENT) else along
     return (*displacements, *(ROTATIONS[name][form] for name, form in zip(rotations, forms, strict=True)))
 
 

@@ -1,0 +1,257 @@
+"""Mechanisms in space: M and h of a body, and accelerations of mechanisms of 3 bodies, compared with CasADi and C by hand.
+
+python bench/space_mechanisms.py [--yardsticks FOLDER] [--only NAME ...] [--exudyn]
+
+All implementations of a scene run alternately in one process, with one compiler and the same flags; each time is the
+least of many slices, and values are compared first. CasADi gets our M, h, G and gamma, and our elimination order.
+FOLDER has C by hand for chains: joints2.c (rigid bodies, -DKIND=5, 3 or 6) and flex3.c (bodies with 8 modes, welded),
+with `eval(n, class, tables, q, v, vdot, work)`; without it these rows have CasADi alone. Exudyn, if it is installed,
+evaluates the mass matrix, the forces and the constraint Jacobian of the slider-cranks, called from Python.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import space_scenes as scenes
+from chain_model import casadi_accelerations, numeric_function
+from interleaved import TimedCall, interleaved
+from limited import limited
+from machine import OWN_OPTION, described
+from rows import Row, row
+from space_tables import flexible_tables, rigid_tables
+
+from derive.backends.c.source import CBackend
+from derive.derivation import derive, lower
+from derive.lowering.flat.context import Context
+from derive.mechanics.equations import Equations
+from derive.runtime.compiler import compiler
+from derive.spec.model.spatial_scene import SpatialScene
+
+Array = scenes.Array
+
+FLAGS = "-O3 -march=x86-64-v3"
+STATES = 8
+REPEATS = 41
+TOLERANCE = 1e-9
+"""The largest difference relative to the largest value: multipliers of badly placed joints lose some digits."""
+GOAL = 1.0
+HAND_GOAL = 1.1
+COUNT = 3
+"""The bodies of the chains."""
+EVALUATION = "const int *, const void *, const double *, const double *, double *, void *"
+
+
+@dataclass(frozen=True)
+class HandCode:
+    """C by hand for a chain: its file, its options, and the tables of its bodies."""
+
+    file: str
+    options: str
+    tables: Array
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene, its states, and the C by hand that computes its accelerations."""
+
+    title: str
+    make: Callable[[Path], SpatialScene]
+    states: Callable[[SpatialScene, Equations], tuple[Array, Array]]
+    functions: Sequence[str] = ("accel",)
+    hand: Callable[[SpatialScene], HandCode] | None = None
+    tolerance: float = TOLERANCE
+
+
+def _random(scene: SpatialScene, equations: Equations) -> tuple[Array, Array]:
+    names = [str(c.q) for c in equations.coordinates]
+    quaternions = [i for i, name in enumerate(names) if name.endswith("e0")]
+    return scenes.any_states(len(names), len(equations.rows), quaternions, STATES)
+
+
+def _rigid_case(kind: str) -> Case:
+    return Case(
+        f"chain of {COUNT} rigid bodies, {kind} joints",
+        lambda folder: scenes.chain_of_rigid_bodies(COUNT, kind, folder),
+        lambda scene, equations: scenes.rigid_states(COUNT, kind, STATES),
+        hand=lambda scene: HandCode(
+            "joints2.c", f"-DKIND={scenes.AXES[kind]}", rigid_tables([scenes.rigid_link(i) for i in range(COUNT)])
+        ),
+    )
+
+
+CASES = {
+    "free_rod": Case("rod of the example, 6 modes", scenes.free_rod, _random, ("mass", "force", "accel")),
+    "free_cloud": Case(
+        f"body with {scenes.MODES} modes, all integrals",
+        lambda folder: scenes.chain_of_flexible_bodies(1, "", folder),
+        _random,
+        ("mass", "force", "accel"),
+    ),
+    "slider_crank_rigid": Case("slider-crank, 3 rigid bodies", lambda f: scenes.slider_crank(False, f), _random),
+    "slider_crank_flexible": Case("slider-crank, flexible rod", lambda f: scenes.slider_crank(True, f), _random),
+    **{f"rigid_{kind}": _rigid_case(kind) for kind in ("spherical", "revolute")},
+    "flexible_fixed": Case(
+        f"chain of {COUNT} bodies with {scenes.MODES} modes, welded",
+        lambda folder: scenes.chain_of_flexible_bodies(COUNT, "fixed", folder),
+        lambda scene, equations: scenes.flexible_states(scenes.reduced_links(scene), True, STATES),
+        hand=lambda scene: HandCode("flex3.c", "", flexible_tables(scenes.reduced_links(scene))),
+    ),
+}
+
+
+@dataclass
+class Program:
+    """The parts of the timed program of a scene, besides its calls."""
+
+    folder: Path
+    flags: str
+    objects: list[Path] = field(default_factory=list)
+    declare: list[str] = field(default_factory=list)
+    once: list[str] = field(default_factory=list)
+    arrays: dict[str, Array] = field(default_factory=dict)
+    scratch: dict[str, int] = field(default_factory=dict)
+
+    def compile(self, source: Path, options: str = "", target: str = "") -> None:
+        """Compile a file and add its object."""
+        out = self.folder / f"{target or source.stem}.o"
+        limited([*compiler(), *shlex.split(f"{self.flags} {options} -w -c"), str(source), "-o", str(out)])
+        self.objects.append(out)
+
+
+def times(case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path | None) -> dict[str, dict[str, float]]:
+    """The least times (ns) of an evaluation by function and maker. Raises ArithmeticError if values differ."""
+    scene = case.make(folder)
+    mechanism = derive(scene)
+    equations = mechanism.expanded()
+    model = lower(mechanism, explicit=True)
+    program, name = Program(folder, flags), model.name
+    header, source = CBackend().files(model, "a benchmark")
+    for file in (header, source):
+        (folder / Path(file.path).name).write_text(file.text)
+    program.compile(folder / f"{name}.c", OWN_OPTION)
+    program.declare.append(f'#include "{(folder / name).resolve()}.h"')
+    program.once.append(f"if ({name}_setup(p, k)) return 5;")
+    q, v = case.states(scene, equations)
+    program.arrays |= {"q": q, "v": v, "p": np.append(np.array(model.defaults), 0.0)}
+    program.scratch["k"] = sum(constant.size for constant in model.constants) + 1
+    state = f"q + s * {q.shape[1]}, v + s * {v.shape[1]}"
+    result = {}
+    hand = _add_hand(case, scene, program, yardsticks) if case.hand and yardsticks else False
+    for function in case.functions:
+        size = model.kernel(function).outputs[0].size
+        own = f"q + s * {q.shape[1]}" if function == "mass" else f"0.0, {state}"
+        calls = [TimedCall("ours", f"{name}_{function}({own}, k, out);", size)]
+        if code := _casadi(function, equations):
+            text = code.dump()
+            (folder / f"casadi_{function}.c").write_text(text)
+            program.compile(folder / f"casadi_{function}.c")
+            peer = f"casadi_{function}"
+            program.declare.append(f"int {peer}(const double **, double **, long long *, double *, int);")
+            given = f"const double *given[] = {{{state}}}; double *result[] = {{out}};"
+            calls.append(TimedCall("CasADi", f"{given} {peer}(given, result, 0, 0, 0);", size))
+        if hand:
+            calls.append(TimedCall("hand", f"eval({COUNT}, classes, tables, {state}, out, work);", size))
+        found, values = interleaved(
+            calls,
+            declare="\n".join(program.declare),
+            once=" ".join(program.once),
+            arrays=program.arrays,
+            scratch=program.scratch,
+            objects=program.objects,
+            folder=folder,
+            states=STATES,
+            repeats=repeats,
+            statistic=np.min,
+        )
+        for call, other in zip(calls, values, strict=True):
+            error = np.max(np.abs(other - values[0])) / np.max(np.abs(values[0]))
+            if not error < case.tolerance:
+                raise ArithmeticError(f"{name}: {function} of {call.name} is off by {error:.1e}")
+        result[function] = {call.name: t for call, t in zip(calls, found, strict=True)}
+        result[function]["operations"] = model.kernel(function).operations
+    return result
+
+
+def _casadi(function: str, equations: Equations) -> ca.CodeGenerator | None:
+    """The C that CasADi writes for a function of our equations."""
+    if function == "accel":
+        made = casadi_accelerations(equations)
+    else:
+        context = Context(equations)
+        symbols = context.symbols(context.q, context.v)
+        if function == "mass":
+            values = [symbols(equations.mass[i, j]) for i, j in context.mass_pattern().entries]
+        else:
+            values = [symbols(h) for h in equations.force]
+        made = numeric_function(equations.name, context, symbols, ca.vertcat(*values))
+    generator = ca.CodeGenerator(f"casadi_{function}.c", {"with_header": False})
+    generator.add(ca.Function(f"casadi_{function}", made.sx_in(), made.call(made.sx_in()), {"cse": True}))
+    return generator
+
+
+def _add_hand(case: Case, scene: SpatialScene, program: Program, yardsticks: Path) -> bool:
+    """Add the C by hand of a chain, whose bodies have a table each."""
+    assert case.hand is not None
+    code = case.hand(scene)
+    program.compile(yardsticks / code.file, code.options, "hand")
+    program.arrays["tables"] = code.tables
+    program.scratch["work"] = 4096
+    program.declare.append(f"int eval(int, {EVALUATION}); static const int classes[] = {{0, 1, 2}};")
+    return True
+
+
+def rows(
+    flags: str = FLAGS,
+    repeats: int = REPEATS,
+    yardsticks: Path | None = None,
+    only: Sequence[str] = tuple(CASES),
+    quick: bool = False,
+) -> list[Row]:
+    """The rows of mechanisms in space, see `rows.py`. quick: one small scene, once."""
+    if quick:
+        only, flags, repeats = ("slider_crank_rigid",), "-O1", 1
+    result = []
+    for name in only:
+        with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
+            by_function = times(CASES[name], Path(folder), flags, repeats, yardsticks)
+        result += [_row(CASES[name], function, ns) for function, ns in by_function.items()]
+    return result
+
+
+LABELS = {"mass": "M", "force": "h", "accel": "accelerations"}
+
+
+def _row(case: Case, function: str, ns: Mapping[str, float]) -> Row:
+    goal = HAND_GOAL if "hand" in ns else GOAL
+    peers = {"CasADi": ns["CasADi"]} if "CasADi" in ns else {}
+    note = f"{ns['operations']:.0f} operations"
+    return row(f"{LABELS[function]}, {case.title}", ns["ours"], peers=peers, hand=ns.get("hand"), goal=goal, note=note)
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--yardsticks", type=Path, help="the folder of C by hand")
+    parser.add_argument("--only", nargs="+", choices=CASES, default=list(CASES), metavar="NAME")
+    parser.add_argument("--flags", default=FLAGS)
+    parser.add_argument("--repeats", type=int, default=REPEATS)
+    options = parser.parse_args(argv)
+    print("\n".join(described("casadi", "sympy", "numpy")))
+    print(f"flags     {options.flags}; ns of an evaluation\n")
+    print("| | ours | CasADi | by hand | ours / CasADi | ours / by hand |\n| --- | ---: | ---: | ---: | ---: | ---: |")
+    for name in options.only:
+        for r in rows(options.flags, options.repeats, options.yardsticks, (name,)):
+            cells = [f"{r[k]:.4g}" if r[k] else "" for k in ("ours_ns", "peer_ns", "hand_ns")]
+            ratios = [f"{r['ours_ns'] / r[k]:.2f}" if r[k] else "" for k in ("peer_ns", "hand_ns")]
+            print(f"| {r['name']} ({r['note']}) | {' | '.join([*cells, *ratios])} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
