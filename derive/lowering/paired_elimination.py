@@ -131,7 +131,9 @@ class PairedElimination:
         coupled = {i: row[i] - m * factors[i] if i in row else -m * factors[i] for i in factors}
         coupled = {**row, **coupled}
         for i, j in combinations_with_replacement(sorted({**row, **constraint}), 2):
-            parts = [x[k] * y[n] for x, y, k, n in ((factors, coupled, i, j), (row, factors, i, j)) if k in x and n in y]
+            parts = [
+                x[k] * y[n] for x, y, k, n in ((factors, coupled, i, j), (row, factors, i, j)) if k in x and n in y
+            ]
             if parts:
                 old = columns[i].get(j)
                 total = sum((-part for part in parts), start=ca.SX(0) if old is None else old)

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from derive.simulation.linear.displaced import displaced, drawn_scene, mode_lines
+from derive.simulation.linear.displaced_bodies import bodies_displacements, displaced_paths
 from derive.simulation.linear.displaced_body import body_displacements, displaced_body
 from derive.simulation.linear.eigenmodes import Mode
 from derive.simulation.linear.modes import Modes
 from derive.simulation.observables.motion import Array, body_coordinates
 from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.spatial_player_data import (
+    BodyPath,
     DrawnBody,
     bodies_data,
     bodies_motion_data,
     drawn_body,
     path_of,
 )
+from derive.simulation.observables.spatial_scene_player import drawn_bodies, ground_points
 from derive.spec.model.body import NodalBody, SymbolicBody
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.spatial_scene import SpatialScene
@@ -35,15 +40,16 @@ VIEW = (0.6, 0.35)
 
 def is_drawn(modes: Modes, count: int) -> bool:
     """Whether there is a mode to draw, and a model with a geometry: not that of a body with symbolic integrals."""
-    return not isinstance(modes.spec, (SymbolicBody, SpatialScene)) and bool(drawn_modes(modes, count))
+    return not isinstance(modes.spec, SymbolicBody) and bool(drawn_modes(modes, count))
 
 
 def modes_picture(modes: Modes, count: int) -> str:
     """The shapes of the first `count` modes as SVG, those of zero eigenvalues apart."""
     title = f"{modes.spec.name}: modes"
-    if (drawn := _spatial(modes)) is not None:
-        note = "Grey: the undeformed body; solid: displaced by the mode, at an arbitrary amplitude."
-        return mode_picture(title, note, _body_panels(modes, drawn, count), np.zeros((0, 2)))
+    if drawn := _spatial(modes):
+        note = f"Grey: {_rest(modes)}; solid: displaced by the mode, at an arbitrary amplitude."
+        ground = np.array([at for _, at in _ground(modes)]).reshape(-1, 3)
+        return mode_picture(title, note, _body_panels(modes, drawn, count), ground @ _page_axes().T)
     scene = drawn_scene(modes)[0]
     panels = []
     for label, mode in drawn_modes(modes, count):
@@ -56,24 +62,45 @@ def modes_picture(modes: Modes, count: int) -> str:
     return mode_picture(title, note, panels, ground)
 
 
-def _spatial(modes: Modes) -> DrawnBody | None:
-    """The drawing of a body in space; None of a planar model."""
-    return drawn_body(modes.spec) if isinstance(modes.spec, NodalBody) else None
+def _spatial(modes: Modes) -> list[DrawnBody]:
+    """The drawings of the bodies of a model in space; none of a planar model."""
+    if isinstance(modes.spec, NodalBody):
+        return [drawn_body(modes.spec)]
+    return drawn_bodies(modes.spec) if isinstance(modes.spec, SpatialScene) else []
 
 
-def _body_panels(modes: Modes, drawn: DrawnBody, count: int) -> list[ModePanel]:
-    """The edges of a body in space, projected."""
+def _ground(modes: Modes) -> list[tuple[str, Array]]:
+    """The names and places (3,), m, of the markers of the ground of a model in space."""
+    return ground_points(modes.spec) if isinstance(modes.spec, SpatialScene) else []
+
+
+def _rest(modes: Modes) -> str:
+    return "the undeformed body" if isinstance(modes.spec, NodalBody) else "the state itself"
+
+
+def _page_axes() -> Array:
+    """The directions of the page, to the right and upwards, by rows (2, 3)."""
     yaw, pitch = VIEW
     away = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
-    axes = np.array([[np.cos(yaw), np.sin(yaw), 0.0], np.sin(pitch) * away + [0.0, 0.0, np.cos(pitch)]])
+    return np.array([[np.cos(yaw), np.sin(yaw), 0.0], np.sin(pitch) * away + [0.0, 0.0, np.cos(pitch)]])
 
-    def lines(x: Array) -> list[Array]:
-        return [(x @ axes.T)[list(edge)] for edge in drawn.surface.edges]
 
-    return [
-        ModePanel(label, lines(drawn.x), lines(drawn.x + body_displacements(drawn, mode)[0].real), [])
-        for label, mode in drawn_modes(modes, count)
-    ]
+def _body_panels(modes: Modes, drawn: list[DrawnBody], count: int) -> list[ModePanel]:
+    """The edges of bodies in space, projected."""
+    axes, panels = _page_axes(), []
+
+    def lines(places: Sequence[Array]) -> list[Array]:
+        edges = zip(drawn, places, strict=True)
+        return [(x @ axes.T)[list(edge)] for body, x in edges for edge in (*body.surface.edges, *body.links)]
+
+    for label, mode in drawn_modes(modes, count):
+        if isinstance(modes.spec, NodalBody):
+            rest, moved = [drawn[0].x], [body_displacements(drawn[0], mode)[0]]
+        else:
+            rest, moved, _ = bodies_displacements(modes, mode, drawn)
+        there = [x + d.real for x, d in zip(rest, moved, strict=True)]
+        panels.append(ModePanel(label, lines(rest), lines(there), []))
+    return panels
 
 
 def modes_page(modes: Modes, count: int) -> str:
@@ -84,13 +111,20 @@ def modes_page(modes: Modes, count: int) -> str:
     for label, mode in drawn_modes(modes, count):
         period = 2 * np.pi / mode.eigenvalue.imag if mode.eigenvalue.imag else NOMINAL_PERIOD
         times = period * frames / FRAMES
-        if drawn is not None:
-            path = path_of(displaced_body(modes, mode, drawn, phases))
-            content = bodies_motion_data([drawn], times, [path], measured=False)
+        if drawn:
+            content = bodies_motion_data(drawn, times, _paths(modes, mode, drawn, phases), measured=False)
         else:
             content = player_data(displaced(modes, mode, phases), (), times)
         pages.append({**content, "name": label})
-    return motions_page(title, pages) if drawn is None else spatial_motions_page(title, bodies_data([drawn]), pages)
+    if not drawn:
+        return motions_page(title, pages)
+    return spatial_motions_page(title, bodies_data(drawn, _ground(modes)), pages)
+
+
+def _paths(modes: Modes, mode: Mode, drawn: list[DrawnBody], phases: Array) -> list[BodyPath]:
+    if isinstance(modes.spec, NodalBody):
+        return [path_of(displaced_body(modes, mode, drawn[0], phases))]
+    return displaced_paths(modes, mode, drawn, phases)
 
 
 def drawn_modes(modes: Modes, count: int) -> list[tuple[str, Mode]]:

@@ -8,9 +8,8 @@ from html import escape
 import numpy as np
 
 from derive.artifacts import MARK
-from derive.simulation.configurations import rotation_matrix
 from derive.simulation.observables.motion import Array
-from derive.simulation.observables.spatial_player_data import BodyPath, DrawnBody
+from derive.simulation.observables.spatial_player_data import BodyPath, DrawnBody, placed
 from derive.visual.mode_pages import VIEW
 
 WIDTH, MOST, EDGE = 640.0, 420.0, 46.0
@@ -44,9 +43,9 @@ def spatial_picture(
 
     ground: names and places (3,), m, of the markers of the ground.
     """
-    placed = [_placed(body, path, number) @ _axes().T for body, path in zip(bodies, paths, strict=True)]
+    shown = [placed(body, path)[number] @ _axes().T for body, path in zip(bodies, paths, strict=True)]
     fixed = [(label, _axes() @ at) for label, at in ground]
-    every = np.concatenate([*placed, *(at[None] for _, at in fixed), np.zeros((1, 3))])
+    every = np.concatenate([*shown, *(at[None] for _, at in fixed), np.zeros((1, 3))])
     low, high = every[:, :2].min(axis=0), every[:, :2].max(axis=0)
     scale = min((WIDTH - 2 * EDGE) / max(high[0] - low[0], 1e-12), (MOST - 2 * EDGE) / max(high[1] - low[1], 1e-12))
     size = (high - low) * scale + 2 * EDGE
@@ -57,12 +56,12 @@ def spatial_picture(
         y = EDGE + (high[1] - points[:, 1]) * scale
         return np.stack([x, y, points[:, 2] * scale], axis=1)
 
-    shapes = [shape for body, points in zip(bodies, placed, strict=True) for shape in _shapes(body, pixels(points))]
+    shapes = [shape for body, points in zip(bodies, shown, strict=True) for shape in _shapes(body, pixels(points))]
     tips = pixels(np.vstack([np.zeros(3), 0.35 * float(np.ptp(every, axis=0).max()) * _axes().T]))
     axes = [_line("axis", tips[0], tip) for tip in tips[1:]]
     labels = [
         _label(marker, pixels(points[number][None])[0])
-        for body, points in zip(bodies, placed, strict=True)
+        for body, points in zip(bodies, shown, strict=True)
         for marker, number in body.markers
     ]
     labels += [_label(label, pixels(at[None])[0]) for label, at in fixed]
@@ -80,12 +79,6 @@ def _axes() -> Array:
     away = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
     up = np.sin(pitch) * away + np.array([0.0, 0.0, np.cos(pitch)])
     return np.stack([across, up, np.cross(across, up)])
-
-
-def _placed(body: DrawnBody, path: BodyPath, number: int) -> Array:
-    """The places (points, 3), m, of the points of a body."""
-    r = body.x + np.tensordot(path.amplitudes[number], body.phi, axes=1)
-    return np.asarray(path.position[number] + r @ rotation_matrix(path.quaternion[number]).T)
 
 
 def _shapes(body: DrawnBody, points: Array) -> Iterator[Shape]:

@@ -10,8 +10,12 @@ from minimal_models import Array, Lagrangian
 from reference_mechanisms import turned_double_pendulum, turned_double_pendulum_scene
 from scipy.linalg import eigvals
 
+from derive.simulation.linear.displaced_bodies import displaced_paths
 from derive.simulation.linear.modes import modes
+from derive.simulation.observables.spatial_player_data import placed
+from derive.simulation.observables.spatial_scene_player import drawn_bodies
 from derive.spec.toml.read import parse
+from derive.visual.mode_pages import drawn_modes, modes_page, modes_picture
 
 
 def model_frequencies(model: Lagrangian, q: Sequence[float]) -> Array:
@@ -46,6 +50,21 @@ between = ["ground.hook", "body.top"]
 duration = 1
 output = 1
 """
+
+
+def test_modes_are_drawn_with_joints_that_hold() -> None:
+    """At all phases the marker of the body stays at the joint, far from the equilibrium; the body turns both ways."""
+    result = modes(parse(HANGING.replace("KEEP", "keep_coordinates = true")))
+    drawn = drawn_bodies(result.spec)  # type: ignore[arg-type]
+    label, mode = drawn_modes(result, 2)[0]
+    (path,) = displaced_paths(result, mode, drawn, np.linspace(0, 2 * np.pi, 9))
+    ((_, top),) = drawn[0].markers
+    places = placed(drawn[0], path)
+    assert places[:, top] == pytest.approx(np.tile([0.1, 0.2, 0.3], (9, 1)), abs=1e-9)
+    heights = places[:, 8, 2]  # of the centre of mass, which is lowest at rest
+    assert heights[2] == pytest.approx(-0.2, abs=1e-9) and min(heights[0], heights[4]) > -0.2 + 1e-3
+    picture, page = modes_picture(result, 2), modes_page(result, 2)
+    assert label in picture and picture.count('<path class="there"') == 2 and '"name":"hook"' in page and label in page
 
 
 @pytest.mark.parametrize("keep", ["", "keep_coordinates = true"], ids=["minimal", "constrained"])

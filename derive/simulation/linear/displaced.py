@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
-from derive.simulation.linear.eigenmodes import Mode
+from derive.simulation.compiled_scene import constraint_matrix, mass_matrix
+from derive.simulation.configurations import displaced as changed
+from derive.simulation.configurations import rate_matrix, velocities_with
+from derive.simulation.linear.eigenmodes import ComplexVector, Mode
 from derive.simulation.linear.modes import Modes
 from derive.simulation.linear.run_time_inputs import scene_with_values
 from derive.simulation.observables.beams import axis_points, beam_bodies, piece_at, piece_names
@@ -64,22 +66,32 @@ def mode_lines(modes: Modes, mode: Mode) -> ModeLines:
 
 
 def displaced(modes: Modes, mode: Mode, phases: Vector) -> SceneMotion:
-    """A scene at the phases (n,), rad, of a mode: the states q + a Re(shape exp(i phase)), at the time of the state.
+    """A scene at the phases (n,), rad, of a mode: displaced by a Re(shape exp(i phase)), at the time of the state.
 
     The amplitude a makes displacements at most DISPLACEMENT and rotations at most ROTATION. The states are brought back
     to the constraints, which the displacements meet to first order.
     """
-    linear, native = modes.linear, drawn_scene(modes)[1]
-    angles = coordinates_with(native, Role.ROTATION)
-    largest = float(np.abs(mode.shape[angles]).max(initial=0.0))
-    amplitude = mode_lines(modes, mode).amplitude
+    states = displaced_states(modes, drawn_scene(modes)[1], mode, phases, mode_lines(modes, mode).amplitude)
+    return scene_motion(modes, states)
+
+
+def displaced_states(modes: Modes, native: NativeScene, mode: Mode, phases: Vector, amplitude: float) -> list[Vector]:
+    """The configurations (nq,) at the phases (n,), rad, of a mode, on the constraints; rotations are at most ROTATION.
+
+    amplitude: the factor of the shape of the mode.
+    """
+    linear = modes.linear
+    change: ComplexVector = mode.shape
+    if native.nq != native.nv:  # quaternions change by rotation vectors
+        change = np.linalg.pinv(rate_matrix(native, linear.q, modes.k)) @ mode.shape
+    largest = float(np.abs(change[velocities_with(native, Role.ROTATION)]).max(initial=0.0))
     amplitude = min(amplitude, ROTATION / largest) if largest else amplitude
-    states = [linear.q + amplitude * (mode.shape * np.exp(1j * phase)).real for phase in phases]
+    states = [changed(native, linear.q, amplitude * (change * np.exp(1j * phase)).real) for phase in phases]
     if native.nq > MANY_COORDINATES:
         with suppress(ModelError):  # constraints that are redundant, or a mass matrix that is not definite
-            return scene_motion(modes, [_projected(native, modes.k, linear.t, q) for q in states])
+            return [_projected(native, modes.k, linear.t, q) for q in states]
     compliance: Matrix = np.linalg.inv(mass_matrix(native, linear.q, modes.k)).astype(np.float64)
-    return scene_motion(modes, [_on_constraints(native, modes.k, linear.t, q, compliance) for q in states])
+    return [_on_constraints(native, modes.k, linear.t, q, compliance) for q in states]
 
 
 def _on_constraints(native: NativeScene, k: Vector, t: float, q: Vector, compliance: Matrix) -> Vector:
@@ -91,14 +103,14 @@ def _on_constraints(native: NativeScene, k: Vector, t: float, q: Vector, complia
     for _ in range(NEWTON_STEPS if native.nlambda else 0):
         G = constraint_matrix(native, t, q, k)
         multipliers = np.linalg.lstsq(G @ compliance @ G.T, -native.constraints(t, q, k), rcond=None)[0]
-        q = q + compliance @ G.T @ multipliers
+        q = changed(native, q, compliance @ G.T @ multipliers)
     return q
 
 
 def _projected(native: NativeScene, k: Vector, t: float, q: Vector) -> Vector:
     """The state next to q (nq,) on the constraints, in the metric of each iterate, whose effort is that of the C."""
     for _ in range(NEWTON_STEPS):
-        q = q + native.project_velocity(t, q, k, -native.constraints(t, q, k))
+        q = changed(native, q, native.project_velocity(t, q, k, -native.constraints(t, q, k)))
     return q
 
 

@@ -182,13 +182,21 @@ def _path_data(path: BodyPath, step: float) -> Plain:
     }
 
 
+def placed(body: DrawnBody, path: BodyPath) -> Array:
+    """The places (n, points, 3), m, of the points of a deformed body in all instants."""
+    return _turned(path, body.x + np.tensordot(path.amplitudes, body.phi, axes=1))
+
+
 def _points(body: DrawnBody, path: BodyPath) -> Array:
-    """The places (places, 3), m, of the points of a body and of the origin of its frame, in all instants."""
-    x = np.concatenate([body.x, np.zeros((1, 3))])
+    """The places (places, 3), m, of the points of an undeformed body, and of its origin, in all instants."""
+    return _turned(path, np.concatenate([body.x, np.zeros((1, 3))])).reshape(-1, 3)
+
+
+def _turned(path: BodyPath, x: Array) -> Array:
+    """The places (n, points, 3), m, of points x (points, 3) or (n, points, 3), m, of a body frame."""
     e0, e = path.quaternion[:, None, :1], path.quaternion[:, None, 1:]
-    turned = x + 2 * np.cross(e, np.cross(e, x) + e0 * x)
-    placed: Array = (path.position[:, None] + turned).reshape(-1, 3)
-    return placed
+    turned: Array = path.position[:, None] + x + 2 * np.cross(e, np.cross(e, x) + e0 * x)
+    return turned
 
 
 def _largest_displacement(body: DrawnBody, path: BodyPath) -> float:
