@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_27fc5b41076563ec
+#ifndef BLOCK_HASH_dcf1361c73dd8e32
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -36,7 +36,7 @@
    APART: functions that are not, so that what calls them last needs no stack. */
 #if defined(__GNUC__)
 #  define TISSERAND_INLINE static inline __attribute__((always_inline, unused))
-#  define TISSERAND_APART static __attribute__((noinline))
+#  define TISSERAND_APART static __attribute__((noinline, unused))
 #else
 #  define TISSERAND_INLINE static inline
 #  define TISSERAND_APART static
@@ -2891,13 +2891,13 @@ static int block_block_code(const double *codes)
     return (int) *codes;
 }
 
-TISSERAND_INLINE void block_mass_states(
-    int count,
+static void block_mass_states(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
     double *TISSERAND_RESTRICT M)
 {
+    const int count = 8;
     (void) k;
 
     TISSERAND_STATES for (int b = 0; b < count; b++) {
@@ -3072,7 +3072,7 @@ TISSERAND_APART int block_mass_blocks(
         q += 32; M += 32;
     }
     for (; left >= 8; left -= 8) {
-        block_mass_states(8, all, q, k, M);
+        block_mass_states(all, q, k, M);
         q += 8; M += 8;
     }
     for (; left > 0; left--) {
@@ -3091,8 +3091,7 @@ int block_mass_batch(
     return n == 1 ? block_mass(q, k, M) : block_mass_blocks(n, q, k, M);
 }
 
-TISSERAND_INLINE void block_force_states(
-    int count,
+static void block_force_states(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3100,6 +3099,7 @@ TISSERAND_INLINE void block_force_states(
     const double *TISSERAND_RESTRICT k,
     double *TISSERAND_RESTRICT h)
 {
+    const int count = 8;
     (void) t;
     (void) k;
 
@@ -3321,7 +3321,7 @@ TISSERAND_APART int block_force_blocks(
         q += 32; v += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
-        block_force_states(8, all, t, q, v, k, h);
+        block_force_states(all, t, q, v, k, h);
         q += 8; v += 8; h += 8;
     }
     for (; left > 0; left--) {
@@ -3342,8 +3342,7 @@ int block_force_batch(
     return n == 1 ? block_force(t, q, v, k, h) : block_force_blocks(n, t, q, v, k, h);
 }
 
-TISSERAND_INLINE void block_mass_force_states(
-    int count,
+static void block_mass_force_states(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3352,6 +3351,7 @@ TISSERAND_INLINE void block_mass_force_states(
     double *TISSERAND_RESTRICT M,
     double *TISSERAND_RESTRICT h)
 {
+    const int count = 8;
     (void) t;
     (void) k;
 
@@ -3633,7 +3633,7 @@ TISSERAND_APART int block_mass_force_blocks(
         q += 32; v += 32; M += 32; h += 32;
     }
     for (; left >= 8; left -= 8) {
-        block_mass_force_states(8, all, t, q, v, k, M, h);
+        block_mass_force_states(all, t, q, v, k, M, h);
         q += 8; v += 8; M += 8; h += 8;
     }
     for (; left > 0; left--) {
@@ -3655,8 +3655,7 @@ int block_mass_force_batch(
     return n == 1 ? block_mass_force(t, q, v, k, M, h) : block_mass_force_blocks(n, t, q, v, k, M, h);
 }
 
-TISSERAND_INLINE int block_accel_states(
-    int count,
+static int block_accel_states(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3664,6 +3663,7 @@ TISSERAND_INLINE int block_accel_states(
     const double *TISSERAND_RESTRICT k,
     double *TISSERAND_RESTRICT vdot)
 {
+    const int count = 8;
     (void) t;
     (void) k;
     double codes[8];
@@ -3989,7 +3989,7 @@ TISSERAND_APART int block_accel_blocks(
         q += 32; v += 32; vdot += 32;
     }
     for (; left >= 8; left -= 8) {
-        const int failed = block_accel_states(8, all, t, q, v, k, vdot);
+        const int failed = block_accel_states(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 8; v += 8; vdot += 8;
     }
@@ -4017,14 +4017,14 @@ for (int e = 0; code && e < 14; e++) vdot[e] = (double) NAN;
     return block_accel_blocks(n, t, q, v, k, vdot);
 }
 
-TISSERAND_INLINE void block_energy_states(
-    int count,
+static void block_energy_states(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *TISSERAND_RESTRICT energy)
 {
+    const int count = 8;
     (void) k;
 
     TISSERAND_STATES for (int b = 0; b < count; b++) {
@@ -4198,7 +4198,7 @@ TISSERAND_APART int block_energy_blocks(
         q += 32; v += 32; energy += 32;
     }
     for (; left >= 8; left -= 8) {
-        block_energy_states(8, all, q, v, k, energy);
+        block_energy_states(all, q, v, k, energy);
         q += 8; v += 8; energy += 8;
     }
     for (; left > 0; left--) {
@@ -4218,14 +4218,14 @@ int block_energy_batch(
     return n == 1 ? block_energy(q, v, k, energy) : block_energy_blocks(n, q, v, k, energy);
 }
 
-TISSERAND_INLINE int block_momentum_states(
-    int count,
+static int block_momentum_states(
     ptrdiff_t all,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
     double *TISSERAND_RESTRICT momentum)
 {
+    const int count = 8;
     (void) k;
     double codes[8];
     unsigned long long failures = 0;
@@ -4435,7 +4435,7 @@ TISSERAND_APART int block_momentum_blocks(
         q += 32; v += 32; momentum += 32;
     }
     for (; left >= 8; left -= 8) {
-        const int failed = block_momentum_states(8, all, q, v, k, momentum);
+        const int failed = block_momentum_states(all, q, v, k, momentum);
         if (code == 0) code = failed;
         q += 8; v += 8; momentum += 8;
     }

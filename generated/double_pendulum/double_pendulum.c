@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_20c30135442a4a8b
+#ifndef DOUBLE_PENDULUM_HASH_352e03ea15477bdd
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -37,7 +37,7 @@
    APART: functions that are not, so that what calls them last needs no stack. */
 #if defined(__GNUC__)
 #  define TISSERAND_INLINE static inline __attribute__((always_inline, unused))
-#  define TISSERAND_APART static __attribute__((noinline))
+#  define TISSERAND_APART static __attribute__((noinline, unused))
 #else
 #  define TISSERAND_INLINE static inline
 #  define TISSERAND_APART static
@@ -100,18 +100,23 @@ TISSERAND_INLINE double tisserand_cos(double x)
     return tisserand_sine_core(x, &s, &c) >> 63 ? cos(x) : c;
 }
 
-/* Sines s and cosines c of the angles x of some states. The first loop has no branch, so that compilers make vectors of it. */
+/* Sines s and cosines c where some angle is far from 0: apart, since the text of it would be wherever there are sines. */
+TISSERAND_APART void tisserand_far_sines(
+    int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
+{
+    for (int b = 0; b < count; b++) {
+        s[b] = tisserand_sin(x[b]);
+        c[b] = tisserand_cos(x[b]);
+    }
+}
+
+/* Sines s and cosines c of the angles x of some states. The loop has no branch, so that compilers make vectors of it. */
 TISSERAND_INLINE void tisserand_sines(
     int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
 {
     unsigned long long outside = 0;
     TISSERAND_STATES for (int b = 0; b < count; b++) outside |= tisserand_sine_core(x[b], s + b, c + b);
-    if (outside >> 63) {
-        for (int b = 0; b < count; b++) {
-            s[b] = tisserand_sin(x[b]);
-            c[b] = tisserand_cos(x[b]);
-        }
-    }
+    if (outside >> 63) tisserand_far_sines(count, x, s, c);
 }
 #endif
 int double_pendulum_setup(
@@ -3637,8 +3642,7 @@ int double_pendulum_mass_force_batch(
     return n == 1 ? double_pendulum_mass_force(t, q, v, k, M, h) : double_pendulum_mass_force_blocks(n, t, q, v, k, M, h);
 }
 
-TISSERAND_INLINE int double_pendulum_accel_states(
-    int count,
+static int double_pendulum_accel_states(
     ptrdiff_t all,
     double t,
     const double *TISSERAND_RESTRICT q,
@@ -3646,6 +3650,7 @@ TISSERAND_INLINE int double_pendulum_accel_states(
     const double *TISSERAND_RESTRICT k,
     double *TISSERAND_RESTRICT vdot)
 {
+    const int count = 8;
     (void) t;
     (void) k;
     double lower_cos_phi[8], lower_sin_phi[8], upper_cos_phi[8], upper_sin_phi[8];
@@ -3865,7 +3870,7 @@ TISSERAND_APART int double_pendulum_accel_blocks(
         q += 32; v += 32; vdot += 32;
     }
     for (; left >= 8; left -= 8) {
-        const int failed = double_pendulum_accel_states(8, all, t, q, v, k, vdot);
+        const int failed = double_pendulum_accel_states(all, t, q, v, k, vdot);
         if (code == 0) code = failed;
         q += 8; v += 8; vdot += 8;
     }

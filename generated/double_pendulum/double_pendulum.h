@@ -297,8 +297,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "20c30135442a4a8b"
-#define DOUBLE_PENDULUM_HASH_20c30135442a4a8b
+#define DOUBLE_PENDULUM_HASH "352e03ea15477bdd"
+#define DOUBLE_PENDULUM_HASH_352e03ea15477bdd
 
 /* ---- sizes and indices ---- */
 

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_0d3d24dfbe07b1ce
+#ifndef FREE_BEAM_MEAN_HASH_a456a8d9dac25da2
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -37,7 +37,7 @@
    APART: functions that are not, so that what calls them last needs no stack. */
 #if defined(__GNUC__)
 #  define TISSERAND_INLINE static inline __attribute__((always_inline, unused))
-#  define TISSERAND_APART static __attribute__((noinline))
+#  define TISSERAND_APART static __attribute__((noinline, unused))
 #else
 #  define TISSERAND_INLINE static inline
 #  define TISSERAND_APART static
@@ -100,18 +100,23 @@ TISSERAND_INLINE double tisserand_cos(double x)
     return tisserand_sine_core(x, &s, &c) >> 63 ? cos(x) : c;
 }
 
-/* Sines s and cosines c of the angles x of some states. The first loop has no branch, so that compilers make vectors of it. */
+/* Sines s and cosines c where some angle is far from 0: apart, since the text of it would be wherever there are sines. */
+TISSERAND_APART void tisserand_far_sines(
+    int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
+{
+    for (int b = 0; b < count; b++) {
+        s[b] = tisserand_sin(x[b]);
+        c[b] = tisserand_cos(x[b]);
+    }
+}
+
+/* Sines s and cosines c of the angles x of some states. The loop has no branch, so that compilers make vectors of it. */
 TISSERAND_INLINE void tisserand_sines(
     int count, const double *TISSERAND_RESTRICT x, double *TISSERAND_RESTRICT s, double *TISSERAND_RESTRICT c)
 {
     unsigned long long outside = 0;
     TISSERAND_STATES for (int b = 0; b < count; b++) outside |= tisserand_sine_core(x[b], s + b, c + b);
-    if (outside >> 63) {
-        for (int b = 0; b < count; b++) {
-            s[b] = tisserand_sin(x[b]);
-            c[b] = tisserand_cos(x[b]);
-        }
-    }
+    if (outside >> 63) tisserand_far_sines(count, x, s, c);
 }
 #endif
 int free_beam_mean_setup(

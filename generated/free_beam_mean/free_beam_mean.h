@@ -261,8 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "0d3d24dfbe07b1ce"
-#define FREE_BEAM_MEAN_HASH_0d3d24dfbe07b1ce
+#define FREE_BEAM_MEAN_HASH "a456a8d9dac25da2"
+#define FREE_BEAM_MEAN_HASH_a456a8d9dac25da2
 
 /* ---- sizes and indices ---- */
 

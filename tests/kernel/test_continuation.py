@@ -1,0 +1,130 @@
+"""Loops that continue each other are one loop: the same bits, and only where elements follow each other."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+from derive.ir.batches import batch
+from derive.ir.continuation import continued_nodes, continued_statements
+from derive.ir.expansion import expand
+from derive.ir.expressions import Element, Number, Operation, Operator, ScalarRef
+from derive.ir.indices import ElementIndex, constant, variable
+from derive.ir.interpreter import interpret
+from derive.ir.loop_nests import Assign, For, Node, every
+from derive.ir.model import Argument, Kernel, Output, Section, View
+from derive.ir.statements import ForEach, Let, Statement, StoreElement
+from kernel.test_instance_lanes import looped
+
+SIZE = 24
+
+
+def own_kernel(statements: tuple[Statement, ...]) -> Kernel:
+    x = Argument("x", (), "given", arrays=(View("x", 0, SIZE),))
+    y = Output("y", tuple(f"y{k}" for k in range(SIZE)), "result")
+    return Kernel("own", "", (x,), (y,), (Section("", "", "", statements),))
+
+
+def body(name: str, read: ElementIndex, write: ElementIndex, factor: int = 2, adds: bool = True) -> tuple[Any, ...]:
+    product = Operation(Operator.MUL, (Number(Fraction(factor)), ScalarRef(name)))
+    return Let(name, Element("x", read)), StoreElement(Element("y", write), product, Operator.ADD if adds else None)
+
+
+def loop(count: int, of: tuple[Any, ...], independent: bool = False, start: int = 0) -> ForEach:
+    return ForEach("n", constant(start), constant(start + count), of, independent=independent)
+
+
+def values(statements: tuple[Statement, ...]) -> Any:
+    given = {"x": np.random.default_rng(0).uniform(-1, 1, SIZE).tolist()}
+    cleared = ForEach(
+        "i", constant(0), constant(SIZE), (StoreElement(Element("y", variable("i")), Number(Fraction(0))),)
+    )
+    return interpret(own_kernel((cleared, *statements)), given)["y"]
+
+
+FIRST = loop(1, body("a", constant(2), constant(9)))
+SECOND = loop(4, body("b", variable("n", 3, 5), variable("n", -1, 8)))
+THIRD = loop(1, body("c", constant(17), constant(4)))
+
+
+def test_a_loop_and_its_continuations_are_one() -> None:
+    """The elements 2, 5, 8, ..., 17 of x, and 9, 8, ..., 4 of y: they begin with a loop of a single iteration."""
+    statements = FIRST, SECOND, THIRD
+    (joined,) = continued_statements(statements)
+    assert isinstance(joined, ForEach)
+    assert (joined.start, joined.stop) == (constant(0), constant(6))
+    assert joined.body == body("a", variable("n", 3, 2), variable("n", -1, 9))
+    assert values((joined,)) == values(statements)
+
+
+def test_two_single_iterations_are_a_loop() -> None:
+    statements = FIRST, loop(1, body("b", constant(20), constant(1)), start=7)
+    (joined,) = continued_statements(statements)
+    assert values((joined,)) == values(statements)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        loop(4, body("b", variable("n", 3, 6), variable("n", -1, 8))),  # an element of x is left out
+        loop(4, body("b", variable("n", 3, 5), variable("n", 1, 8))),  # y in the other direction
+        loop(4, body("b", variable("n", 3, 5), variable("n", -1, 8), factor=3)),
+        loop(4, (*body("b", variable("n", 3, 5), variable("n", -1, 8)), *body("c", constant(0), constant(0)))),
+        loop(4, body("b", variable("n", 3, 5), variable("n", -1, 8)), independent=True),
+    ],
+)
+def test_other_loops_stay(other: ForEach) -> None:
+    assert tuple(continued_statements((loop(2, body("a", variable("n", 3, -1), variable("n", -1, 10))), other))) == (
+        loop(2, body("a", variable("n", 3, -1), variable("n", -1, 10))),
+        other,
+    )
+
+
+def test_independent_iterations_write_elements_of_their_own() -> None:
+    """Two loops that write to one element each stay two; the same loops are one if they write to others."""
+
+    def both(first: int, second: int) -> tuple[Statement, ...]:
+        bodies = (body("a", constant(k), constant(to), adds=False) for k, to in ((0, first), (3, second)))
+        return tuple(continued_statements(loop(1, of, independent=True) for of in bodies))
+
+    assert len(both(5, 5)) == 2
+    assert len(both(5, 6)) == 1
+
+
+def test_plain_loops_backward_continue_a_single_iteration() -> None:
+    def nodes(loops: tuple[ForEach, ...]) -> tuple[Node, ...]:
+        return tuple(node for each in loops for node in expand(each))
+
+    last = loop(1, body("a", constant(14), constant(4), adds=False))
+    indices = variable("n", 3, 2), variable("n")
+    others = ForEach("n", constant(0), constant(4), body("a", *indices, adds=False), backward=True)
+    (joined,) = continued_nodes(nodes((last, others)))
+    assert isinstance(joined, For)
+    assert [*joined.values({})] == [4, 3, 2, 1, 0]
+    given = {"x": np.random.default_rng(0).uniform(-1, 1, SIZE).tolist()}
+    kernel = own_kernel((last, others))
+    assert interpret(kernel, given, nodes=(joined,)) == interpret(kernel, given)
+
+
+def test_bodies_of_a_chain_have_one_text_where_joints_do_not_matter() -> None:
+    model = looped("chain_10")
+    for name in ("mass", "force", "mass_force", "momentum", "rates", "poses"):
+        loops = [s for s in model.kernel(name).statements if isinstance(s, ForEach)]
+        assert [(each.start.offset, each.stop.offset) for each in loops] == [(0, 10)], name
+
+
+def test_the_joint_left_on_one_side_is_the_last_of_its_end_in_batches() -> None:
+    """A chain of ten hangs from the ground by ten joints: four from one end, five from the other, and one between."""
+    nodes = batch(looped("chain_10").kernel("accel")).nodes
+    loops = [node for node in nodes if isinstance(node, For) and "update_scale" in written(node)]
+    assert sum(node.count or 0 for node in loops if node.variable == "step") == 9
+    assert len([node for node in loops if node.variable == "step"]) == 3  # one end, its first joint, the other end
+
+
+def written(node: Node) -> set[str]:
+    return {
+        item.target.array for item in every([node]) if isinstance(item, Assign) and isinstance(item.target, Element)
+    }
