@@ -31,6 +31,7 @@ from derive.ir.loop_nests import (
     rewritten,
 )
 from derive.ir.model import Argument, Kernel, View
+from derive.ir.ordering import with_few_waiting
 from derive.ir.statements import Let, Require
 
 SHARED = ("k", "u")
@@ -79,6 +80,8 @@ def batch(kernel: Kernel) -> Batch:
     nodes = [*_initialised(_in_records(fused(_one_by_one(nodes))))]
     arguments = frozenset(argument.name for argument in state_arguments(kernel))
     nodes = _in_loops(nodes, frozenset(state_elements(kernel)), arguments)
+    if kernel.repeats:
+        nodes = [*map(_reordered, nodes)]
     scalars = _scalars(nodes) - state_elements(kernel).keys()
     shared = {a.name for a in kernel.arguments if a.name in SHARED}
     shared |= {view.name for a in kernel.arguments if a.name in SHARED for view in a.arrays}
@@ -201,6 +204,14 @@ def _inside(node: Node, runs: Iterator[int], states: frozenset[str], arguments: 
         else:
             body.append(over_states(lines))
     return replace(node, body=tuple(body), kind=LoopKind.ORDERED)
+
+
+def _reordered(node: Node) -> Node:
+    """A loop whose lines over the states leave few values waiting."""
+    if not isinstance(node, For):
+        return node
+    over_states = node.kind is LoopKind.STATES
+    return replace(node, body=with_few_waiting(node.body) if over_states else tuple(map(_reordered, node.body)))
 
 
 # ---- values for each state ----
