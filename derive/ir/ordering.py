@@ -21,7 +21,10 @@ LONG = 1500
 
 
 def with_few_waiting(lines: Sequence[Node]) -> tuple[Node, ...]:
-    """Named values, assignments to elements and requirements in a good order, each behind what it needs."""
+    """Named values, assignments to elements and requirements in a good order, each behind what it needs.
+
+    An element that a line names without computing is read where its first reader is, which may read it from memory.
+    """
     if len(lines) > LONG:
         return tuple(lines)
     order = _Order(_Needs.of(lines))
@@ -32,23 +35,24 @@ def with_few_waiting(lines: Sequence[Node]) -> tuple[Node, ...]:
 class _Needs:
     """What lines need, by their numbers.
 
-    before: the lines that have to precede a line; values: those of them whose values it reads.
+    before: the lines that have to precede a line, without loads; values: the lines whose values it reads; loads: those
+    lines that name an element and compute nothing; overwritten: the loads of an element that a line writes.
     """
 
     before: list[set[int]]
     values: list[list[int]]
+    loads: set[int]
+    overwritten: list[set[int]]
 
     @staticmethod
     def of(lines: Sequence[Node]) -> _Needs:
-        before: list[set[int]] = []
-        values: list[list[int]] = []
+        result = _Needs([], [], set(), [])
         named: dict[str, int] = {}
         known: defaultdict[str, list[tuple[int, Element, bool]]] = defaultdict(list)
         required: dict[ReturnCode, int] = {}
         for number, line in enumerate(lines):
             read = [part for expr in expressions_of(line) for part in walk(expr)]
             own = {named[part.name] for part in read if isinstance(part, ScalarRef) and part.name in named}
-            values.append(sorted(own))
             accesses = [(element, writes) for element, writes in _accesses(line, read)]
             met = {
                 other
@@ -59,12 +63,18 @@ class _Needs:
             if isinstance(line, Require):  # the first of several codes counts
                 met |= {other for code, other in required.items() if code is not line.code}
                 required[line.code] = number
-            before.append(own | met)
+            for load in own & result.loads:
+                met |= result.before[load]
+            result.before.append((own | met) - result.loads)
+            result.values.append(sorted(own))
+            result.overwritten.append(met & result.loads)
             for element, writes in accesses:
                 known[element.array].append((number, element, writes))
             if isinstance(line, Let):
                 named[line.name] = number
-        return _Needs(before, values)
+                if isinstance(line.expr, Element):
+                    result.loads.add(number)
+        return result
 
 
 def _accesses(line: Node, read: Iterable[Expr]) -> Iterator[tuple[Element, bool]]:
@@ -76,35 +86,43 @@ def _accesses(line: Node, read: Iterable[Expr]) -> Iterator[tuple[Element, bool]
 class _Order:
     """The order of lines while it is made.
 
-    readers: the lines to come that read the value of a line; left: how many lines have still to precede a line; ready:
-    the lines that may come next, with the change of the number of waiting values.
+    readers: the lines to come that read the value of a line; idle: loads that are still to come; left: how many lines
+    have still to precede a line; ready: the lines that may come next, with the change of the number of waiting values.
     """
 
     def __init__(self, needs: _Needs) -> None:
-        self.values = needs.values
-        lines = range(len(needs.before))
-        self.after: list[list[int]] = [[] for _ in lines]
-        self.readers: list[set[int]] = [set() for _ in lines]
+        self.values, self.overwritten, self.idle = needs.values, needs.overwritten, set(needs.loads)
+        lines = [number for number in range(len(needs.before)) if number not in needs.loads]
+        self.after: defaultdict[int, list[int]] = defaultdict(list)
+        self.readers: defaultdict[int, set[int]] = defaultdict(set)
         for number in lines:
             for other in needs.before[number]:
                 self.after[other].append(number)
             for value in needs.values[number]:
                 self.readers[value].add(number)
-        self.left = [len(before) for before in needs.before]
+        self.left = {number: len(needs.before[number]) for number in lines}
         self.ready = {number: self._change(number) for number in lines if not self.left[number]}
 
     def chosen(self) -> Iterator[int]:
         """The numbers of the lines in their order."""
         while self.ready:
             number = self._best()
+            loads = sorted(self.idle & {*self.values[number], *self.overwritten[number]})
+            self.idle.difference_update(loads)
+            yield from (load for load in loads if self.readers[load])
             yield number
-            self._place(number)
+            self._place(number, loads)
 
     def _change(self, number: int, before: int = -1) -> int:
         """The change of the number of waiting values due to a line, if another one comes before it."""
-        readers = (self.readers[value] for value in self.values[number])
-        ended = sum(len(of) == 1 or (len(of) == 2 and before in of) for of in readers)
-        return bool(self.readers[number]) - ended
+        result = 1 if self.readers[number] else 0
+        for value in {*self.values[number], *self.overwritten[number]}:
+            others = self.readers[value] - {number, before}
+            if value not in self.idle or before in self.readers[value]:
+                result -= number in self.readers[value] and not others
+            else:
+                result += bool(others)
+        return result
 
     def _best(self) -> int:
         """The line to come next."""
@@ -124,14 +142,15 @@ class _Order:
         """The part of the waiting values that a line reads, where each reader of a value has an equal part of it."""
         return sum(1 / len(self.readers[value]) for value in self.values[number])
 
-    def _place(self, number: int) -> None:
+    def _place(self, number: int, loads: Iterable[int]) -> None:
         del self.ready[number]
+        changed = {line for load in loads for line in self.readers[load]}
         for value in self.values[number]:
             self.readers[value].discard(number)
-            for line in self.readers[value] if len(self.readers[value]) == 1 else ():
-                if line in self.ready:
-                    self.ready[line] = self._change(line)
+            changed |= self.readers[value]
         for line in self.after[number]:
             self.left[line] -= 1
             if not self.left[line]:
                 self.ready[line] = self._change(line)
+        for line in changed & self.ready.keys():
+            self.ready[line] = self._change(line)
