@@ -58,22 +58,17 @@ def _accesses(line: Node, spacing: Mapping[str, int]) -> Iterator[Access]:
 
 
 def _shared(nodes: Iterable[Node], spacing: Mapping[str, int]) -> set[Component]:
-    """The components of which each element is written and read before any access of the next one."""
+    """The components of which no element is read after another one was written."""
     current: dict[Component, int] = {}
-    earlier: dict[Component, set[int]] = {}
     several: set[Component] = set()
     failed: set[Component] = set()
     for component, index, writes in _in_time(nodes, spacing):
-        if component in failed or current.get(component) == index:
-            continue
-        known = earlier.setdefault(component, set())
-        if not writes or index in known:
-            failed.add(component)
-            continue
-        if component in current:
-            several.add(component)
-        known.add(index)
-        current[component] = index
+        if current.get(component) != index:
+            if not writes:
+                failed.add(component)
+            if component in current:
+                several.add(component)
+            current[component] = index
     return several - failed
 
 
