@@ -102,3 +102,10 @@ def _between(one: int, two: int, slope: int, count: int) -> range:
     if slope < 0:
         slope, low, high = -slope, -high, -low
     return range(max(0, -(-low // slope)), min(count, high // slope + 1))
+
+
+def are_apart(a: Element, b: Element) -> bool:
+    """Whether two elements differ in all iterations."""
+    if a.array != b.array or a.index is None or b.index is None:
+        return a.array != b.array
+    return set(a.index.terms) == set(b.index.terms) and a.index.offset != b.index.offset

@@ -13,7 +13,7 @@ from itertools import count, groupby
 from derive.ir.analysis import names_read
 from derive.ir.continuation import continued_nodes
 from derive.ir.expansion import ZERO, expand_in_tiles
-from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped
+from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped, walk
 from derive.ir.fusion import fused
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.library_calls import STATE, Line, has_calls, over_states, straight_lines
@@ -29,9 +29,11 @@ from derive.ir.loop_nests import (
     Sines,
     ends_of,
     every,
+    expressions_of,
     rewritten,
 )
 from derive.ir.model import Argument, Kernel, View
+from derive.ir.ordering import with_few_waiting
 from derive.ir.statements import Let, Require
 
 SHARED = ("k", "u")
@@ -80,6 +82,8 @@ def batch(kernel: Kernel) -> Batch:
     nodes = [*_initialised(_in_records(fused(continued_nodes(_one_by_one(nodes)))))]
     arguments = frozenset(argument.name for argument in state_arguments(kernel))
     nodes = _in_loops(nodes, frozenset(state_elements(kernel)), arguments)
+    if kernel.repeats:
+        nodes = [*map(_reordered, nodes)]
     scalars = _scalars(nodes) - state_elements(kernel).keys()
     shared = {a.name for a in kernel.arguments if a.name in SHARED}
     shared |= {view.name for a in kernel.arguments if a.name in SHARED for view in a.arrays}
@@ -124,21 +128,39 @@ def _in_records(nodes: Iterable[Node]) -> Iterator[Node]:
     instance reads and writes is then in few pages.
     """
     nodes = tuple(nodes)
-    sizes = {n.array: (n.spacing, n.size // n.spacing) for n in every(nodes) if isinstance(n, Local) and n.spacing}
+    arrays = {n.array: n for n in every(nodes) if isinstance(n, Local) and n.spacing}
+    used = {array: set(range(n.size // n.spacing)) if n.cleared else set() for array, n in arrays.items()}
+    for element in _elements(nodes):
+        if element.array in arrays:
+            assert element.index
+            used[element.array].add(element.index.offset // arrays[element.array].spacing)
+    components = {array: sorted(of) for array, of in used.items()}
 
     def leaf(item: Leaf) -> Expr:
-        if not isinstance(item, Element) or item.array not in sizes:
+        if not isinstance(item, Element) or item.array not in arrays:
             return item
         assert item.index
-        spacing, components = sizes[item.array]
+        spacing, own = arrays[item.array].spacing, components[item.array]
         component, place = divmod(item.index.offset, spacing)
         terms = (
-            replace(t, stride=t.stride * components if t.stride % spacing else t.stride // spacing)
+            replace(t, stride=t.stride * len(own) if t.stride % spacing else t.stride // spacing)
             for t in item.index.terms
         )
-        return replace(item, index=ElementIndex(component + place * components, tuple(terms)))
+        return replace(item, index=ElementIndex(own.index(component) + place * len(own), tuple(terms)))
 
-    return (rewritten(node, leaf) for node in nodes)
+    for node in nodes:
+        if isinstance(node, Local) and node.array in arrays:
+            yield replace(node, count=node.spacing * len(components[node.array]))
+        else:
+            yield rewritten(node, leaf)
+
+
+def _elements(nodes: Iterable[Node]) -> Iterator[Element]:
+    """The elements that plain statements read and write."""
+    for node in every(nodes):
+        parts = [part for expr in expressions_of(node) for part in walk(expr)]
+        parts += [node.target] if isinstance(node, Assign) and isinstance(node.target, Element) else []
+        yield from (part for part in parts if isinstance(part, Element))
 
 
 def _gathered(argument: str, view: View) -> tuple[Node, ...]:
@@ -207,6 +229,14 @@ def _inside(node: Node, runs: Iterator[int], states: frozenset[str], arguments: 
         else:
             body.append(over_states(lines))
     return replace(node, body=tuple(body), kind=LoopKind.ORDERED)
+
+
+def _reordered(node: Node) -> Node:
+    """A loop whose lines over the states leave few values waiting."""
+    if not isinstance(node, For):
+        return node
+    over_states = node.kind is LoopKind.STATES
+    return replace(node, body=with_few_waiting(node.body) if over_states else tuple(map(_reordered, node.body)))
 
 
 # ---- values for each state ----

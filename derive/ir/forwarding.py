@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from derive.ir.accesses import accesses_of, is_ordered, iterations
+from derive.ir.accesses import accesses_of, are_apart, is_ordered, iterations
 from derive.ir.expressions import Element, ScalarRef, mapped, walk
 from derive.ir.loop_nests import Assign, For, Local, Node, expressions_of
 from derive.ir.statements import Let, Require
@@ -23,7 +23,7 @@ def forwarded(loop: For) -> For:
         line = _with_values(item, known)
         if isinstance(line, Assign) and isinstance(line.target, Element):
             target = line.target
-            known = {element: value for element, value in known.items() if _are_apart(element, target)}
+            known = {element: value for element, value in known.items() if are_apart(element, target)}
             if line.operator is None and target in later:
                 name = line.expr if isinstance(line.expr, ScalarRef) else ScalarRef(f"stored_{number}")
                 body += [Let(name.name, line.expr)] if name != line.expr else []
@@ -41,13 +41,6 @@ def _elements(lines: Iterable[Node]) -> Iterator[Element]:
 def _with_values(line: Node, known: Mapping[Element, ScalarRef]) -> Let | Assign | Require:
     assert isinstance(line, Let | Assign | Require)
     return replace(line, expr=mapped(line.expr, lambda e: known.get(e, e) if isinstance(e, Element) else e))
-
-
-def _are_apart(a: Element, b: Element) -> bool:
-    """Whether two elements differ in all iterations."""
-    if a.array != b.array or a.index is None or b.index is None:
-        return a.array != b.array
-    return set(a.index.terms) == set(b.index.terms) and a.index.offset != b.index.offset
 
 
 def without_idle_stores(nodes: Sequence[Node]) -> tuple[Node, ...]:
@@ -75,7 +68,7 @@ def without_idle_stores(nodes: Sequence[Node]) -> tuple[Node, ...]:
                     continue
                 overwritten.append(line.target)
             read_here = tuple(_elements([line]))
-            overwritten = [e for e in overwritten if all(_are_apart(e, part) for part in read_here)]
+            overwritten = [e for e in overwritten if all(are_apart(e, part) for part in read_here)]
             body.insert(0, line)
         return replace(loop, body=tuple(body))
 

@@ -16,6 +16,8 @@ from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, MatrixEntr
 from derive.ir.forwarding import forwarded, without_idle_stores
 from derive.ir.indices import ElementIndex, IndexTerm, Of, constant
 from derive.ir.loop_nests import Assign, For, Local, Node, every, expressions_of, reindexed, rewritten
+from derive.ir.nearby_reads import with_nearby_reads
+from derive.ir.shared_places import with_shared_places
 from derive.ir.statements import Let, Require
 
 FEW = 2
@@ -36,8 +38,19 @@ def fused(nodes: Iterable[Node]) -> tuple[Node, ...]:
         result, moves = move.made(result), moves + 1
     if not moves:
         return result
-    result = tuple(forwarded(node) if isinstance(node, For) and is_ordered(node) else node for node in result)
-    return without_idle_stores(result)
+    result = tuple(
+        forwarded(_at_place(node)) if isinstance(node, For) and is_ordered(node) else node for node in result
+    )
+    return with_shared_places(without_idle_stores(with_nearby_reads(result)))
+
+
+def _at_place(loop: For) -> For:
+    """A loop of one iteration, in which elements have numbers alone."""
+    if iterations(loop) != 1:
+        return loop
+    value = loop.start.offset
+    body = tuple(reindexed(node, lambda index: index.with_value(loop.variable, value)) for node in loop.body)
+    return replace(loop, body=body)
 
 
 def _are_plain(nodes: Sequence[Node]) -> bool:

@@ -9,6 +9,7 @@ from derive.backends.c.nests import CNests
 from derive.ir.batches import SHARED, batch, state_arguments, state_elements, state_views
 from derive.ir.loop_nests import BlockProduct, For, LoopKind, every
 from derive.ir.model import Kernel
+from derive.ir.statements import Require
 
 Lines = list[str]
 
@@ -44,7 +45,10 @@ class StateBlock:
         outputs = {o.name for o in self.kernel.outputs}
         arrays = outputs | {a.name for a in state_arguments(self.kernel)}
         counter = "ptrdiff_t" if self.repeats else "int"
-        nests = CNests(outputs, arrays, f"{self.model}_block{self.width}", has_codes=self.repeats, counter=counter)
+        codes = {node.code for node in every(self.batch.nodes) if isinstance(node, Require)}
+        helpers = f"{self.model}_block{self.width}"
+        one = self.repeats and len(codes) == 1
+        nests = CNests(outputs, arrays, helpers, self.repeats, one, counter=counter)
         return [line.text for line in nests.lines(self.batch.nodes)]
 
     def declarations(self) -> Lines:

@@ -44,15 +44,17 @@ class CNests:
 
     outputs: the arrays that the function writes; arrays: all arrays that are its parameters, in which a batch has rows
     of all its states; helpers: the first part of the names of the functions that it calls; has_codes: whether the
-    states of a batch have codes, which the first loop over states with requirements gives them otherwise; starts: the
-    elements from which on vectors are stored in local arrays, see `vector_starts`; counter: the type of integers and of
-    the variables of loops in order. Where these place elements, ptrdiff_t spares an extension of each index.
+    states of a batch have codes, which the first loop over states with requirements gives them otherwise; has_one_code:
+    whether all requirements have the same; starts: the elements from which on vectors are stored in local arrays, see
+    `vector_starts`; counter: the type of integers and of the variables of loops in order. Where these place elements,
+    ptrdiff_t spares an extension of each index.
     """
 
     outputs: Collection[str] = ()
     arrays: Collection[str] = ()
     helpers: str = ""
     has_codes: bool = False
+    has_one_code: bool = False
     starts: Mapping[str, int] = field(default_factory=dict)
     counter: str = "int"
     _known: set[str] = field(default_factory=set)
@@ -256,9 +258,14 @@ class CNests:
     def _states(self, node: For) -> Lines:
         """The body of a loop over states. Both codes are computed before one is chosen, so that no branch is needed.
 
-        The first requirement that fails gives the code, so it comes last; and what failed before keeps its own.
+        The first requirement that fails gives the code, so it comes last; and what failed before keeps its own. Where
+        there is one code alone, requirements stay where their values are known.
         """
         checks = [item for item in node.body if isinstance(item, Require)]
+        if checks and self.has_codes and self.has_one_code:
+            groups = ((self._checked(item) if isinstance(item, Require) else None, item) for item in node.body)
+            lines = [line for code, item in groups for line in (self._lines(item) if code is None else plain(*code))]
+            return [*plain("    double code = codes[b];"), *lines, *plain("    codes[b] = code;")]
         lines = self.lines(item for item in node.body if not isinstance(item, Require))
         if not checks:
             return lines
