@@ -314,20 +314,21 @@ def _actions(draft: SpatialDraft) -> None:
     at = [f"{body.name}.{marker}" for body in draft.bodies.values() for marker in body.markers]
     if not at:
         return
+    turning = [marker for marker in at if not isinstance(_written_marker(draft, marker), int)]  # not at a node
     force = 3.0 * draft.size
     frames = words(SpatialForce, "frame")
     if draws.chance(0.4):
         table: Table = {"at": draws.choice(at), "force": [_function(draft, force) for _ in range(3)]}
         draft.section("forces")[draft.name("forces")] = table | {"frame": draws.choice(frames)}
-    if draws.chance(0.4):
-        on = draws.choice(at)
+    if draws.chance(0.4) and turning:
+        on = draws.choice(turning)
         table = {"on": on, "torque": [_function(draft, 0.1 * force) for _ in range(3)], "frame": draws.choice(frames)}
-        others = [other for other in at if other.split(".")[0] != on.split(".")[0]]
+        others = [other for other in turning if other.split(".")[0] != on.split(".")[0]]
         if others and draws.chance(0.5):
             table["against"] = draws.choice(others)
         draft.section("torques")[draft.name("torques")] = table
     if draws.chance(0.5):
-        _spring(draft, at, force)
+        _spring(draft, at, turning, force)
     if draws.chance(0.5):
         kind = draws.choice(["position", "velocity", "acceleration", "angular_velocity"])
         draft.section("outputs")[draft.name("outputs")] = {"kind": kind, "marker": draws.choice(at)}
@@ -338,13 +339,19 @@ def _actions(draft: SpatialDraft) -> None:
         draft.section("outputs")[draft.name("outputs")] = {"kind": "reaction", "joint": joint}
 
 
-def _spring(draft: SpatialDraft, at: list[str], force: float) -> None:
+def _written_marker(draft: SpatialDraft, marker: str) -> object:
+    body, _, name = marker.partition(".")
+    markers: Table = draft.section("bodies")[body]["markers"]  # type: ignore[index]  # tables of a draft
+    return markers[name]
+
+
+def _spring(draft: SpatialDraft, at: list[str], turning: list[str], force: float) -> None:
     """A spring or a bushing between a body and a point of the ground, which is at some distance."""
     draws = draft.draws
     first = draft.marker(draft.ground, draft.vector(draft.size) + np.array([0, 0, 2 * draft.size]), draft.rotation())
-    kind = draws.choice([*SPATIAL_SPRINGS, *SPATIAL_BUSHINGS])
+    kind = draws.choice([*SPATIAL_SPRINGS, *SPATIAL_BUSHINGS] if turning else ["linear"])
     stiffness = rounded(force / draft.size * draws.between(1, 5), 2)
-    table: Table = {"kind": kind, "between": [first, draws.choice(at)]}
+    table: Table = {"kind": kind, "between": [first, draws.choice(at if kind == "linear" else turning)]}
     if kind in SPATIAL_BUSHINGS:
         table["stiffness"] = [rounded(stiffness * draws.between(0, 0.3), 2) for _ in range(6)]
         if draws.chance(0.5):
