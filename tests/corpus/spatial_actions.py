@@ -123,7 +123,10 @@ def _spring(draft: SpatialDraft, at: list[str], force: float) -> None:
     stiffness = rounded(force / draft.size * draws.between(1, 5), 2)
     table: Table = {"kind": kind, "between": [first, second]}
     if kind in SPATIAL_BUSHINGS:
-        table["stiffness"] = [rounded(stiffness * draws.between(0, 0.3), 2) for _ in range(6)]
+        values = [rounded(stiffness * draws.between(0.1, 0.3), 2) for _ in range(6)]
+        matrix = [[value if i == j else 0 for j in range(6)] for i, value in enumerate(values)]
+        matrix[0][4] = matrix[4][0] = rounded(0.05 * stiffness, 2)  # a force that turns
+        table["stiffness"] = matrix if draws.chance(0.4) else values
         if draws.chance(0.5):
             table["damping"] = [rounded(0.01 * stiffness, 2)] * 6
     else:

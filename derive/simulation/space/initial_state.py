@@ -20,7 +20,7 @@ from derive.simulation.initial.initial_state import InitialState, check_rest
 from derive.simulation.initial.targets import Strength
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.assembly import SpatialAssembler, assembled
-from derive.simulation.space.attitudes import check_attitudes, open_joints
+from derive.simulation.space.attitudes import check_attitudes, misalignment, open_joints
 from derive.simulation.space.guess import guessed_configuration
 from derive.simulation.space.marker_frames import own_frame
 from derive.simulation.space.targets import SpatialTarget, spatial_targets
@@ -38,8 +38,8 @@ def spatial_scene_state(scene: SpatialScene, native: NativeScene, k: Vector | No
     Positions that are not given come as near as possible to guesses; velocities that are not given have the least
     kinetic energy. native: the compiled scene. k: the constants (nk,) of `native.setup`.
 
-    Raises SpecError with given values that contradict the joints or each other; SimulationError with the joints that
-    cannot be met, and with joints that are met the wrong way round.
+    Raises SpecError with given values that contradict the joints or each other, with the joints that cannot be met, and
+    with joints that are met the wrong way round; InconsistentInitialState where it is velocities that cannot be met.
     """
     check_start(scene)
     constants = native.setup() if k is None else k
@@ -50,8 +50,9 @@ def spatial_scene_state(scene: SpatialScene, native: NativeScene, k: Vector | No
     assembly = assembled(assembler, guess, positions)
     state = assembly.state
     if not state.converged:
-        unmet = unmet_constraints(native, state.g, CONSISTENT)
-        raise InconsistentInitialState("positions", unmet, 0.0, open_joints(scene, assembler.poses(state.q)))
+        if problems := open_joints(scene, assembler.poses(state.q), state.g):
+            raise SpecError(problems)
+        raise InconsistentInitialState("positions", unmet_constraints(native, state.g, CONSISTENT), 0.0)
     q = normalised(native, state.q)
     check_attitudes(scene, assembler.poses(q))
     balance = None
@@ -60,7 +61,8 @@ def spatial_scene_state(scene: SpatialScene, native: NativeScene, k: Vector | No
         balance = equilibrium(native, constants, q)
         q = normalised(native, balance.q)
     else:
-        _refuse_missed(assembler, positions, q, None)
+        given = positions if assembly.kept else _contradicting(assembler, guess, positions)
+        _refuse_missed(scene, assembler, given, q, None)
     rates = [target for target in targets if target.rate]
     v = spatial_velocities(assembler, q, rates, _momentum(scene, assembler, q))
     error = max_norm(native.constraint_rates(0.0, q, v, constants))
@@ -68,7 +70,7 @@ def spatial_scene_state(scene: SpatialScene, native: NativeScene, k: Vector | No
         check_constraints(native, constants, 0.0, q)
         unmet = unmet_constraints(native, native.constraint_rates(0.0, q, v, constants))
         raise InconsistentInitialState("velocities", unmet, 0.0)
-    _refuse_missed(assembler, rates, q, v)
+    _refuse_missed(scene, assembler, rates, q, v)
     check_constraints(native, constants, 0.0, q)
     check_accelerations(native, constants, 0.0, q, v)
     met = max_norm(native.constraints(0.0, q, constants))
@@ -85,7 +87,22 @@ def spatial_scene_size(scene: SpatialScene) -> float:
     return float(np.linalg.norm(np.ptp(np.array(points), axis=0))) or 1.0
 
 
-def _refuse_missed(assembler: SpatialAssembler, targets: Sequence[SpatialTarget], q: Vector, v: Vector | None) -> None:
+def _contradicting(
+    assembler: SpatialAssembler, guess: Vector, targets: Sequence[SpatialTarget]
+) -> Sequence[SpatialTarget]:
+    """The given values without any one of which the others can be met; all of them where there is none like that."""
+    given = [target for target in targets if target.strength is Strength.GIVEN]
+    alone = [
+        target
+        for target in given
+        if assembled(assembler, guess, [other for other in targets if other is not target]).kept
+    ]
+    return alone or given
+
+
+def _refuse_missed(
+    scene: SpatialScene, assembler: SpatialAssembler, targets: Sequence[SpatialTarget], q: Vector, v: Vector | None
+) -> None:
     """Raise SpecError with the given values that a state misses."""
     problems = []
     scale = 1.0 if v is None else max(1.0, max_norm(v))
@@ -97,11 +114,13 @@ def _refuse_missed(assembler: SpatialAssembler, targets: Sequence[SpatialTarget]
         missed = r if v is None else r + J @ v
         unit = 1.0 if target.angular else assembler.size
         if max_norm(missed) > KEPT * unit * scale:
+            axes = misalignment(scene, poses, target.body, target.rotation()) if target.body else ""
             text = (
                 f"this contradicts the joints, the drives or other given values: the nearest state misses it by "
-                f"{max_norm(missed):.6g} {target.unit}. Correct or leave out one of them, or write guess = true in "
-                f"[{target.table}] to make it a first guess"
+                f"{max_norm(missed):.6g} {target.unit}{'; ' if axes else ''}{axes}. Correct or leave out one of them"
             )
+            if target.guessable:
+                text += f", or write guess = true in [{target.table}] to make it a first guess"
             problems.append(Problem(target.path, text))
     if problems:
         raise SpecError(tuple(problems))

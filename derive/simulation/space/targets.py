@@ -32,7 +32,8 @@ class SpatialTarget:
     """A vector of the configuration and its values in SI units; with `rate` those of its time derivative.
 
     table, key: its table and key in the specification. angular: whether it counts in rad, not m. linearised: the
-    deviations in a configuration; of a rate without the velocities, as `rate` then adds their products.
+    deviations in a configuration; of a rate without the velocities, as `rate` then adds their products. body: that of
+    the rotation of a body. guessable: whether its table may say that it is a first guess.
     """
 
     table: str
@@ -43,6 +44,13 @@ class SpatialTarget:
     rate: bool
     linearised: Callable[[SpatialPoses], Linearised]
     amplitudes: tuple[int, ...] = ()
+    body: str = ""
+    guessable: bool = True
+
+    def rotation(self) -> Matrix:
+        """The rotation matrix (3, 3) of a rotation, whose values are those of a quaternion."""
+        quaternion = np.array(self.values)
+        return rotation_matrix(quaternion / np.linalg.norm(quaternion))
 
     @property
     def path(self) -> str:
@@ -70,7 +78,8 @@ def spatial_targets(scene: SpatialScene, native: NativeScene) -> tuple[SpatialTa
             key = "motion" if drive.speed is None else "speed"
             value = float(simulated_drive(native, drive, np.zeros(1))[0])
             function = _function_of_frames(scene, joint, freedom, value, False)
-            result.append(SpatialTarget(f"drives.{drive.name}", key, (value,), Strength.GIVEN, True, False, function))
+            table = f"drives.{drive.name}"
+            result.append(SpatialTarget(table, key, (value,), Strength.GIVEN, True, False, function, guessable=False))
     return tuple(result)
 
 
@@ -84,7 +93,9 @@ def _of_body(body: SpatialBody, native: NativeScene) -> Iterator[SpatialTarget]:
     if start.rotation is not None:
         quaternion = np.array(start.rotation)
         reference = rotation_matrix(quaternion / np.linalg.norm(quaternion))
-        yield SpatialTarget(table, "rotation", start.rotation, given, True, False, _rotation(body.name, reference))
+        yield SpatialTarget(
+            table, "rotation", start.rotation, given, True, False, _rotation(body.name, reference), body=body.name
+        )
     for key, values in (("amplitudes", start.amplitudes), ("amplitude_rates", start.amplitude_rates)):
         if values:
             rate = key == "amplitude_rates"

@@ -30,6 +30,7 @@ def spatial_scene_faults(data: Raw) -> list[Fault]:
             *_drives(view),
             *_gears(view),
             *_outputs(view),
+            *_actions(view),
             *_starts(view),
             *_weightless(view),
         ]
@@ -67,19 +68,39 @@ def _without_rotation(
     """Faults of joints whose rotations or axes are those of a marker at a single node, which has none."""
     removed = {*_removed(joint_type, joint)}
     for i, marker in enumerate(markers):
-        body = view.bodies.get(marker.body)
-        at = body.get("markers") if isinstance(body, Mapping) else None
-        value = at.get(marker.marker) if isinstance(at, Mapping) else None
-        is_node = isinstance(value, int) or (isinstance(value, Mapping) and "node" in value)
         turns = removed & ROTATIONS.keys() or (
             i == 0 and removed & DISPLACEMENTS.keys() not in (set(), set(DISPLACEMENTS))
         )
-        if view.kind(marker.body) == "flexible" and is_node and turns:
-            text = (
-                f"the marker {marker} is a node, which has no rotation, and a {joint.get('kind')} joint acts on the "
-                "rotation of its markers; take a set of nodes around it, { nodes = [..] }, or a spherical joint"
-            )
-            yield Fault((*path, i), text)
+        if turns and _is_node(view, marker):
+            yield Fault((*path, i), _no_rotation(marker, f"a {joint.get('kind')} joint acts", "spherical joint"))
+
+
+def _is_node(view: SceneData, marker: MarkerRef) -> bool:
+    """Whether a marker is a single node of a finite-element body, which has no rotation."""
+    body = view.bodies.get(marker.body)
+    at = body.get("markers") if isinstance(body, Mapping) else None
+    value = at.get(marker.marker) if isinstance(at, Mapping) else None
+    single = isinstance(value, int) or (isinstance(value, Mapping) and "node" in value)
+    return view.kind(marker.body) == "flexible" and single
+
+
+def _no_rotation(marker: MarkerRef, acts: str, other: str) -> str:
+    return (
+        f"the marker {marker} is a node, which has no rotation, and {acts} on the rotation of its markers; take a set "
+        f"of nodes around it, {{ nodes = [..] }}, or a {other}"
+    )
+
+
+def _actions(view: SceneData) -> Iterator[Fault]:
+    """Faults of torques, bushings and rotational springs at nodes, whose rotation is not known."""
+    for ref in view.marker_refs():
+        section, name = ref.path[0], str(ref.path[1])
+        if section == "torques" and _is_node(view, ref.marker):
+            yield Fault(ref.path, _no_rotation(ref.marker, "a torque acts", "pair of forces"))
+        if section == "springs" and _is_node(view, ref.marker):
+            kind = str(view.tables["springs"][name].get("kind", "linear"))
+            if kind != "linear":
+                yield Fault(ref.path, _no_rotation(ref.marker, f"a {kind} spring acts", "linear spring"))
 
 
 def _drives(view: SceneData) -> Iterator[Fault]:
