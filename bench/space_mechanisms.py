@@ -26,7 +26,7 @@ from interleaved import TimedCall, interleaved
 from limited import limited
 from machine import OWN_OPTION, described
 from rows import Row, row
-from space_tables import flexible_tables, rigid_tables
+from space_tables import flexible_tables, free_tables, rigid_tables
 
 from derive.backends.c.source import CBackend
 from derive.derivation import derive, lower
@@ -46,16 +46,23 @@ GOAL = 1.0
 HAND_GOAL = 1.1
 COUNT = 3
 """The bodies of the chains."""
+OWN_FILE = "handwritten_body.c"
 EVALUATION = "const int *, const void *, const double *, const double *, double *, void *"
 
 
 @dataclass(frozen=True)
 class HandCode:
-    """C by hand for a chain: its file, its options, and the tables of its bodies."""
+    """C by hand for accelerations: its file, its options, its tables, and the C that declares, prepares and calls it.
+
+    The file of a chain is in the folder of yardsticks, that of a free body beside this one.
+    """
 
     file: str
     options: str
     tables: Array
+    declare: str
+    call: str
+    once: str = ""
 
 
 @dataclass(frozen=True)
@@ -76,12 +83,24 @@ def _random(scene: SpatialScene, equations: Equations) -> tuple[Array, Array]:
     return scenes.any_states(len(names), len(equations.rows), quaternions, STATES)
 
 
+def _chain(file: str, options: str, tables: Array) -> HandCode:
+    declare = f"int eval(int, {EVALUATION}); static const int classes[] = {{0, 1, 2}};"
+    return HandCode(file, options, tables, declare, f"eval({COUNT}, classes, tables, {{state}}, out, work);")
+
+
+def _free(scene: SpatialScene) -> HandCode:
+    (link,) = scenes.reduced_links(scene)
+    declare = "void hand_setup(const double *); void hand_accel(const double *, const double *, double *);"
+    call, options = "hand_accel({state}, out);", f"-DMEAN -DN={scenes.MODES}"
+    return HandCode(OWN_FILE, options, free_tables(link), declare, call, "hand_setup(tables);")
+
+
 def _rigid_case(kind: str) -> Case:
     return Case(
         f"chain of {COUNT} rigid bodies, {kind} joints",
         lambda folder: scenes.chain_of_rigid_bodies(COUNT, kind, folder),
         lambda scene, equations: scenes.rigid_states(COUNT, kind, STATES),
-        hand=lambda scene: HandCode(
+        hand=lambda scene: _chain(
             "joints2.c", f"-DKIND={scenes.AXES[kind]}", rigid_tables([scenes.rigid_link(i) for i in range(COUNT)])
         ),
     )
@@ -94,6 +113,7 @@ CASES = {
         lambda folder: scenes.chain_of_flexible_bodies(1, "", folder),
         _random,
         ("mass", "force", "accel"),
+        _free,
     ),
     "slider_crank_rigid": Case("slider-crank, 3 rigid bodies", lambda f: scenes.slider_crank(False, f), _random),
     "slider_crank_flexible": Case("slider-crank, flexible rod", lambda f: scenes.slider_crank(True, f), _random),
@@ -102,7 +122,7 @@ CASES = {
         f"chain of {COUNT} bodies with {scenes.MODES} modes, welded",
         lambda folder: scenes.chain_of_flexible_bodies(COUNT, "fixed", folder),
         lambda scene, equations: scenes.flexible_states(scenes.reduced_links(scene), True, STATES),
-        hand=lambda scene: HandCode("flex3.c", "", flexible_tables(scenes.reduced_links(scene))),
+        hand=lambda scene: _chain("flex3.c", "", flexible_tables(scenes.reduced_links(scene))),
     ),
 }
 
@@ -144,7 +164,7 @@ def times(case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path |
     program.scratch["k"] = sum(constant.size for constant in model.constants) + 1
     state = f"q + s * {q.shape[1]}, v + s * {v.shape[1]}"
     result = {}
-    hand = _add_hand(case, scene, program, yardsticks) if case.hand and yardsticks else False
+    hand = _add_hand(case, scene, program, yardsticks) if case.hand else None
     for function in case.functions:
         size = model.kernel(function).outputs[0].size
         own = f"q + s * {q.shape[1]}" if function == "mass" else f"0.0, {state}"
@@ -157,8 +177,8 @@ def times(case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path |
             program.declare.append(f"int {peer}(const double **, double **, long long *, double *, int);")
             given = f"const double *given[] = {{{state}}}; double *result[] = {{out}};"
             calls.append(TimedCall("CasADi", f"{given} {peer}(given, result, 0, 0, 0);", size))
-        if hand:
-            calls.append(TimedCall("hand", f"eval({COUNT}, classes, tables, {state}, out, work);", size))
+        if hand and function == "accel":
+            calls.append(TimedCall("hand", hand.call.format(state=state), size))
         found, values = interleaved(
             calls,
             declare="\n".join(program.declare),
@@ -197,15 +217,19 @@ def _casadi(function: str, equations: Equations) -> ca.CodeGenerator | None:
     return generator
 
 
-def _add_hand(case: Case, scene: SpatialScene, program: Program, yardsticks: Path) -> bool:
-    """Add the C by hand of a chain, whose bodies have a table each."""
+def _add_hand(case: Case, scene: SpatialScene, program: Program, yardsticks: Path | None) -> HandCode | None:
+    """Add the C by hand; None if it is in a folder that is not given."""
     assert case.hand is not None
     code = case.hand(scene)
-    program.compile(yardsticks / code.file, code.options, "hand")
+    folder = Path(__file__).parent if code.file == OWN_FILE else yardsticks
+    if folder is None:
+        return None
+    program.compile(folder / code.file, code.options, "hand")
     program.arrays["tables"] = code.tables
     program.scratch["work"] = 4096
-    program.declare.append(f"int eval(int, {EVALUATION}); static const int classes[] = {{0, 1, 2}};")
-    return True
+    program.declare.append(code.declare)
+    program.once.append(code.once)
+    return code
 
 
 def rows(

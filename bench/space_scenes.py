@@ -85,13 +85,14 @@ def chain_of_flexible_bodies(count: int, kind: str, folder: Path) -> SpatialScen
             f'[bodies.link{i}]\nnodes = "cloud_{i}.npz"\nunits = "SI"\n'
             "markers = { left = { nodes = [0, 1, 2] }, right = { nodes = [17, 18, 19] } }\n"
         )
-    return _scene(f"flexible_{kind or 'free'}_{count}", [*bodies, *(_joints(count, kind) if kind else ())], folder)
+    parts = [*bodies, *(_joints(count, kind) if kind else ())]
+    return _scene(f"flexible_{kind or 'free'}_{count}", parts, folder, bool(kind))
 
 
 def free_rod(folder: Path) -> SpatialScene:
     """The rod of the example, alone, with all six modes of its file."""
     rod = f'[bodies.rod]\nnodes = "{EXAMPLES / "spatial_rod.npz"}"\nunits = "SI"\n'
-    return _scene("free_rod", [rod], folder)
+    return _scene("free_rod", [rod], folder, joined=False)
 
 
 def slider_crank(flexible: bool, folder: Path) -> SpatialScene:
@@ -208,8 +209,10 @@ def _joints(count: int, kind: str) -> list[str]:
     ]
 
 
-def _scene(name: str, parts: list[str], folder: Path) -> SpatialScene:
-    head = f'name = "{name}"\n\n[scene]\ngravity = [0, 0, {GRAVITY}]\n\n[ground.markers]\nbase = [0, 0, 0]\n'
+def _scene(name: str, parts: list[str], folder: Path, joined: bool = True) -> SpatialScene:
+    """A scene of a file; without joints it has no gravity, which the C by hand of a free body does not know."""
+    gravity = GRAVITY if joined else 0
+    head = f'name = "{name}"\n\n[scene]\ngravity = [0, 0, {gravity}]\n\n[ground.markers]\nbase = [0, 0, 0]\n'
     return _read("\n".join([head, *parts]), folder)
 
 
