@@ -1,12 +1,12 @@
-"""Mechanisms in space: M and h of a body, and accelerations of mechanisms of 3 bodies, compared with CasADi and C by hand.
+"""Mechanisms in space: M and h of a body, accelerations of mechanisms of 3 bodies, beside CasADi and C by hand.
 
-python bench/space_mechanisms.py [--yardsticks FOLDER] [--only NAME ...] [--exudyn]
+python bench/space_mechanisms.py [--yardsticks FOLDER] [--only NAME ...]
 
 All implementations of a scene run alternately in one process, with one compiler and the same flags; each time is the
 least of many slices, and values are compared first. CasADi gets our M, h, G and gamma, and our elimination order.
 FOLDER has C by hand for chains: joints2.c (rigid bodies, -DKIND=5, 3 or 6) and flex3.c (bodies with 8 modes, welded),
 with `eval(n, class, tables, q, v, vdot, work)`; without it these rows have CasADi alone. Exudyn, if it is installed,
-evaluates the mass matrix, the forces and the constraint Jacobian of the slider-cranks, called from Python.
+evaluates the mass matrix, the forces and the constraint Jacobian of the slider-cranks (`exudyn_space.py`).
 """
 
 from __future__ import annotations
@@ -16,12 +16,14 @@ import shlex
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import space_scenes as scenes
 from chain_model import casadi_accelerations, numeric_function
+from exudyn_space import evaluation
 from interleaved import TimedCall, interleaved
 from limited import limited
 from machine import OWN_OPTION, described
@@ -74,7 +76,8 @@ class Case:
     states: Callable[[SpatialScene, Equations], tuple[Array, Array]]
     functions: Sequence[str] = ("accel",)
     hand: Callable[[SpatialScene], HandCode] | None = None
-    tolerance: float = TOLERANCE
+    casadi: bool = True
+    exudyn: Callable[[SpatialScene], float] | None = None
 
 
 def _random(scene: SpatialScene, equations: Equations) -> tuple[Array, Array]:
@@ -115,14 +118,25 @@ CASES = {
         ("mass", "force", "accel"),
         _free,
     ),
-    "slider_crank_rigid": Case("slider-crank, 3 rigid bodies", lambda f: scenes.slider_crank(False, f), _random),
-    "slider_crank_flexible": Case("slider-crank, flexible rod", lambda f: scenes.slider_crank(True, f), _random),
+    "slider_crank_rigid": Case(
+        "slider-crank, 3 rigid bodies",
+        lambda folder: scenes.slider_crank(False, folder),
+        _random,
+        exudyn=lambda scene: evaluation(scene, False),
+    ),
+    "slider_crank_flexible": Case(
+        "slider-crank, flexible rod",
+        lambda folder: scenes.slider_crank(True, folder),
+        _random,
+        exudyn=lambda scene: evaluation(scene, True),
+    ),
     **{f"rigid_{kind}": _rigid_case(kind) for kind in ("spherical", "revolute")},
     "flexible_fixed": Case(
         f"chain of {COUNT} bodies with {scenes.MODES} modes, welded",
         lambda folder: scenes.chain_of_flexible_bodies(COUNT, "fixed", folder),
         lambda scene, equations: scenes.flexible_states(scenes.reduced_links(scene), True, STATES),
         hand=lambda scene: _chain("flex3.c", "", flexible_tables(scenes.reduced_links(scene))),
+        casadi=False,  # its C takes the compiler minutes
     ),
 }
 
@@ -169,9 +183,8 @@ def times(case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path |
         size = model.kernel(function).outputs[0].size
         own = f"q + s * {q.shape[1]}" if function == "mass" else f"0.0, {state}"
         calls = [TimedCall("ours", f"{name}_{function}({own}, k, out);", size)]
-        if code := _casadi(function, equations):
-            text = code.dump()
-            (folder / f"casadi_{function}.c").write_text(text)
+        if case.casadi:
+            (folder / f"casadi_{function}.c").write_text(_casadi(function, equations).dump())
             program.compile(folder / f"casadi_{function}.c")
             peer = f"casadi_{function}"
             program.declare.append(f"int {peer}(const double **, double **, long long *, double *, int);")
@@ -193,14 +206,16 @@ def times(case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path |
         )
         for call, other in zip(calls, values, strict=True):
             error = np.max(np.abs(other - values[0])) / np.max(np.abs(values[0]))
-            if not error < case.tolerance:
+            if not error < TOLERANCE:
                 raise ArithmeticError(f"{name}: {function} of {call.name} is off by {error:.1e}")
         result[function] = {call.name: t for call, t in zip(calls, found, strict=True)}
+        if case.exudyn and repeats > 1 and find_spec("exudyn"):
+            result[function]["Exudyn"] = case.exudyn(scene)
         result[function]["operations"] = model.kernel(function).operations
     return result
 
 
-def _casadi(function: str, equations: Equations) -> ca.CodeGenerator | None:
+def _casadi(function: str, equations: Equations) -> ca.CodeGenerator:
     """The C that CasADi writes for a function of our equations."""
     if function == "accel":
         made = casadi_accelerations(equations)
@@ -236,10 +251,14 @@ def rows(
     flags: str = FLAGS,
     repeats: int = REPEATS,
     yardsticks: Path | None = None,
-    only: Sequence[str] = tuple(CASES),
+    only: Sequence[str] = (),
     quick: bool = False,
 ) -> list[Row]:
-    """The rows of mechanisms in space, see `rows.py`. quick: one small scene, once."""
+    """The rows of mechanisms in space, see `rows.py`: those that need no yardsticks, or `only` some.
+
+    quick: one small scene, once.
+    """
+    only = only or [name for name, case in CASES.items() if yardsticks or case.casadi]
     if quick:
         only, flags, repeats = ("slider_crank_rigid",), "-O1", 1
     result = []
@@ -255,8 +274,8 @@ LABELS = {"mass": "M", "force": "h", "accel": "accelerations"}
 
 def _row(case: Case, function: str, ns: Mapping[str, float]) -> Row:
     goal = HAND_GOAL if "hand" in ns else GOAL
-    peers = {"CasADi": ns["CasADi"]} if "CasADi" in ns else {}
-    note = f"{ns['operations']:.0f} operations"
+    peers = {name: ns[name] for name in ("CasADi", "Exudyn") if name in ns}
+    note = f"{ns['operations']:.0f} operations" + (f", Exudyn {ns['Exudyn']:.0f}" if "Exudyn" in ns else "")
     return row(f"{LABELS[function]}, {case.title}", ns["ours"], peers=peers, hand=ns.get("hand"), goal=goal, note=note)
 
 

@@ -97,13 +97,16 @@ def free_rod(folder: Path) -> SpatialScene:
 
 def slider_crank(flexible: bool, folder: Path) -> SpatialScene:
     """The slider-crank of the example, with its flexible rod or with a rigid one of the same mass."""
-    text = (EXAMPLES / "spatial_crank_slider.toml").read_text().replace("spatial_rod.npz", f"{EXAMPLES}/spatial_rod.npz")
+    text = (
+        (EXAMPLES / "spatial_crank_slider.toml").read_text().replace("spatial_rod.npz", f"{EXAMPLES}/spatial_rod.npz")
+    )
     if flexible:
         return _read(text, folder)
     start, end = text.index("[bodies.rod]"), text.index("[bodies.slider]")
     rod = (
         "[bodies.rod]\nmass = 0.07536\ninertia = [5e-7, 5.653e-4, 5.656e-4, 0, 0, 0]\n"
-        "markers = { ball = [-0.15, 0, 0], yoke = { at = [0.15, 0, 0], rotation = { x = [0, 0, 1], z = [0, 1, 0] } } }\n"
+        "markers = { ball = [-0.15, 0, 0], "
+        "yoke = { at = [0.15, 0, 0], rotation = { x = [0, 0, 1], z = [0, 1, 0] } } }\n"
         "start = { guess = true, position = [0.1, 0.1, 0.05], rotation = { axis = [0, 0, 1], angle = -0.8 } }\n\n"
     )
     named = text[:start] + rod + text[end:]
@@ -204,9 +207,7 @@ def _quaternion(R: Array) -> Array:
 
 def _joints(count: int, kind: str) -> list[str]:
     ends = ["ground.base", *(f"link{i}.right" for i in range(count - 1))]
-    return [
-        f'[joints.joint{i}]\nkind = "{kind}"\nbetween = ["{end}", "link{i}.left"]\n' for i, end in enumerate(ends)
-    ]
+    return [f'[joints.joint{i}]\nkind = "{kind}"\nbetween = ["{end}", "link{i}.left"]\n' for i, end in enumerate(ends)]
 
 
 def _scene(name: str, parts: list[str], folder: Path, joined: bool = True) -> SpatialScene:

@@ -1,4 +1,4 @@
-"""The tables of C by hand for chains in space: rows of 8 numbers, translations and rotations with a zero behind each."""
+"""The tables of C by hand for chains in space: rows of 8 numbers, 3 translations, 0, 3 rotations, 0."""
 
 from __future__ import annotations
 

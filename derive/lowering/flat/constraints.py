@@ -293,7 +293,10 @@ def _with_pivots(
     total = sum(solution[1:start], start=solution[0])
     finite = RequiredValue(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "a result is not finite")
     order = ", ".join(
-        [*(f"{names[p.coordinate]} with {names[p.multiplier]}" for p in pairs.pairs), *(names[j] for j in factors.order)]
+        [
+            *(f"{names[p.coordinate]} with {names[p.multiplier]}" for p in pairs.pairs),
+            *(names[j] for j in factors.order),
+        ]
     )
     term = f"; pivots of multipliers with a proximal term, refined {REFINEMENTS} times" if context.proximal else ""
     return context.kernel(

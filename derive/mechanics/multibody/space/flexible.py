@@ -61,13 +61,13 @@ def _with_exact_values(given: ModalBody, gravity: tuple[ModelConstant, ...]) -> 
 def _section(frame: ModalFrame, axes: sp.ImmutableMatrix) -> CrossSection:
     point = frame.point
     second = () if point.second is None else tuple(tuple(map(exact_vector, row)) for row in point.second)
-    (position,), shapes, twists = map(_exact, ([point.position], point.shapes, frame.twists))
+    (position,), shapes, twists = _exact(point.position[None]), _exact(point.shapes), _exact(frame.twists)
     material = MaterialPoint(point.name, point.doc, position, shapes, second=second)
     return CrossSection(material, axes=axes, twists=twists)
 
 
-def _exact(vectors: Array | list[Array]) -> tuple[sp.ImmutableMatrix, ...]:
-    """Vectors as exact numbers, without rounding errors of zero: means over nodes rarely cancel to the last bit."""
+def _exact(vectors: Array) -> tuple[sp.ImmutableMatrix, ...]:
+    """The rows of an array as exact numbers, without rounding errors of zero, which means over nodes have."""
     size = float(np.abs(vectors).max(initial=0.0))
     return tuple(exact_vector(np.where(np.abs(x) > ROUNDING * size, x, 0.0)) for x in vectors)
 
