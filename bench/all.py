@@ -31,6 +31,7 @@ MODULES: dict[str, dict[str, Any]] = {
     "constant_elimination": {"quick": True},
     "loops_by_hand": {"quick": True},
     "python_calls": {"quick": True},
+    "space_mechanisms": {"quick": True},
     "tool_speed": {"quick": True},
 }
 """The benchmarks that have a function `rows`, in the order of the table; with what arguments it is quick."""

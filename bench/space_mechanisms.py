@@ -1,12 +1,12 @@
-"""Mechanisms in space: M and h of a body, and accelerations of mechanisms of 3 bodies, compared with CasADi and C by hand.
+"""Mechanisms in space: M and h of a body, accelerations of mechanisms of 3 bodies, beside CasADi and C by hand.
 
-python bench/space_mechanisms.py [--yardsticks FOLDER] [--only NAME ...] [--exudyn]
+python bench/space_mechanisms.py [--yardsticks FOLDER] [--only NAME ...]
 
 All implementations of a scene run alternately in one process, with one compiler and the same flags; each time is the
 least of many slices, and values are compared first. CasADi gets our M, h, G and gamma, and our elimination order.
 FOLDER has C by hand for chains: joints2.c (rigid bodies, -DKIND=5, 3 or 6) and flex3.c (bodies with 8 modes, welded),
 with `eval(n, class, tables, q, v, vdot, work)`; without it these rows have CasADi alone. Exudyn, if it is installed,
-evaluates the mass matrix, the forces and the constraint Jacobian of the slider-cranks, called from Python.
+evaluates the mass matrix, the forces and the constraint Jacobian of the slider-cranks (`exudyn_space.py`).
 """
 
 from __future__ import annotations
@@ -16,17 +16,19 @@ import shlex
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import space_scenes as scenes
 from chain_model import casadi_accelerations, numeric_function
+from exudyn_space import evaluation
 from interleaved import TimedCall, interleaved
 from limited import limited
 from machine import OWN_OPTION, described
 from rows import Row, row
-from space_tables import flexible_tables, rigid_tables
+from space_tables import flexible_tables, free_tables, rigid_tables
 
 from derive.backends.c.source import CBackend
 from derive.derivation import derive, lower
@@ -46,16 +48,23 @@ GOAL = 1.0
 HAND_GOAL = 1.1
 COUNT = 3
 """The bodies of the chains."""
+OWN_FILE = "handwritten_body.c"
 EVALUATION = "const int *, const void *, const double *, const double *, double *, void *"
 
 
 @dataclass(frozen=True)
 class HandCode:
-    """C by hand for a chain: its file, its options, and the tables of its bodies."""
+    """C by hand for accelerations: its file, its options, its tables, and the C that declares, prepares and calls it.
+
+    The file of a chain is in the folder of yardsticks, that of a free body beside this one.
+    """
 
     file: str
     options: str
     tables: Array
+    declare: str
+    call: str
+    once: str = ""
 
 
 @dataclass(frozen=True)
@@ -67,7 +76,8 @@ class Case:
     states: Callable[[SpatialScene, Equations], tuple[Array, Array]]
     functions: Sequence[str] = ("accel",)
     hand: Callable[[SpatialScene], HandCode] | None = None
-    tolerance: float = TOLERANCE
+    casadi: bool = True
+    exudyn: Callable[[SpatialScene], float] | None = None
 
 
 def _random(scene: SpatialScene, equations: Equations) -> tuple[Array, Array]:
@@ -76,12 +86,24 @@ def _random(scene: SpatialScene, equations: Equations) -> tuple[Array, Array]:
     return scenes.any_states(len(names), len(equations.rows), quaternions, STATES)
 
 
+def _chain(file: str, options: str, tables: Array) -> HandCode:
+    declare = f"int eval(int, {EVALUATION}); static const int classes[] = {{0, 1, 2}};"
+    return HandCode(file, options, tables, declare, f"eval({COUNT}, classes, tables, {{state}}, out, work);")
+
+
+def _free(scene: SpatialScene) -> HandCode:
+    (link,) = scenes.reduced_links(scene)
+    declare = "void hand_setup(const double *); void hand_accel(const double *, const double *, double *);"
+    call, options = "hand_accel({state}, out);", f"-DMEAN -DN={scenes.MODES}"
+    return HandCode(OWN_FILE, options, free_tables(link), declare, call, "hand_setup(tables);")
+
+
 def _rigid_case(kind: str) -> Case:
     return Case(
         f"chain of {COUNT} rigid bodies, {kind} joints",
         lambda folder: scenes.chain_of_rigid_bodies(COUNT, kind, folder),
         lambda scene, equations: scenes.rigid_states(COUNT, kind, STATES),
-        hand=lambda scene: HandCode(
+        hand=lambda scene: _chain(
             "joints2.c", f"-DKIND={scenes.AXES[kind]}", rigid_tables([scenes.rigid_link(i) for i in range(COUNT)])
         ),
     )
@@ -94,15 +116,27 @@ CASES = {
         lambda folder: scenes.chain_of_flexible_bodies(1, "", folder),
         _random,
         ("mass", "force", "accel"),
+        _free,
     ),
-    "slider_crank_rigid": Case("slider-crank, 3 rigid bodies", lambda f: scenes.slider_crank(False, f), _random),
-    "slider_crank_flexible": Case("slider-crank, flexible rod", lambda f: scenes.slider_crank(True, f), _random),
+    "slider_crank_rigid": Case(
+        "slider-crank, 3 rigid bodies",
+        lambda folder: scenes.slider_crank(False, folder),
+        _random,
+        exudyn=lambda scene: evaluation(scene, False),
+    ),
+    "slider_crank_flexible": Case(
+        "slider-crank, flexible rod",
+        lambda folder: scenes.slider_crank(True, folder),
+        _random,
+        exudyn=lambda scene: evaluation(scene, True),
+    ),
     **{f"rigid_{kind}": _rigid_case(kind) for kind in ("spherical", "revolute")},
     "flexible_fixed": Case(
         f"chain of {COUNT} bodies with {scenes.MODES} modes, welded",
         lambda folder: scenes.chain_of_flexible_bodies(COUNT, "fixed", folder),
         lambda scene, equations: scenes.flexible_states(scenes.reduced_links(scene), True, STATES),
-        hand=lambda scene: HandCode("flex3.c", "", flexible_tables(scenes.reduced_links(scene))),
+        hand=lambda scene: _chain("flex3.c", "", flexible_tables(scenes.reduced_links(scene))),
+        casadi=False,  # its C takes the compiler minutes
     ),
 }
 
@@ -144,21 +178,20 @@ def times(case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path |
     program.scratch["k"] = sum(constant.size for constant in model.constants) + 1
     state = f"q + s * {q.shape[1]}, v + s * {v.shape[1]}"
     result = {}
-    hand = _add_hand(case, scene, program, yardsticks) if case.hand and yardsticks else False
+    hand = _add_hand(case, scene, program, yardsticks) if case.hand else None
     for function in case.functions:
         size = model.kernel(function).outputs[0].size
         own = f"q + s * {q.shape[1]}" if function == "mass" else f"0.0, {state}"
         calls = [TimedCall("ours", f"{name}_{function}({own}, k, out);", size)]
-        if code := _casadi(function, equations):
-            text = code.dump()
-            (folder / f"casadi_{function}.c").write_text(text)
+        if case.casadi:
+            (folder / f"casadi_{function}.c").write_text(_casadi(function, equations).dump())
             program.compile(folder / f"casadi_{function}.c")
             peer = f"casadi_{function}"
             program.declare.append(f"int {peer}(const double **, double **, long long *, double *, int);")
             given = f"const double *given[] = {{{state}}}; double *result[] = {{out}};"
             calls.append(TimedCall("CasADi", f"{given} {peer}(given, result, 0, 0, 0);", size))
-        if hand:
-            calls.append(TimedCall("hand", f"eval({COUNT}, classes, tables, {state}, out, work);", size))
+        if hand and function == "accel":
+            calls.append(TimedCall("hand", hand.call.format(state=state), size))
         found, values = interleaved(
             calls,
             declare="\n".join(program.declare),
@@ -173,14 +206,16 @@ def times(case: Case, folder: Path, flags: str, repeats: int, yardsticks: Path |
         )
         for call, other in zip(calls, values, strict=True):
             error = np.max(np.abs(other - values[0])) / np.max(np.abs(values[0]))
-            if not error < case.tolerance:
+            if not error < TOLERANCE:
                 raise ArithmeticError(f"{name}: {function} of {call.name} is off by {error:.1e}")
         result[function] = {call.name: t for call, t in zip(calls, found, strict=True)}
+        if case.exudyn and repeats > 1 and find_spec("exudyn"):
+            result[function]["Exudyn"] = case.exudyn(scene)
         result[function]["operations"] = model.kernel(function).operations
     return result
 
 
-def _casadi(function: str, equations: Equations) -> ca.CodeGenerator | None:
+def _casadi(function: str, equations: Equations) -> ca.CodeGenerator:
     """The C that CasADi writes for a function of our equations."""
     if function == "accel":
         made = casadi_accelerations(equations)
@@ -197,25 +232,33 @@ def _casadi(function: str, equations: Equations) -> ca.CodeGenerator | None:
     return generator
 
 
-def _add_hand(case: Case, scene: SpatialScene, program: Program, yardsticks: Path) -> bool:
-    """Add the C by hand of a chain, whose bodies have a table each."""
+def _add_hand(case: Case, scene: SpatialScene, program: Program, yardsticks: Path | None) -> HandCode | None:
+    """Add the C by hand; None if it is in a folder that is not given."""
     assert case.hand is not None
     code = case.hand(scene)
-    program.compile(yardsticks / code.file, code.options, "hand")
+    folder = Path(__file__).parent if code.file == OWN_FILE else yardsticks
+    if folder is None:
+        return None
+    program.compile(folder / code.file, code.options, "hand")
     program.arrays["tables"] = code.tables
     program.scratch["work"] = 4096
-    program.declare.append(f"int eval(int, {EVALUATION}); static const int classes[] = {{0, 1, 2}};")
-    return True
+    program.declare.append(code.declare)
+    program.once.append(code.once)
+    return code
 
 
 def rows(
     flags: str = FLAGS,
     repeats: int = REPEATS,
     yardsticks: Path | None = None,
-    only: Sequence[str] = tuple(CASES),
+    only: Sequence[str] = (),
     quick: bool = False,
 ) -> list[Row]:
-    """The rows of mechanisms in space, see `rows.py`. quick: one small scene, once."""
+    """The rows of mechanisms in space, see `rows.py`: those that need no yardsticks, or `only` some.
+
+    quick: one small scene, once.
+    """
+    only = only or [name for name, case in CASES.items() if yardsticks or case.casadi]
     if quick:
         only, flags, repeats = ("slider_crank_rigid",), "-O1", 1
     result = []
@@ -231,8 +274,8 @@ LABELS = {"mass": "M", "force": "h", "accel": "accelerations"}
 
 def _row(case: Case, function: str, ns: Mapping[str, float]) -> Row:
     goal = HAND_GOAL if "hand" in ns else GOAL
-    peers = {"CasADi": ns["CasADi"]} if "CasADi" in ns else {}
-    note = f"{ns['operations']:.0f} operations"
+    peers = {name: ns[name] for name in ("CasADi", "Exudyn") if name in ns}
+    note = f"{ns['operations']:.0f} operations" + (f", Exudyn {ns['Exudyn']:.0f}" if "Exudyn" in ns else "")
     return row(f"{LABELS[function]}, {case.title}", ns["ours"], peers=peers, hand=ns.get("hand"), goal=goal, note=note)
 
 

@@ -85,24 +85,28 @@ def chain_of_flexible_bodies(count: int, kind: str, folder: Path) -> SpatialScen
             f'[bodies.link{i}]\nnodes = "cloud_{i}.npz"\nunits = "SI"\n'
             "markers = { left = { nodes = [0, 1, 2] }, right = { nodes = [17, 18, 19] } }\n"
         )
-    return _scene(f"flexible_{kind or 'free'}_{count}", [*bodies, *(_joints(count, kind) if kind else ())], folder)
+    parts = [*bodies, *(_joints(count, kind) if kind else ())]
+    return _scene(f"flexible_{kind or 'free'}_{count}", parts, folder, bool(kind))
 
 
 def free_rod(folder: Path) -> SpatialScene:
     """The rod of the example, alone, with all six modes of its file."""
     rod = f'[bodies.rod]\nnodes = "{EXAMPLES / "spatial_rod.npz"}"\nunits = "SI"\n'
-    return _scene("free_rod", [rod], folder)
+    return _scene("free_rod", [rod], folder, joined=False)
 
 
 def slider_crank(flexible: bool, folder: Path) -> SpatialScene:
     """The slider-crank of the example, with its flexible rod or with a rigid one of the same mass."""
-    text = (EXAMPLES / "spatial_crank_slider.toml").read_text().replace("spatial_rod.npz", f"{EXAMPLES}/spatial_rod.npz")
+    text = (
+        (EXAMPLES / "spatial_crank_slider.toml").read_text().replace("spatial_rod.npz", f"{EXAMPLES}/spatial_rod.npz")
+    )
     if flexible:
         return _read(text, folder)
     start, end = text.index("[bodies.rod]"), text.index("[bodies.slider]")
     rod = (
         "[bodies.rod]\nmass = 0.07536\ninertia = [5e-7, 5.653e-4, 5.656e-4, 0, 0, 0]\n"
-        "markers = { ball = [-0.15, 0, 0], yoke = { at = [0.15, 0, 0], rotation = { x = [0, 0, 1], z = [0, 1, 0] } } }\n"
+        "markers = { ball = [-0.15, 0, 0], "
+        "yoke = { at = [0.15, 0, 0], rotation = { x = [0, 0, 1], z = [0, 1, 0] } } }\n"
         "start = { guess = true, position = [0.1, 0.1, 0.05], rotation = { axis = [0, 0, 1], angle = -0.8 } }\n\n"
     )
     named = text[:start] + rod + text[end:]
@@ -203,13 +207,13 @@ def _quaternion(R: Array) -> Array:
 
 def _joints(count: int, kind: str) -> list[str]:
     ends = ["ground.base", *(f"link{i}.right" for i in range(count - 1))]
-    return [
-        f'[joints.joint{i}]\nkind = "{kind}"\nbetween = ["{end}", "link{i}.left"]\n' for i, end in enumerate(ends)
-    ]
+    return [f'[joints.joint{i}]\nkind = "{kind}"\nbetween = ["{end}", "link{i}.left"]\n' for i, end in enumerate(ends)]
 
 
-def _scene(name: str, parts: list[str], folder: Path) -> SpatialScene:
-    head = f'name = "{name}"\n\n[scene]\ngravity = [0, 0, {GRAVITY}]\n\n[ground.markers]\nbase = [0, 0, 0]\n'
+def _scene(name: str, parts: list[str], folder: Path, joined: bool = True) -> SpatialScene:
+    """A scene of a file; without joints it has no gravity, which the C by hand of a free body does not know."""
+    gravity = GRAVITY if joined else 0
+    head = f'name = "{name}"\n\n[scene]\ngravity = [0, 0, {gravity}]\n\n[ground.markers]\nbase = [0, 0, 0]\n'
     return _read("\n".join([head, *parts]), folder)
 
 

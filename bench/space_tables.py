@@ -1,4 +1,4 @@
-"""The tables of C by hand for chains in space: rows of 8 numbers, translations and rotations with a zero behind each."""
+"""The tables of C by hand for chains in space: rows of 8 numbers, 3 translations, 0, 3 rotations, 0."""
 
 from __future__ import annotations
 
@@ -42,12 +42,23 @@ def _flexible(link: ReducedBody) -> Array:
     left, right = handles
     parts = [_rows(a @ b.T + rigid) for a, b in ((left, left), (left, right), (right, right))]
     c7 = body.c7.transpose(0, 2, 1)  # the factors of alpha_j and alphaddot_i in the coupling, by j, component, i
-    c4, c5 = (np.stack([t[..., a, b] for a, b in TENSOR], axis=-1) for t in (body.C4, body.C5))
+    c4, c5 = (np.stack([t[..., a, b] for a, b in TENSOR], axis=-1) for t in map(_symmetric, (body.C4, body.C5)))
     integrals = [c7.ravel(), c4.T.ravel(), c5.transpose(0, 2, 1).ravel()]
     modes = [*(_rows(h.T) for h in handles), *(h.ravel() for h in handles), stiffness]
     places = [[*f.point.position, 0] for f in frames]
     inertia = [body.C3[a, b] for a, b in TENSOR]
     return np.concatenate([*parts, *integrals, *modes, *places, inertia, [1 / body.mass, 0]])
+
+
+def free_tables(link: ReducedBody) -> Array:
+    """The parameters of handwritten_body.c in the mean frame, where modes are orthonormal."""
+    body = link.body
+    i, j = np.triu_indices(body.modes)
+    a, b = np.triu_indices(3)
+    above = i < j
+    C4, C5 = map(_symmetric, (body.C4, body.C5))
+    parts = [body.C3[a, b], C4[:, a, b], C5[i, j][:, a, b], body.c7[i[above], j[above]], np.diag(body.stiffness)]
+    return np.concatenate([[body.mass], *(part.ravel() for part in parts)])
 
 
 TENSOR = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
@@ -60,6 +71,10 @@ def _moved(at: Array) -> Array:
     result = np.eye(6)
     result[:3, 3:] = [[0, z, -y], [-z, 0, x], [y, -x, 0]]
     return result
+
+
+def _symmetric(tensors: Array) -> Array:
+    return (tensors + tensors.swapaxes(-1, -2)) / 2
 
 
 def _rows(matrix: Array) -> Array:

@@ -5,8 +5,8 @@ the coordinate gives the multiplier. The block [m, g; g, 0] is regular whatever 
 divides by numbers alone, and multipliers stay without a diagonal entry: what is left is again a KKT matrix, whose mass
 matrix is that of the motions that meet the eliminated constraints, and which has full rank whenever the whole one has.
 
-In space a joint of two points has such factors for the translations of its bodies. Along a tree of bodies the pairs leave
-rotations alone, with the composite inertias behind each joint.
+In space a joint of two points has such factors for the translations of its bodies. Along a tree of bodies the pairs
+leave rotations alone, with the composite inertias behind each joint.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ def forest_of_pairs(pattern: Pattern, coordinates: int, constant: Iterable[tuple
     """Pairs whose constraints are independent of each other in every state, in the order of their elimination.
 
     pattern: that of the KKT matrix. constant: its entries (multiplier, coordinate) that are numbers other than zero.
-    Constraints are the edges of a graph whose nodes are coordinates and the ground. An edge that closes a loop stays; the
-    others are a forest, in which each node is paired with the edge to its parent, the leaves first.
+    Constraints are the edges of a graph whose nodes are coordinates and the ground. An edge that closes a loop stays;
+    the others are a forest, in which each node is paired with the edge to its parent, the leaves first.
     """
     factors: dict[int, set[int]] = {}
     for i, j in constant:
@@ -77,7 +77,7 @@ def forest_of_pairs(pattern: Pattern, coordinates: int, constant: Iterable[tuple
 
 
 def left_by_pairs(pattern: Pattern, pairs: Sequence[Pair]) -> tuple[Pattern, int]:
-    """The pattern that pairs leave, with the rows of the whole matrix, and the products that their elimination takes."""
+    """The pattern that pairs leave, with the rows of the whole matrix, and the operations that they take."""
     graph, products = graph_of(pattern), 0
     diagonal = {i for i, j in pattern.entries if i == j}
     for pair in pairs:

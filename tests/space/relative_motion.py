@@ -71,12 +71,14 @@ def relative(values: Mapping[str, Decimal]) -> tuple[Array, Array]:
     return d, R
 
 
-def joint_rows(table: Table, d: Array, R: Array, value: Numbers) -> dict[str, Decimal]:
-    """g of a joint, by row."""
+def joint_rows(table: Table, d: Array, R: Array, value: Numbers, A1: Array) -> dict[str, Decimal]:
+    """g of a joint, by row: a joint that removes all displacements has those along the inertial axes."""
     if table["kind"] == "distance":
         kept = value(table["distance"])
         return {"distance": (d @ d - kept * kept) / (2 * kept)}
     gone = removed(table)
+    if {"x", "y", "z"} <= {*gone}:
+        d = A1 @ d
     rows = {name: d[MOTIONS.index(name)] for name in gone if not name.startswith("r")}
     rows |= rotation_rows(R, [name for name in gone if name.startswith("r")])
     if table["kind"] == "screw":

@@ -252,7 +252,7 @@ class SpaceKinematics:
                 continue
             (x1, A1), (x2, A2) = (self.frame(end, state, poses) for end in table["between"])
             d, R = A1.T @ (x2 - x1), A1.T @ A2
-            for row, value in joint_rows(table, d, R, self.value).items():
+            for row, value in joint_rows(table, d, R, self.value, A1).items():
                 result[f"{name}_{row}"] = value
             if name in self.drives:
                 drive = self.drives[name]["name"]

@@ -217,8 +217,6 @@ def test_a_planar_mechanism_in_space() -> None:
     assert np.allclose(vdot.reshape(2, 6)[:, 5], planar[[2, 5]], rtol=1e-13)
     assert np.allclose(vdot.reshape(2, 6)[:, 2:5], 0, atol=1e-13)
     named = dict(zip(native.multipliers, multipliers, strict=True))
-    A = {name: of_quaternion(array(qs[7 * i + 3 : 7 * i + 7])) for i, name in enumerate(angles)}
-    base = {"shoulder": identity(3), "elbow": A["arm"]}
-    for joint, axes in base.items():
-        force = floats(axes) @ [lam[seen.rows.index(f"{joint}_{x}")] for x in "xyz"]
+    for joint in ("shoulder", "elbow"):
+        force = [lam[seen.rows.index(f"{joint}_{x}")] for x in "xyz"]
         assert np.allclose(force, [named[f"{joint}_1"], named[f"{joint}_2"], 0], rtol=1e-12, atol=1e-12)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import sympy as sp
 
-from derive.mechanics.bodies.modal_body import ModalBody, ModalFrame
+from derive.mechanics.bodies.modal_body import Array, ModalBody, ModalFrame
 from derive.mechanics.bodies.spatial_body import NumberValues, exact_vector, modal_body
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.motion.material_points import MaterialPoint
@@ -61,12 +61,16 @@ def _with_exact_values(given: ModalBody, gravity: tuple[ModelConstant, ...]) -> 
 def _section(frame: ModalFrame, axes: sp.ImmutableMatrix) -> CrossSection:
     point = frame.point
     second = () if point.second is None else tuple(tuple(map(exact_vector, row)) for row in point.second)
-    size = float(np.abs(frame.twists).max(initial=0.0))
-    twists = tuple(exact_vector(np.where(np.abs(t) > ROUNDING * size, t, 0.0)) for t in frame.twists)
-    shapes = tuple(map(exact_vector, point.shapes))
-    material = MaterialPoint(point.name, point.doc, exact_vector(point.position), shapes, second=second)
+    (position,), shapes, twists = _exact(point.position[None]), _exact(point.shapes), _exact(frame.twists)
+    material = MaterialPoint(point.name, point.doc, position, shapes, second=second)
     return CrossSection(material, axes=axes, twists=twists)
 
 
+def _exact(vectors: Array) -> tuple[sp.ImmutableMatrix, ...]:
+    """The rows of an array as exact numbers, without rounding errors of zero, which means over nodes have."""
+    size = float(np.abs(vectors).max(initial=0.0))
+    return tuple(exact_vector(np.where(np.abs(x) > ROUNDING * size, x, 0.0)) for x in vectors)
+
+
 ROUNDING = 1e-13
-"""Rotations by deformation below this part of the largest one are rounding errors of zero."""
+"""Positions, displacements and rotations below this part of the largest one of a marker are rounding errors of zero."""

@@ -1,0 +1,85 @@
+"""Operations of mechanisms in space are asserted, so that no optimisation can rot; a smaller number is progress."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import derive
+from conftest import ROOT
+from derive.ir.expressions import Number, walk
+from derive.ir.model import Model
+
+EXAMPLE = ROOT / "examples" / "spatial_crank_slider.toml"
+RIGID_ROD = """\
+[bodies.rod]
+mass = 0.07536
+inertia = [5e-7, 5.653e-4, 5.656e-4, 0, 0, 0]
+markers = { ball = [-0.15, 0, 0], yoke = { at = [0.15, 0, 0], rotation = { x = [0, 0, 1], z = [0, 1, 0] } } }
+start = { guess = true, position = [0.1, 0.1, 0.05], rotation = { axis = [0, 0, 1], angle = -0.8 } }
+
+"""
+
+FLEXIBLE = {
+    "mass": 53,
+    "force": 214,
+    "mass_force": 218,
+    "accel": 1543,
+    "constraints": 115,
+    "constraint_jacobian": 214,
+    "constraint_bias": 291,
+}
+RIGID = {"mass": 0, "mass_force": 15, "accel": 578, "constraint_jacobian": 105, "constraint_bias": 118}
+SPHERICAL = {"mass": 0, "mass_force": 108, "accel": 1528, "constraint_jacobian": 315, "constraint_bias": 330}
+"""Operations by function."""
+
+
+def lowered(path: Path) -> Model:
+    return derive.lower(derive.derive(derive.read(path)), explicit=True)
+
+
+def counts(model: Model, names: dict[str, int]) -> dict[str, int]:
+    return {name: model.kernel(name).operations for name in names}
+
+
+@pytest.fixture(scope="module")
+def flexible() -> Model:
+    return lowered(EXAMPLE)
+
+
+def test_a_flexible_rod(flexible: Model) -> None:
+    assert counts(flexible, FLEXIBLE) == FLEXIBLE
+
+
+def test_markers_have_no_rounding_errors(flexible: Model) -> None:
+    """The ends of the rod are means over nodes, in which what cancels leaves no digits behind."""
+    statements = flexible.kernel("marker_rod_ball").statements
+    numbers = {abs(float(part.value)) for s in statements for part in walk(s.expr) if isinstance(part, Number)}
+    assert min(numbers - {0.0}) > 1e-6
+
+
+def test_three_rigid_bodies_take_pairs(tmp_path: Path) -> None:
+    """Translations of the rod and of the slider leave the system with the constraints that determine them."""
+    text = EXAMPLE.read_text()
+    start, end = text.index("[bodies.rod]"), text.index("[bodies.slider]")
+    path = tmp_path / "rigid.toml"
+    path.write_text(text[:start] + RIGID_ROD + text[end:])
+    assert counts(lowered(path), RIGID) == RIGID
+
+
+def test_a_chain_with_spherical_joints_takes_none(tmp_path: Path) -> None:
+    """Its rotations would be coupled with each other."""
+    bodies = "".join(
+        f"[bodies.link{i}]\nmass = 1\ninertia = [0.1, 0.2, 0.25, 0.01, 0.02, 0.03]\nkeep_coordinates = true\n"
+        "markers = { left = [-0.1, 0.2, 0.3], right = [0.3, 0.1, -0.2] }\n"
+        for i in range(3)
+    )
+    ends = ["ground.base", "link0.right", "link1.right"]
+    joints = "".join(
+        f'[joints.joint{i}]\nkind = "spherical"\nbetween = ["{end}", "link{i}.left"]\n' for i, end in enumerate(ends)
+    )
+    head = 'name = "chain"\n[scene]\ngravity = [0, 0, -9.81]\n[ground.markers]\nbase = [0, 0, 0]\n'
+    path = tmp_path / "chain.toml"
+    path.write_text(head + bodies + joints)
+    assert counts(lowered(path), SPHERICAL) == SPHERICAL
