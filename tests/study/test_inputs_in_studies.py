@@ -10,6 +10,8 @@ from typing import Any
 import pytest
 
 from derive.cli.main import main
+from derive.study.accuracy import reference
+from derive.study.accuracy.models import refinements
 
 SCENE = """
 name = "pushed"
@@ -81,6 +83,7 @@ def test_a_study_moves_as_a_simulation_does(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(reference, "refinements", lambda: refinements()[:2])  # two beams at most are enough here
 
     def numbers(path: Path) -> Any:
         capsys.readouterr()
