@@ -110,7 +110,7 @@ class _Agreement:
     names: dict[str, str] = field(default_factory=dict)
 
     def of(self, a: Any, b: Any) -> Any:
-        """What stands for two parts of the bodies at the same place. Raises _DifferentError."""
+        """The part of the new body for two parts of the bodies at the same place. Raises _DifferentError."""
         if type(a) is not type(b):
             raise _DifferentError
         match a:
