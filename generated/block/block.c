@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_dcf1361c73dd8e32
+#ifndef BLOCK_HASH_47f008530a7a67e4
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -40,6 +40,17 @@
 #else
 #  define TISSERAND_INLINE static inline
 #  define TISSERAND_APART static
+#endif
+
+/* Functions that others call for a part of their results: compiled once, also where arguments are known. */
+#ifndef TISSERAND_SHARED
+#  if defined(__GNUC__) && !defined(__clang__)
+#    define TISSERAND_SHARED static __attribute__((noinline, noclone))
+#  elif defined(__GNUC__)
+#    define TISSERAND_SHARED static __attribute__((noinline))
+#  else
+#    define TISSERAND_SHARED static
+#  endif
 #endif
 int block_setup(
     const double *TISSERAND_RESTRICT p,

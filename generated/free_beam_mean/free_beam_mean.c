@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_a456a8d9dac25da2
+#ifndef FREE_BEAM_MEAN_HASH_644d7b9c4bf07698
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -41,6 +41,17 @@
 #else
 #  define TISSERAND_INLINE static inline
 #  define TISSERAND_APART static
+#endif
+
+/* Functions that others call for a part of their results: compiled once, also where arguments are known. */
+#ifndef TISSERAND_SHARED
+#  if defined(__GNUC__) && !defined(__clang__)
+#    define TISSERAND_SHARED static __attribute__((noinline, noclone))
+#  elif defined(__GNUC__)
+#    define TISSERAND_SHARED static __attribute__((noinline))
+#  else
+#    define TISSERAND_SHARED static
+#  endif
 #endif
 
 /* ---- sine and cosine: the same operations for one state and for the states of a batch, so that their bits are equal ----

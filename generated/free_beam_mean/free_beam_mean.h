@@ -261,8 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "a456a8d9dac25da2"
-#define FREE_BEAM_MEAN_HASH_a456a8d9dac25da2
+#define FREE_BEAM_MEAN_HASH "644d7b9c4bf07698"
+#define FREE_BEAM_MEAN_HASH_644d7b9c4bf07698
 
 /* ---- sizes and indices ---- */
 

@@ -1,4 +1,4 @@
-"""What instances keep in local arrays: near elements are read instead, and what is short-lived shares a place."""
+"""The local arrays in which instances keep values: near elements are read instead, and what is short-lived shares a place."""
 
 from __future__ import annotations
 
