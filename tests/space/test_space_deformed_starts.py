@@ -51,7 +51,7 @@ def run(kind: str, start: str, between: str = 'ground.o", "rod.end') -> Trajecto
 def test_the_stated_motion_of_a_joint_holds_at_a_deformed_marker(kind: str, start: str, between: str) -> None:
     """Of the undeformed frame it would be missed: the marker has turned by more than 0.01 rad."""
     trajectory = run(kind, start, between)
-    assert trajectory["motion"][0] == pytest.approx(float(start.split()[-1]), abs=1e-9)
+    assert trajectory["motion"][0] == pytest.approx(float(start.rsplit(maxsplit=1)[-1]), abs=1e-9)
     assert trajectory["rate"][0] == pytest.approx(2.0, abs=1e-7)
     assert trajectory["rod_alpha1"][0] == pytest.approx(0.02, abs=1e-9)
 
