@@ -15,19 +15,11 @@ from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS, SCREW
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.configurations import quaternion_of, rotation_vector
+from derive.simulation.space.joint_targets import parallel_axes
 from derive.simulation.space.marker_frames import frame_of
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.instances import identifier, joined
 from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
-
-_PARALLEL = {
-    ("rx", "ry"): (2,),
-    ("rx", "rz"): (1,),
-    ("ry", "rz"): (0,),
-    ("rx", "ry", "rz"): (0, 1, 2),
-}
-"""The axes, x y z, that a joint which removes these rotations keeps parallel."""
-
 
 _ORTHOGONAL = {("rx",): (2, 1), ("ry",): (2, 0), ("rz",): (1, 0)}
 """The axes of the first and of the second marker that a joint which removes one rotation keeps orthogonal."""
@@ -60,7 +52,7 @@ def _angles(joint: SpatialJoint, first: Matrix, second: Matrix) -> Iterator[tupl
     """
     removed = SPATIAL_JOINTS[joint.kind].removed(joint)
     rotations = tuple(name for name in ROTATIONS if name in removed)
-    pairs = [(axis, axis, 0.0) for axis in _PARALLEL.get(rotations, ())]
+    pairs = [(axis, axis, 0.0) for axis in parallel_axes(joint)]
     pairs += [(*_ORTHOGONAL[rotations], 90.0)] if rotations in _ORTHOGONAL else []
     for i, j, meant in pairs:
         sine, cosine = np.linalg.norm(np.cross(first[:, i], second[:, j])), first[:, i] @ second[:, j]

@@ -11,20 +11,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
-from derive.mechanics.symbols import Family, amplitude, owned, quantity
+from derive.mechanics.symbols import amplitude, owned
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.configurations import rotation_matrix
 from derive.simulation.initial.targets import Strength
 from derive.simulation.observables.motion import simulated_drive
-from derive.simulation.space.marker_frames import deformed_frame, frame_of
+from derive.simulation.space.joint_targets import (
+    Linearised,
+    attitude,
+    function_of_frames,
+    is_constraint,
+    joint_coordinate,
+    motion_of_joint,
+    parallel_axes,
+)
 from derive.simulation.space.poses import SpatialPoses
-from derive.spec.model.instances import identifier, joined
-from derive.spec.model.markers import GROUND
 from derive.spec.model.spatial_scene import SpatialBody, SpatialJoint, SpatialScene
-
-Linearised = tuple[Vector, Matrix, Vector]
-"""The deviations (n,) of a target from its values, their derivatives by the velocities (n, nv), and by time (n,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +72,11 @@ def spatial_targets(scene: SpatialScene, native: NativeScene) -> tuple[SpatialTa
     joints = {joint.name: joint for joint in scene.joints}
     for joint in scene.joints:
         result += _of_joint(scene, joint, joint, f"joints.{joint.name}.start", native)
+        if parallel_axes(joint) and is_constraint(joint, native):
+            # rotations are products of axes, which vanish for some that are reversed or exchanged as well
+            table, function = f"joints.{joint.name}", attitude(scene, joint)
+            target = SpatialTarget(table, "between", (0.0,) * 3, Strength.GIVEN, True, False, function, guessable=False)
+            result.append(target)
     for drive in scene.drives:
         joint = joints[drive.joint]
         result += _of_joint(scene, joint, drive, f"drives.{drive.name}.start", native)
@@ -77,7 +85,7 @@ def spatial_targets(scene: SpatialScene, native: NativeScene) -> tuple[SpatialTa
             # the constraint of the drive is the sine of the difference, which is zero half a turn away as well
             key = "motion" if drive.speed is None else "speed"
             value = float(simulated_drive(native, drive, np.zeros(1))[0])
-            function = _function_of_frames(scene, joint, freedom, value, False)
+            function = function_of_frames(scene, joint, freedom, value, False)
             table = f"drives.{drive.name}"
             result.append(SpatialTarget(table, key, (value,), Strength.GIVEN, True, False, function, guessable=False))
     return tuple(result)
@@ -171,93 +179,8 @@ def _of_joint(
     angular = freedom is Freedom.ROTATION
     if start.coordinate is not None:
         key = "angle" if start.angle is not None else "displacement"
-        function = _motion_of_joint(scene, joint, freedom, start.coordinate, False, native)
+        function = motion_of_joint(scene, joint, freedom, start.coordinate, False, native)
         yield SpatialTarget(table, key, (start.coordinate,), strength, angular, False, function)
     if start.speed is not None:
-        function = _motion_of_joint(scene, joint, freedom, start.speed, True, native)
+        function = motion_of_joint(scene, joint, freedom, start.speed, True, native)
         yield SpatialTarget(table, "speed", (start.speed,), strength, angular, True, function)
-
-
-@dataclass(frozen=True)
-class JointColumn:
-    """The coordinate and the velocity of a joint that eliminates others, by their numbers; sign: see `sign` there."""
-
-    coordinate: int
-    velocity: int
-    sign: int
-
-
-def joint_coordinate(joint: SpatialJoint, native: NativeScene) -> JointColumn | None:
-    """The coordinate that is the motion of a joint; None of a joint that is a constraint, or that has a drive."""
-    joint_type = SPATIAL_JOINTS[joint.kind]
-    first_row = next((identifier(joined(joint.name, row.label)) for row in joint_type.rows(joint)), None)
-    if joint_type.driven is None or first_row in native.multipliers:
-        return None
-    family = Family.ANGLE if joint_type.driven is Freedom.ROTATION else Family.GUIDE
-    for marker, sign in ((joint.second, 1), (joint.first, -1)):
-        q, v = (owned(quantity(family, derivative=d), marker.body).name for d in (0, 1))
-        if q in native.coordinates:
-            return JointColumn(native.coordinates.index(q), native.velocities.index(v), sign)
-    return None
-
-
-def _motion_of_joint(
-    scene: SpatialScene, joint: SpatialJoint, freedom: Freedom, value: float, rate: bool, native: NativeScene
-) -> Callable[[SpatialPoses], Linearised]:
-    """The motion of a joint less its value: a coordinate, which counts whole turns, or a function of two frames."""
-    column = joint_coordinate(joint, native)
-    if column is None:
-        return _function_of_frames(scene, joint, freedom, value, rate)
-
-    def linearised(poses: SpatialPoses) -> Linearised:
-        gradient = np.zeros((1, poses.native.nv))
-        gradient[0, column.velocity] = column.sign
-        now = 0.0 if rate else column.sign * poses.q[column.coordinate]
-        return np.array([now - value]), gradient, np.zeros(1)
-
-    return linearised
-
-
-def _function_of_frames(
-    scene: SpatialScene, joint: SpatialJoint, freedom: Freedom, value: float, rate: bool
-) -> Callable[[SpatialPoses], Linearised]:
-    """The rotation about, or the displacement along, the z axis of a joint less its value; rotations up to pi."""
-
-    def linearised(poses: SpatialPoses) -> Linearised:
-        first, second = (frame_of(scene, poses, marker) for marker in (joint.first, joint.second))
-        axis = first.axes[:, 2]
-        moving = {}
-        for marker, frame in ((joint.first, first), (joint.second, second)):
-            if marker.body == GROUND:
-                moving[marker] = np.zeros((6, poses.native.nv)), np.zeros(6)
-                continue
-            twist, drift = poses.twist(marker.body)
-            Q, lever = poses.rotation(marker.body), frame.position - poses.position(marker.body)
-            cross = np.cross(np.eye(3), lever)  # rows e_k x lever, so that w x lever = cross.T w
-            parts = []
-            for part in (twist, drift):
-                w = Q @ part[3:]
-                parts.append(np.concatenate([part[:3] + cross.T @ w, w]))
-            if deformed := deformed_frame(scene, poses, marker):
-                parts[0][:, list(deformed.columns)] += np.vstack([Q @ deformed.moves, Q @ deformed.turns])
-            moving[marker] = parts[0], parts[1]
-        relative = [moving[joint.second][n] - moving[joint.first][n] for n in (0, 1)]
-        if freedom is Freedom.ROTATION:
-            now = np.arctan2(first.axes[:, 1] @ second.axes[:, 0], first.axes[:, 0] @ second.axes[:, 0])
-            gradient, drift_of = (axis @ part[3:] for part in relative)
-        else:
-            d = second.position - first.position
-            now = axis @ d
-            turning = np.cross(axis, d)  # d/dt axis . d = (w1 x axis) . d = w1 . (axis x d)
-            gradient, drift_of = (
-                axis @ part[:3] + turning @ moving[joint.first][n][3:] for n, part in enumerate(relative)
-            )
-        gradient = np.atleast_2d(gradient)
-        if rate:
-            return np.array([drift_of - value]), gradient, np.array([drift_of])
-        missed = now - value
-        if freedom is Freedom.ROTATION:
-            missed = (missed + np.pi) % (2 * np.pi) - np.pi
-        return np.array([missed]), gradient, np.array([drift_of])
-
-    return linearised
