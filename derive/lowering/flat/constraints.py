@@ -22,7 +22,7 @@ from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue, Step, StepItem
 from derive.lowering.ldlt import Factorisation, backward, factorise, forward, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
-from derive.lowering.proximal import PROXIMAL, REFINEMENTS
+from derive.lowering.proximal import LEAST, PROXIMAL, REFINEMENTS
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint
@@ -160,8 +160,8 @@ def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
     entries = {(i, j): symbols(context.equations.mass[i, j]) for i, j in context.mass_pattern().entries}
     entries |= {(n + i, j): -value for (i, j), value in jacobian_entries(context, symbols).items()}
     shape = kkt_pattern(context)
-    proximal = symbols.number(PROXIMAL) if context.proximal else None
-    return factorise(shape, entries, kkt_order(context, shape), n, proximal)
+    terms = [symbols.number(x) if context.proximal else None for x in (PROXIMAL, LEAST)]
+    return factorise(shape, entries, kkt_order(context, shape), n, *terms)
 
 
 def _refined(

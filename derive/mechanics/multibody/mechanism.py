@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
@@ -174,17 +174,36 @@ def damping_force(damping: ComponentDamping, instances: Instances) -> Generalise
     return GeneralisedForce(terms, dissipation=-power)
 
 
-def refuse_idle(conditions: tuple[Constraint, ...], redundant: Redundant) -> None:
-    """Raise SpecError for the constraints that no coordinate takes part in; redundant ones may be accepted."""
+MET = sp.Rational(1, 10**10)
+"""A constraint that no coordinate takes part in is met if it is off by at most this (m or rad), as rounded numbers are."""
+
+
+def refuse_idle(
+    conditions: tuple[Constraint, ...],
+    redundant: Redundant,
+    known: Sequence[tuple[sp.Symbol, sp.Expr]] = (),
+) -> None:
+    """Raise SpecError for the constraints that no coordinate takes part in; redundant ones may be accepted.
+
+    known: symbols in their positions with their values, each in terms of those before it; coordinates may have any.
+    """
     prescribed = (
         "no coordinate can meet it, since the motion of both bodies is prescribed; leave out a drive or a joint"
     )
     implied = "this constraint is redundant: other joints and drives meet it in every state; leave out one of them"
-    accepted = redundant != "error"
-    idle = [c for c in conditions if not c.jacobian and not (accepted and c.position == 0)]
-    if idle:
-        texts = ((c, implied if c.position == 0 else prescribed) for c in idle)
-        raise SpecError(tuple(Problem(f"joints.{c.of}", f"{c.doc}: {text}") for c, text in texts))
+    problems = []
+    for c in (c for c in conditions if not c.jacobian):
+        position = c.position
+        for symbol, value in reversed(known):
+            position = position.xreplace({symbol: value})
+        if position.is_number and abs(position) <= MET:
+            if redundant == "error":
+                problems.append(Problem(f"joints.{c.of}", f"{c.doc}: {implied}"))
+            continue
+        off = f"it is off by {float(abs(position)):.3g}, and " if position.is_number else ""
+        problems.append(Problem(f"joints.{c.of}", f"{c.doc}: {off}{prescribed}"))
+    if problems:
+        raise SpecError(tuple(problems))
 
 
 def _gathered(mechanism: Mechanism, parts: SceneMechanics, definitions: tuple[Intermediate, ...]) -> Equations:

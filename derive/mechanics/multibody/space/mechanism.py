@@ -166,9 +166,12 @@ def _expanded(mechanism: SpatialMechanism) -> Equations:
         for j in mechanism.joints
         for condition in spatial_constraints(j.joint, j.type, at(j.joint.first), at(j.joint.second), j.drive, rows)
     )
-    refuse_idle(conditions, scene.redundant)
-    actions = tuple(loads_of(f.element, tuple(map(at, f.element.markers)), f.values) for f in mechanism.forces)
     in_order = [instances[name].definitions for name in mechanism.order]
+    known = [(c.q, sp.S.Zero) for c in coordinates]
+    known += [(c.symbol, c.value) for c in chain(*(i.coefficients for i in instances.values()), mechanism.constants)]
+    known += [(d.symbol, d.expr) for d in chain(mechanism.definitions, *in_order)]
+    refuse_idle(conditions, scene.redundant, known)
+    actions = tuple(loads_of(f.element, tuple(map(at, f.element.markers)), f.values) for f in mechanism.forces)
     definitions = tuple(chain(mechanism.definitions, *in_order, *(action.definitions for action in actions)))
     bodies, inputs = list(instances.values()), input_symbols(scene)
     moving = moving_symbols(definitions, inputs)
