@@ -39,12 +39,14 @@ def factorise(
     order: tuple[int, ...] | None = None,
     coordinates: int | None = None,
     proximal: ca.SX | None = None,
+    least: ca.SX | None = None,
 ) -> Factorisation:
     """The factorisation of a symmetric matrix.
 
     pattern, values: the lower triangle. order: the elimination order, by default that of AMD. coordinates: the number
     of rows before those of multipliers; by default there are no multipliers. proximal: the part of the scale of a
-    multiplier that is added to its pivot; the scale of one without coordinates is -1.
+    multiplier that is added to its pivot; the scale of one without coordinates is -1. least: if there is such a part,
+    the least scale of a multiplier, relative to that with an entry of 1 for each of its coordinates.
     """
     order = elimination_order(pattern) if order is None else order
     coordinates = pattern.rows if coordinates is None else coordinates
@@ -52,6 +54,7 @@ def factorise(
     work = {_ordered(i, j, position): value for (i, j), value in values.items()}
     of_coordinates: Entries = {}
     of_multipliers: dict[int, list[ca.SX]] = {}
+    compliances: dict[int, ca.SX] = {}
     pivots: list[ca.SX] = []
     scales: list[ca.SX] = []
     inverses: list[ca.SX] = []
@@ -63,8 +66,9 @@ def factorise(
     for j in order:
         if j >= coordinates:
             idle_scale = {} if proximal is None else {(j, j): ca.SX(-1)}
-            scales.append((idle_scale | of_coordinates)[j, j])  # without coordinates there is nothing to divide by
-            own = scales[-1] if (j, j) in of_coordinates else ca.SX(0)
+            scale = (idle_scale | of_coordinates)[j, j]  # without coordinates there is nothing to divide by
+            own = scale if (j, j) in of_coordinates else ca.SX(0)
+            scales.append(ca.fmin(scale, -least * compliances[j]) if least is not None and j in compliances else scale)
             own = own if proximal is None else own + proximal * scales[-1]
             # What is known last is subtracted last: each pivot waits for the one before, and nothing else follows.
             work[j, j] = sum((-update for update in of_multipliers.get(j, ())), start=own)
@@ -81,6 +85,8 @@ def factorise(
                 if i == other >= coordinates and j >= coordinates:
                     of_multipliers.setdefault(i, []).append(update)
                     continue
+                if i == other >= coordinates > j and least is not None:
+                    compliances[i] = compliances.get(i, ca.SX(0)) + inverses[-1]
                 store = of_coordinates if i == other >= coordinates > j else work
                 old = store.get((i, other))
                 store[i, other] = -update if old is None else old - update

@@ -132,6 +132,61 @@ def test_both_bodies_hang_at_a_joint_of_exudyn(exu: ModuleType, folder: Path) ->
     assert np.allclose(states[0][1], states[1][1], rtol=0, atol=1e-3 * np.max(np.abs(states[0][1])))
 
 
+HUNG = """
+name = "hung"
+[scene]
+gravity = [1, 2, -9]
+[ground.markers]
+hook = [-0.2, -0.05, -0.03]
+[bodies.block]
+nodes = "soft.npz"
+units = "SI"
+modes = 8
+frame = "mean"
+markers = { corner = 0 }
+[bodies.block.start]
+position = [0, 0, 0]
+rotation = [1, 0, 0, 0]
+velocity = [0.85, -1.09, -3.85]
+angular_velocity = [3, 20, -5]
+amplitudes = [0, 0, 0, 0, 0, 0, 0, 0]
+amplitude_rates = [0, 0, 0, 0, 0, 0, 0, 0]
+[joints.ball]
+kind = "spherical"
+between = ["ground.hook", "block.corner"]
+[simulation]
+duration = 0.05
+output = 0.05
+tolerance = 1e-10
+"""
+"""The soft block at a corner of it, without deformation at the start."""
+
+
+def test_a_mechanism_in_space_moves_as_in_exudyn(exu: ModuleType, folder: Path) -> None:
+    """What differs is the error of the trapezoidal rule, of order 2; extrapolated, the motion is ours."""
+    arrays = {name: of for name, of in np.load(ROOT / "scenes/block.npz").items() if not name.startswith("stiffness")}
+    np.savez(folder / "soft.npz", **arrays | {"modal_stiffness": 1e-4 * arrays["modal_stiffness"]})
+    (folder / "hung.toml").write_text(HUNG)
+    own = derive.simulate(derive.read(folder / "hung.toml"))
+    module = module_of(replace(tumbling(), gravity=tuple(map(Fraction, (1, 2, -9)))), folder / "in_gravity")
+    states = []
+    for steps in (1000, 2000):
+        mbs = exu.SystemContainer().AddSystem()
+        body = module.add(mbs, q=own.q[0], v=own.v[0])
+        ground = mbs.AddObject(exu.itemInterface.ObjectGround(referencePosition=[-0.2, -0.05, -0.03]))
+        hook = mbs.AddMarker(exu.itemInterface.MarkerBodyPosition(bodyNumber=ground))
+        tip = body.add_marker(mbs, "corner")
+        mbs.AddObject(exu.itemInterface.ObjectJointSpherical(markerNumbers=[hook, tip]))
+        mbs.Assemble()
+        solved(exu, mbs, 0.05, steps)
+        states.append(body.state(mbs))
+    (q1, v1), (q2, v2) = states
+    ours = own.q[-1], own.v[-1]
+    errors = [difference(state, ours) for state in (*states, ((4 * q2 - q1) / 3, (4 * v2 - v1) / 3))]
+    assert 3.8 < errors[0] / errors[1] < 4.2 and errors[1] < 2e-3
+    assert errors[2] < 2e-7, errors
+
+
 def test_a_body_of_an_sid_file_has_the_same_arguments() -> None:
     body = reduce(tumbling())
     ours, given = (floating_frame_arguments(of) for of in (body, read(write(body))))

@@ -1,4 +1,4 @@
-"""The local arrays in which instances keep values: near elements are read instead, and what is short-lived shares a place."""
+"""The local arrays in which instances keep values: near elements replace them, and short-lived ones share a place."""
 
 from __future__ import annotations
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
 
 import derive
 from derive.simulation.prepared_run import PreparedRun
@@ -82,3 +83,39 @@ def test_redundant_joints_may_be_refused() -> None:
     text = FOUR_BAR.replace("[scene]", '[scene]\nredundant = "error"')
     with pytest.raises(derive.TisserandError, match="redundant"):
         moved(parse(text))
+
+
+DOOR = """
+name = "door"
+[scene]
+gravity = [0, 1.4, -9.81]
+[ground.markers]
+lower = { at = [0.22, -0.318, 0.171], rotation = { axis = [1, 2, -3], angle = 1.1 } }
+upper = { at = UPPER, rotation = { axis = [1, 2, -3], angle = 1.1 } }
+[bodies.door]
+mass = 0.8
+centre = [0.3, 0.1, 0.05]
+inertia = [0.02, 0.03, 0.025, 0, 0.001, 0]
+markers = { lower = [0, 0, 0], upper = [0, 0, 0.7] }
+[joints.hinge]
+kind = "revolute"
+between = ["ground.lower", "door.lower"]
+start = { angle = 0.3 }
+SECOND
+[simulation]
+duration = 0.4
+output = 0.1
+"""
+
+
+@pytest.mark.parametrize("kind", ["revolute", "point_on_line"])
+def test_a_door_on_two_hinges_turns_as_on_one(kind: str) -> None:
+    """The first hinge leaves an angle, whose factors in the second one are zero but for rounding errors."""
+    axis = Rotation.from_rotvec(1.1 * np.array([1, 2, -3]) / np.sqrt(14)).as_matrix()[:, 2]
+    text = DOOR.replace("UPPER", str((np.array([0.22, -0.318, 0.171]) + 0.7 * axis).tolist()))
+    second = f'[joints.other]\nkind = "{kind}"\nbetween = ["ground.upper", "door.upper"]'
+    one, two = (derive.simulate(parse(text.replace("SECOND", more))) for more in ("", second))
+    assert np.ptp(one["door_phi"]) > 0.3
+    assert np.allclose(two["door_phi"], one["door_phi"], rtol=0, atol=1e-8)
+    (note,) = (note for note in two.notes if "redundant" in note)
+    assert "other_x is implied by joints that eliminate coordinates" in note

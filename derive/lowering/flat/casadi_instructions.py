@@ -11,7 +11,7 @@ import casadi as ca
 
 from derive.ir.expressions import Operator
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.graph import Graph, LoweringError
+from derive.lowering.flat.graph import ZERO_DIVISOR, Graph, LoweringError
 
 BINARY = {
     ca.OP_ADD: Operator.ADD,
@@ -86,10 +86,7 @@ def _integer(value: float) -> int:
     which would be a rounded number.
     """
     if not math.isfinite(value):
-        raise LoweringError(
-            "the model divides by a value that is zero in every state: shapes are dependent (make them orthogonal), or "
-            "two joints impose the same constraint (remove one of them)"
-        )
+        raise LoweringError(ZERO_DIVISOR)
     if value != int(value):
         raise ArithmeticError(f"CasADi has rounded a number to {value}")
     return int(value)

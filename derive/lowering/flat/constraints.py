@@ -23,7 +23,7 @@ from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue,
 from derive.lowering.ldlt import Factorisation, backward, factorise, forward, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.lowering.paired_elimination import Pair, PairedElimination, forest_of_pairs, left_by_pairs
-from derive.lowering.proximal import PROXIMAL, REFINEMENTS
+from derive.lowering.proximal import LEAST, PROXIMAL, REFINEMENTS
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, SpatialPose
@@ -191,8 +191,8 @@ def _factors(
     """The factorisation of what pairs leave; entries: those that are left."""
     left = left_by_pairs(shape, pairs)[0] if pairs else shape
     together = [row for pair in pairs for row in (pair.coordinate, pair.multiplier)]
-    proximal = symbols.number(PROXIMAL) if context.proximal else None
-    return factorise(left, entries, kkt_order(context, left, together), len(context.rows), proximal)
+    terms = [symbols.number(x) if context.proximal else None for x in (PROXIMAL, LEAST)]
+    return factorise(left, entries, kkt_order(context, left, together), len(context.rows), *terms)
 
 
 def _refined(

@@ -51,6 +51,12 @@ class Node:
         return self.kind
 
 
+ZERO_DIVISOR = (
+    "the model divides by a value that is zero in every state: shapes are dependent (make them orthogonal), or two joints "
+    "impose the same constraint (remove one of them)"
+)
+
+
 class LoweringError(TisserandError):
     """A model cannot be evaluated with doubles: a number is out of their range, or a pivot always vanishes."""
 
@@ -145,6 +151,8 @@ class Graph:
             return args[1] if values[0] else self.number(0)
         if kind not in ARITHMETIC:
             return None
+        if kind is Operator.DIV and values[1] == 0:
+            raise LoweringError(ZERO_DIVISOR)
         numbers = [v for v in values if v is not None]
         if len(numbers) == len(values):
             return self.number(_exact(kind, numbers))

@@ -182,17 +182,35 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
     )
 
 
-def refuse_idle(conditions: tuple[Constraint, ...], redundant: Redundant) -> None:
-    """Raise SpecError for the constraints that no coordinate takes part in; redundant ones may be accepted."""
+MET = sp.Rational(1, 10**10)
+"""A constraint that no coordinate takes part in is met if it is off by at most this (m or rad): numbers are rounded."""
+
+
+def refuse_idle(
+    conditions: tuple[Constraint, ...], redundant: Redundant, known: Sequence[tuple[sp.Symbol, sp.Expr]] = ()
+) -> None:
+    """Raise SpecError for the constraints that no coordinate takes part in; redundant ones may be accepted.
+
+    known: symbols in their positions with their values, each in terms of those before it; coordinates may have any.
+    """
     prescribed = (
         "no coordinate can meet it, since the motion of both bodies is prescribed; leave out a drive or a joint"
     )
     implied = "this constraint is redundant: other joints and drives meet it in every state; leave out one of them"
-    accepted = redundant != "error"
-    idle = [c for c in conditions if not c.jacobian and not (accepted and c.position == 0)]
-    if idle:
-        texts = ((c, implied if c.position == 0 else prescribed) for c in idle)
-        raise SpecError(tuple(Problem(f"{c.section}.{c.of}", f"{c.doc}: {text}") for c, text in texts))
+    problems = []
+    for c in (c for c in conditions if not c.jacobian):
+        position = c.position
+        for symbol, value in reversed(known):
+            position = position.xreplace({symbol: value})
+        key = f"{c.section}.{c.of}"
+        if position.is_number and abs(position) <= MET:
+            if redundant == "error":
+                problems.append(Problem(key, f"{c.doc}: {implied}"))
+            continue
+        off = f"it is off by {float(abs(position)):.3g}, and " if position.is_number else ""
+        problems.append(Problem(key, f"{c.doc}: {off}{prescribed}"))
+    if problems:
+        raise SpecError(tuple(problems))
 
 
 def functions_of_time(scene: AnyScene) -> Iterator[TimeFunction]:

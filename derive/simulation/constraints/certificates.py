@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
-from derive.simulation.constraints.scaling import SINGULAR, orientations
+from derive.simulation.constraints.scaling import SINGULAR, orientations, rounding
 
 CLEARLY = 10 * SINGULAR
 """Constraints whose scaled singular values are all above this are independent beyond doubt."""
@@ -56,12 +56,13 @@ def independent(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> bo
     if not moves_mass(native, k, q):
         return False
     inverse = _inverse(native.mass_pattern.sparse(native.mass(q, k)))
-    squares = np.zeros(native.nlambda)
+    squares, full = np.zeros(native.nlambda), np.zeros(native.nlambda)
     states = orientations(native, q)
     for state in states:
         G = _jacobian(native, t, state, k)
         squares += (G @ inverse).multiply(G).sum(axis=1) / len(states)
-    if not (np.all(np.isfinite(squares)) and np.all(squares > 0.0)):
+        full += (G != 0.0) @ inverse.diagonal() / len(states)
+    if not (np.all(np.isfinite(squares)) and np.all(squares > rounding(q) ** 2 * full)):
         return False
     G = _jacobian(native, t, q, k).multiply(1.0 / np.sqrt(squares)[:, None])
     try:

@@ -20,7 +20,8 @@ from derive.simulation.errors import InextensibleBeam, MasslessMotion, Redundant
 DependenceError = RedundantConstraints | SingularConfiguration | InextensibleBeam
 """The errors for constraints that depend on each other."""
 CONTRADICTION = 1e-6
-"""Accelerations miss constraints that contradict each other by more than this part of the terms of a constraint."""
+"""Accelerations miss constraints that contradict each other by more than this part of the terms of a constraint, whose
+factors are at least as large (m, rad)."""
 
 
 def check_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()) -> None:
@@ -52,7 +53,7 @@ def check_accelerations(native: ConstrainedSystem, k: Vector, t: float, q: Vecto
     vdot = native.accel(t, q, v, k)
     gamma, R = native.constraint_bias(t, q, v, k), mass_factor(mass_matrix(native, q, k))
     free = solve_triangular(R, solve_triangular(R, native.force(t, q, v, k), trans="T"))
-    size = np.abs(G) @ (np.abs(vdot) + np.abs(free)) + np.abs(gamma)
+    size = (np.abs(G) + CONTRADICTION) @ (np.abs(vdot) + np.abs(free)) + np.abs(gamma)
     if np.any(np.abs(G @ vdot - gamma) > CONTRADICTION * (size + 1e-6 * np.max(size))):
         raise error
     if isinstance(error, SingularConfiguration):

@@ -25,6 +25,10 @@ SINGULAR = 1e-7
 together has 1e-2. At a dead centre that is a double root, positions have an error of 1e-8, the root of the rounding
 error."""
 
+ROUNDING = 1e-12
+"""Rows whose entries are at most this (m or rad), times the size of the coordinates, are zero but for rounding errors,
+as those of a second hinge of a door that has an angle."""
+
 
 def mass_factor(M: Matrix) -> Matrix:
     """Upper triangular R with R^T R = M (n, n), in which coordinates without mass get the median mass of the others.
@@ -57,15 +61,21 @@ def typical_row_norms(
     """The root mean square lengths (nlambda,) of the rows of G R^-1, over this state and random orientations of bodies.
 
     free: the columns of G that count, all by default. The length in a single state is not suitable, because a row may
-    vanish at a dead centre. Rows that are zero in all states get 1.
+    vanish at a dead centre. Rows that are zero in all states but for rounding errors get the length that they would have
+    with entries of 1, or 1.
     """
     columns = slice(None) if free is None else free
-    squares = [
-        np.sum(in_mass_metric(constraint_matrix(native, t, state, k)[:, columns], R) ** 2, axis=1)
-        for state in orientations(native, q)
-    ]
-    norms = np.sqrt(np.mean(squares, axis=0))
-    return np.where(norms > 0.0, norms, 1.0)
+    every = [constraint_matrix(native, t, state, k)[:, columns] for state in orientations(native, q)]
+    norms = np.sqrt(np.mean([np.sum(in_mass_metric(G, R) ** 2, axis=1) for G in every], axis=0))
+    inverse = solve_triangular(R, np.eye(len(R)))
+    full = np.sqrt(np.mean([(G != 0.0) @ np.sum(inverse**2, axis=1) for G in every], axis=0))
+    zero = norms <= rounding(q) * full
+    return np.where(zero, np.where(full > 0.0, full, 1.0), norms)
+
+
+def rounding(q: Vector) -> float:
+    """The size (m or rad) of entries of G in the configuration q (nq,) that are zero but for rounding errors."""
+    return ROUNDING * max(1.0, float(np.max(np.abs(q), initial=0.0)))
 
 
 def orientations(native: Constraints, q: Vector) -> tuple[Vector, ...]:

@@ -157,7 +157,7 @@ def _independent_constraints(
     of = spectrum(native, k, t, q)
     kept = np.sort(qr(of.scaled.T, mode="r", pivoting=True)[1][: of.rank])
     weights = np.sqrt(np.einsum("ij,ji->i", d.G, np.linalg.solve(d.M, d.G.T)))
-    weights[weights == 0.0] = 1.0  # of constraints without coordinates
+    weights = np.maximum(weights, 1e-6 * of.norms)  # also where G is zero, or has rounding errors alone
     scaled = d.G / weights[:, None]
     return np.linalg.pinv(scaled.T, rcond=SINGULAR) @ d.G[kept].T / weights[:, None], kept
 

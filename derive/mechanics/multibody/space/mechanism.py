@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import sympy as sp
@@ -85,7 +86,11 @@ class SpatialMechanism(InstancesOfKinds):
             return joint_motion(joints[joint], at, of_name, rows)
 
         conditions += tuple(gear_constraint(gear, motion, rows) for gear in self.gears)
-        refuse_idle(conditions, scene.redundant)
+        in_order = [instances[name].definitions for name in self.order]
+        known = [(c.q, sp.S.Zero) for c in self.coordinates]
+        known += [(c.symbol, c.value) for c in chain(*(i.coefficients for i in instances.values()), self.constants)]
+        known += [(d.symbol, d.expr) for d in chain(self.definitions, *in_order)]
+        refuse_idle(conditions, scene.redundant, known)
         actions = tuple(loads_of(f.element, tuple(map(at, f.element.markers)), f.values) for f in self.forces)
         parts = SpatialParts(
             scene=scene,
