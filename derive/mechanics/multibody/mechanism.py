@@ -175,7 +175,7 @@ def damping_force(damping: ComponentDamping, instances: Instances) -> Generalise
 
 
 MET = sp.Rational(1, 10**10)
-"""A constraint that no coordinate takes part in is met if it is off by at most this (m or rad), as rounded numbers are."""
+"""A constraint that no coordinate takes part in is met if it is off by at most this (m or rad): numbers are rounded."""
 
 
 def refuse_idle(
