@@ -52,8 +52,8 @@ class Node:
 
 
 ZERO_DIVISOR = (
-    "the model divides by a value that is zero in every state: shapes are dependent (make them orthogonal), or two joints "
-    "impose the same constraint (remove one of them)"
+    "the model divides by a value that is zero in every state: shapes are dependent (make them orthogonal), or two "
+    "joints impose the same constraint (remove one of them)"
 )
 
 

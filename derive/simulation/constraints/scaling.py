@@ -61,8 +61,8 @@ def typical_row_norms(
     """The root mean square lengths (nlambda,) of the rows of G R^-1, over this state and random orientations of bodies.
 
     free: the columns of G that count, all by default. The length in a single state is not suitable, because a row may
-    vanish at a dead centre. Rows that are zero in all states but for rounding errors get the length that they would have
-    with entries of 1, or 1.
+    vanish at a dead centre. Rows that are zero in all states but for rounding errors get the length of rows with
+    entries of 1, or 1.
     """
     columns = slice(None) if free is None else free
     every = [constraint_matrix(native, t, state, k)[:, columns] for state in orientations(native, q)]
