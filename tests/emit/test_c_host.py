@@ -10,7 +10,7 @@ import pytest
 from toolchain import C99, CPP11, HERE, run, scene, tool, written
 
 import derive
-from conftest import ROOT
+from conftest import QUICK, ROOT
 
 Q = np.array([0.1, 0.2, 0.5, 0.02, -0.01])
 V = np.array([1.0, -2.0, 3.0, 0.1, 0.2])
@@ -73,7 +73,7 @@ def test_the_example_of_thirty_lines(language: tuple[str, ...], tmp_path: Path) 
 @LANGUAGES
 def test_host_prints_what_python_computes(language: tuple[str, ...], tmp_path: Path) -> None:
     text = run(build_host(language, tmp_path))
-    native = derive.load(scene("free_beam_mean").files)
+    native = derive.load(scene("free_beam_mean").files, QUICK)
     k = native.setup([2.0, 1.5, 30.0])
     expected = {
         "mass": native.mass(Q, k),
@@ -125,6 +125,6 @@ def test_two_models_in_one_program(host: str, models: str, tmp_path: Path) -> No
     run(tool(host), tmp_path / "two.o", *objects, "-o", tmp_path / "two", "-lm")
     expected = {}
     for name in ("free_beam_mean", "free_beam_point"):
-        native = derive.load(scene(name).files)
+        native = derive.load(scene(name).files, QUICK)
         expected[name] = list(native.energy(Q, V, native.setup([2.0, 1.5, 30.0])))
     assert printed(run(tmp_path / "two")) == expected

@@ -9,6 +9,7 @@ import pytest
 from host_models import PUSHED, STEERED, prepared, scene
 
 import derive
+from conftest import QUICK
 from derive.export.fmi.variables import Causality, fmi_variables
 from derive.export.host_model import host_model
 from derive.pipeline import generate
@@ -31,7 +32,7 @@ def test_start_values_are_those_of_a_simulation(name: str) -> None:
 @pytest.mark.parametrize("text", [PUSHED, STEERED], ids=["pushed", "steered"])
 def test_names_are_those_of_the_descriptor_in_its_order(text: str) -> None:
     model = prepared(text)
-    native = derive.load_scene(model.files)
+    native = derive.load_scene(model.files, QUICK)
     assert tuple(x.name for x in model.coordinates) == native.coordinates
     assert tuple(x.name for x in model.velocities) == native.velocities
     assert tuple(x.name for x in model.inputs) == native.inputs
@@ -44,7 +45,7 @@ def test_names_are_those_of_the_descriptor_in_its_order(text: str) -> None:
 def test_a_table_of_the_descriptor_counts_elements_of_arrays() -> None:
     model = host_model(replace(scene("block").spec, lowering="loops"))
     assert len(model.coordinates) == 15 and model.coordinates[-1].name == "alpha8"
-    native = derive.load(model.files)
+    native = derive.load(model.files, QUICK)
     assert tuple(x.name for x in model.parameters) == native.parameters and len(model.parameters) > 1
 
 
@@ -62,7 +63,7 @@ def test_a_prescribed_motion_has_two_derivatives_at_the_start() -> None:
 def test_the_start_state_follows_the_inputs() -> None:
     """The arm has the angle and the speed of its drive."""
     model = prepared(STEERED)
-    native = derive.load_scene(model.files)
+    native = derive.load_scene(model.files, QUICK)
     k = native.with_inputs(native.setup(), [u.start for u in model.inputs])
     q, v = (np.array(started(part)) for part in (model.coordinates, model.velocities))
     assert np.max(np.abs(native.constraints(0.0, q, k))) < 1e-14

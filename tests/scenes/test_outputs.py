@@ -440,7 +440,7 @@ def test_the_python_module_has_the_same_inputs_and_outputs():
     (source,) = (file.text for file in files if file.path.endswith(".py"))
     module = {}
     exec(compile(source, "driven.py", "exec"), module)
-    native = derive.load_scene(files)
+    native = derive.load_scene(files, QUICK)
     rng = np.random.default_rng(7)
     q, v, u = rng.normal(size=native.nq) * 0.1, rng.normal(size=native.nv), rng.normal(size=4)
     k, constants = native.with_inputs(native.setup(), u), module["setup"](native.defaults)

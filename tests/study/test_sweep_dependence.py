@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from sweep_scenes import pendulum, slider
 
+from conftest import QUICK
 from derive.runtime.loading import load_scene
 from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_state import initial_state, scene_size
@@ -28,7 +29,7 @@ from derive.study.sweep.dependence import initial_parameters, with_defaults
 )
 def test_parameters_that_are_left_out_change_nothing(scene: Scene, expected: set[str]) -> None:
     run = PreparedRun(scene)
-    native = load_scene(run.files)
+    native = load_scene(run.files, QUICK)
     initial = initial_parameters(run.scene, run.complete_model)
     assert initial == expected
     at_rest = replace(run.scene, start=EQUILIBRIUM)  # which depends on all forces
@@ -47,7 +48,7 @@ def test_parameters_that_are_left_out_change_nothing(scene: Scene, expected: set
 
 def test_the_first_guess_follows_the_parameters() -> None:
     """The displacement of the slider counts from the bearing, to which its guide leads."""
-    native = load_scene(PreparedRun(slider()).files)
+    native = load_scene(PreparedRun(slider()).files, QUICK)
     number = native.coordinates.index("slider_s")
     assert initial_guess(slider(), native)[0][number] == pytest.approx(0.45)
     assert initial_guess(slider(), native, native.setup(x0=0.1))[0][number] == pytest.approx(0.35)
