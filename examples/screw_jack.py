@@ -1,8 +1,8 @@
 """A screw jack in space: a motor lifts a table by a bevel gear and a thread, compared with the closed form.
 
 The axis of the motor is along e1, that of the wheel and of its thread along e3, and the table slides along e3. With the
-ratio r of the gear and the lead p/(2 pi) of the thread, the height is p |r| a/(2 pi) for the angle a of the motor, whose
-acceleration under a constant torque M is (M - m g h)/(J_1 + r^2 J_2 + m h^2), h = p |r|/(2 pi). Angles count all turns.
+ratio r of the gear and the pitch p of the thread, the height is h a for the angle a of the motor, h = p |r|/(2 pi), and
+the acceleration of the motor under a constant torque M is (M - m g h)/(J_1 + r^2 J_2 + m h^2). Angles count all turns.
 The number is the largest error of the height, in m; the motor turns more than a dozen times.
 """
 
