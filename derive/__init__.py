@@ -12,13 +12,15 @@
 
 The public interface, by stages:
 
-    specification   read, validated; scene, planar_beam, nodal_body, symbolic_body
+    specification   read, validated; scene, spatial_scene, planar_beam, nodal_body, symbolic_body
                     bodies: PlanarBeam with AttachedMass and BeamDamping, SymbolicBody, NodalBody with NodeData,
                     NodeMarker, BodyFrame, Damping
                     scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialValues, JointInitialValues,
                     Joint, Drive, Force, Torque, Spring, Bushing, DistributedLoad, TimeFunction, time_function, Plot,
                     Deflection, ReferenceCurve
-                    both: Frame, Marker, Parameter, Simulation; SpatialStart of a body in space
+                    in space: SpatialScene, SpatialRigidBody, FlexibleBody, FrameMarker, NodeFrame, SpatialJoint, Gear,
+                    SpatialForce, SpatialTorque, SpatialSpring, SpatialInitialValues
+                    all: Frame, Marker, Parameter, Simulation; SpatialStart of a body in space
                     registries: JOINTS, BODIES, FORCES, OUTPUTS; CustomJoint, CustomBody, CustomForce
     equations       derive, modal, derive_modal, parameters; ModalBody; Equations of a body, or for a scene a
                     Mechanism, which keeps the equations once for each kind of body
@@ -84,7 +86,7 @@ if TYPE_CHECKING:
     from derive.simulation.linear.modes import Modes, modes
     from derive.simulation.simulate import simulate
     from derive.simulation.trajectory import Trajectory
-    from derive.spec.construction import nodal_body, planar_beam, scene, symbolic_body, validated
+    from derive.spec.construction import nodal_body, planar_beam, scene, spatial_scene, symbolic_body, validated
     from derive.spec.model.beam import PlanarBeam
     from derive.spec.model.beam_parts import AttachedMass, BeamDamping, Frame, Marker
     from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeData, NodeMarker, SymbolicBody
@@ -104,6 +106,19 @@ if TYPE_CHECKING:
         Scene,
     )
     from derive.spec.model.simulation import InitialValues, Simulation, SpatialStart
+    from derive.spec.model.spatial_scene import (
+        FlexibleBody,
+        FrameMarker,
+        Gear,
+        NodeFrame,
+        SpatialForce,
+        SpatialInitialValues,
+        SpatialJoint,
+        SpatialRigidBody,
+        SpatialScene,
+        SpatialSpring,
+        SpatialTorque,
+    )
     from derive.spec.model.time_function import TimeFunction
     from derive.spec.parsing.time_expression import time_function
     from derive.spec.toml.read import read
@@ -181,6 +196,7 @@ _MODULES = {
         "nodal_body",
         "planar_beam",
         "scene",
+        "spatial_scene",
         "symbolic_body",
         "validated",
     ),
@@ -232,6 +248,19 @@ _MODULES = {
         "Simulation",
         "SpatialStart",
     ),
+    "derive.spec.model.spatial_scene": (
+        "FlexibleBody",
+        "FrameMarker",
+        "Gear",
+        "NodeFrame",
+        "SpatialForce",
+        "SpatialInitialValues",
+        "SpatialJoint",
+        "SpatialRigidBody",
+        "SpatialScene",
+        "SpatialSpring",
+        "SpatialTorque",
+    ),
     "derive.spec.model.time_function": ("TimeFunction",),
     "derive.spec.parsing.time_expression": ("time_function",),
     "derive.spec.toml.read": ("read",),
@@ -269,8 +298,11 @@ __all__ = [
     "Equilibrium",
     "File",
     "FixedStep",
+    "FlexibleBody",
     "Force",
     "Frame",
+    "FrameMarker",
+    "Gear",
     "GeneralisedAlpha",
     "HostModel",
     "Ida",
@@ -293,6 +325,7 @@ __all__ = [
     "NativeScene",
     "NodalBody",
     "NodeData",
+    "NodeFrame",
     "NodeMarker",
     "Parameter",
     "PlanarBeam",
@@ -306,7 +339,14 @@ __all__ = [
     "Simulation",
     "SimulationError",
     "Solution",
+    "SpatialForce",
+    "SpatialInitialValues",
+    "SpatialJoint",
+    "SpatialRigidBody",
+    "SpatialScene",
+    "SpatialSpring",
     "SpatialStart",
+    "SpatialTorque",
     "SpecError",
     "Spring",
     "SweepResult",
@@ -341,6 +381,7 @@ __all__ = [
     "read",
     "scene",
     "simulate",
+    "spatial_scene",
     "sweep",
     "symbolic_body",
     "time_function",

@@ -71,6 +71,7 @@ CHECKS: dict[str, Check] = {
     "pendulum_reaction": near(2.5, 1e-6),
     "python_without_tisserand": near(1.6875, 1e-14),
     "runge_kutta_step_limit": lambda value: value[0] < 1e-3 and value[1] > 1e3,
+    "screw_jack": lambda value: value < 1e-8,
     "sid_round_trip": lambda value: value == 0,
     "slider_crank_rigid": lambda value: value < 1e-9,
     "spinning_solid_beam": lambda value: (  # converged values of a planar beam, and omega^2 - spin^2 as in (41)

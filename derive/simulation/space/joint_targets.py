@@ -1,4 +1,4 @@
-"""What initial values of joints in space are compared with: their motions, and the attitudes that they mean."""
+"""The targets of joints in space in initial states: their motions, and the attitudes that they mean."""
 
 from __future__ import annotations
 
