@@ -83,3 +83,17 @@ def test_a_chain_with_spherical_joints_takes_none(tmp_path: Path) -> None:
     path = tmp_path / "chain.toml"
     path.write_text(head + bodies + joints)
     assert counts(lowered(path), SPHERICAL) == SPHERICAL
+
+
+def test_constraints_that_pairs_imply_are_redundant(tmp_path: Path) -> None:
+    """Two joints at the centre of mass: without pairs as with them, the second one has a multiplier of least norm."""
+    path = tmp_path / "twice.toml"
+    joint = '[joints.{}]\nkind = "spherical"\nbetween = ["ground.base", "body.centre"]\n'
+    path.write_text(
+        'name = "twice"\n[scene]\ngravity = [0, 0, -9.81]\n[ground.markers]\nbase = [0, 0, 0]\n[bodies.body]\nmass = 1\n'
+        "inertia = [0.1, 0.2, 0.25, 0, 0, 0]\nkeep_coordinates = true\nmarkers = { centre = [0, 0, 0] }\n"
+        + joint.format("first")
+        + joint.format("second")
+    )
+    model = lowered(path)
+    assert model.proximal and len(model.multipliers) == 6

@@ -168,6 +168,9 @@ def kkt_pairs(context: Context, shape: Pattern) -> tuple[Pair, ...]:
     pairs = forest_of_pairs(shape, n, ((i, j) for i, j, factor in factors if factor.is_Rational))
     left, products = left_by_pairs(shape, pairs)
     together = {row for pair in pairs for row in (pair.coordinate, pair.multiplier)}
+    with_coordinates = {i for i, j in left.entries if i >= n > j}
+    if not {*range(n, shape.rows)} <= together | with_coordinates:
+        return ()  # the pairs imply a constraint, which the order without them reports
     faster = products + work(left, kkt_order(context, left, [*together])) < work(shape, kkt_order(context, shape))
     return pairs if faster else ()
 
