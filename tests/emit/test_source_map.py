@@ -46,7 +46,7 @@ MODELS: dict[str, Callable[[], Model]] = {
 
 
 def lowered(name: str) -> Model:
-    return derive.lower(derive.derive(derive.read(ROOT / "scenes" / f"{name}.toml")))
+    return beams.build(derive.read(ROOT / "scenes" / f"{name}.toml")).model
 
 
 @pytest.fixture(params=MODELS, scope="module")

@@ -88,7 +88,7 @@ def test_lanes_are_really_used() -> None:
 MODELS: dict[str, Callable[[], Model]] = {
     **{f"{frame} {n}": lambda n=n, frame=frame: looped(n, frame) for n, frame in BODIES},  # type: ignore[misc]
     "beam": lambda: beams.made("point", 2).model,
-    "mechanism": lambda: derive.lower(derive.derive(derive.read(ROOT / "scenes" / "double_pendulum.toml"))),
+    "mechanism": lambda: beams.build(derive.read(ROOT / "scenes" / "double_pendulum.toml")).model,
 }
 
 
