@@ -161,6 +161,9 @@ class SpatialDraft:
         name = self.name("joints")
         ends = [self.marker(first, at, axes), self.marker(second, at, axes)]
         self.section("joints")[name] = {"kind": kind, "between": ends}
+        if kind == "screw":
+            pitch = self.size * self.draws.between(0.05, 0.5) * self.draws.choice([1, -1])
+            self.section("joints")[name]["pitch"] = self.quantity(rounded(pitch, 2), "m")  # type: ignore[index]
         return name
 
 

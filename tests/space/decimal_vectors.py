@@ -30,7 +30,9 @@ def precise() -> AbstractContextManager[decimal.Context]:
 
 
 def number(x: Any) -> Decimal:
-    """A number with all its digits: a float is the binary number, a text or a Decimal the decimal one."""
+    """A number with all its digits: a float is the binary number, a text or a Decimal the decimal one or a fraction."""
+    if isinstance(x, str) and "/" in x:
+        x = Fraction(x)
     if isinstance(x, Fraction):
         return Decimal(x.numerator) / Decimal(x.denominator)
     if isinstance(x, np.floating):
