@@ -1,6 +1,6 @@
 """Sines of the states of a batch one instance ahead, so that their long chains of operations overlap with other work.
 
-A processor looks some hundred instructions ahead. Where the lines of an instance follow its sines, they fill that window
+A processor looks some hundred instructions ahead. Where the lines of an instance follow its sines, they fill this view
 and wait. In a loop that keeps its sines and cosines in local arrays, those of the next instance are computed before the
 lines of this one, and those of first instances all together. They are stored where they are kept.
 """

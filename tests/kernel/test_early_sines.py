@@ -105,7 +105,7 @@ def test_batches_of_a_chain_have_the_bits_of_single_states(width: int, monkeypat
 
 
 def test_bodies_of_a_chain_have_early_sines() -> None:
-    """Those of the first bodies of both ends, of the next ones in each of the two loops, and none besides."""
+    """The sines of first bodies come first; each of the two loops computes those of its next body."""
     nodes = batch(looped("chain_10").kernel("accel")).nodes
     first = [node for node in nodes if isinstance(node, Sines)]
     ahead = [node for node in every(nodes) if isinstance(node, If)]

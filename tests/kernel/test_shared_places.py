@@ -1,4 +1,4 @@
-"""What instances keep in local arrays: near elements are read instead, and what is short-lived shares a place."""
+"""Local arrays of instances: near elements are read in their place, and what is short-lived shares a place."""
 
 from __future__ import annotations
 
