@@ -12,6 +12,7 @@ from itertools import count, groupby
 
 from derive.ir.analysis import names_read
 from derive.ir.continuation import continued_nodes
+from derive.ir.early_sines import with_early_sines
 from derive.ir.expansion import ZERO, expand_in_tiles
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped, walk
 from derive.ir.fusion import fused
@@ -22,6 +23,7 @@ from derive.ir.loop_nests import (
     Assign,
     BlockProduct,
     For,
+    If,
     Local,
     LoopKind,
     Node,
@@ -83,7 +85,7 @@ def batch(kernel: Kernel) -> Batch:
     arguments = frozenset(argument.name for argument in state_arguments(kernel))
     nodes = _in_loops(nodes, frozenset(state_elements(kernel)), arguments)
     if kernel.repeats:
-        nodes = [*map(_reordered, nodes)]
+        nodes = [*map(_reordered, with_early_sines(nodes, arguments))]
     scalars = _scalars(nodes) - state_elements(kernel).keys()
     shared = {a.name for a in kernel.arguments if a.name in SHARED}
     shared |= {view.name for a in kernel.arguments if a.name in SHARED for view in a.arrays}
@@ -248,7 +250,10 @@ def _scalars(nodes: Iterable[Node]) -> set[str]:
     scalars: set[str] = set()
     for number, node in enumerate(every(nodes)):
         if isinstance(node, Sines):
-            scalars |= {node.sine, node.cosine, *([] if node.angle.index else [node.angle.array])}
+            scalars |= {
+                *([] if node.rows else [node.sine, node.cosine]),
+                *([] if node.angle.index else [node.angle.array]),
+            }
         if isinstance(node, For) and node.kind is LoopKind.STATES:
             own = {line.name for line in node.body if isinstance(line, Let)}
             for name in names_read(node.body):
@@ -276,6 +281,8 @@ class _Naming:
                 return replace(node, body=(*self._loads(node.body), *map(self._line, node.body)))
             case For() | PartOf():
                 return replace(node, body=tuple(map(self.node, node.body)))
+            case If():
+                return replace(node, then=tuple(map(self.node, node.then)))
             case Sines():
                 return replace(node, angle=self.elements.get(node.angle.array, node.angle))
             case _:

@@ -30,7 +30,7 @@ def fused(nodes: Iterable[Node]) -> tuple[Node, ...]:
     Nothing moves if indices need constant arrays, or if requirements have several codes, of which the first counts.
     """
     result = tuple(nodes)
-    if not any(isinstance(node, For) and node.overlaps for node in result) or not _are_plain(result):
+    if not any(isinstance(node, For) and node.overlaps for node in result) or not are_plain(result):
         return result
     known = Accesses()
     moves = 0
@@ -53,7 +53,7 @@ def _at_place(loop: For) -> For:
     return replace(loop, body=body)
 
 
-def _are_plain(nodes: Sequence[Node]) -> bool:
+def are_plain(nodes: Sequence[Node]) -> bool:
     """Whether all indices are numbers of elements, counted from the variable of one loop with constant bounds."""
     lines = tuple(every(nodes))
     parts = [part for node in lines for expr in expressions_of(node) for part in walk(expr)]

@@ -181,8 +181,12 @@ class _Run:
                 self._block_product(node)
             case Sines():
                 angles = self._row(node.angle)
-                for name, operator in ((node.sine, Operator.SIN), (node.cosine, Operator.COS)):
-                    self.arrays[name] = [self.call[operator](angle) for angle in angles], 0
+                for k, (name, operator) in enumerate(((node.sine, Operator.SIN), (node.cosine, Operator.COS))):
+                    values = [self.call[operator](angle) for angle in angles]
+                    if node.rows:
+                        self._row(Element(name, node.rows[k]))[:] = values
+                    else:
+                        self.arrays[name] = values, 0
             case _:
                 assert_never(node)
 

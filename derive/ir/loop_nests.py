@@ -170,12 +170,16 @@ class BlockProduct:
 
 @dataclass(frozen=True)
 class Sines:
-    """The sines and cosines of angles, in two arrays: of all states of a batch, or of `count` elements of an array."""
+    """The sines and cosines of angles, in two arrays: of all states of a batch, or of `count` elements of an array.
+
+    rows: the elements of the two arrays, if these have several, with a value for each state.
+    """
 
     angle: Element
     sine: str
     cosine: str
     count: int | None = None
+    rows: tuple[ElementIndex, ElementIndex] | None = None
 
 
 Node = Let | Require | Local | Alias | Integer | Accumulator | Assign | For | If | PartOf | BlockProduct | Sines
@@ -242,7 +246,8 @@ def rewritten(node: Node, leaf: Callable[[Leaf], Expr], change: IndexChange = la
         case BlockProduct():
             return replace(node, first=change(node.first), vector=element(node.vector), target=element(node.target))
         case Sines():
-            return replace(node, angle=element(node.angle))
+            rows = (change(node.rows[0]), change(node.rows[1])) if node.rows else None
+            return replace(node, angle=element(node.angle), rows=rows)
         case Local():
             return node
         case _:

@@ -18,7 +18,7 @@ from derive.ir.statements import Let
 Place = tuple[str, int]
 """An array, and the number of one of its elements."""
 Value = tuple[object, ...]
-"""The key that tells values apart: a number, or the line that computes it in an iteration."""
+"""A value, told from others by its origin: a number, or the line that computes it in an iteration."""
 
 
 def with_nearby_reads(nodes: Sequence[Node]) -> tuple[Node, ...]:
@@ -66,7 +66,7 @@ class _Values:
         self.holders: defaultdict[Value, set[Place]] = defaultdict(set)
 
     def found(self) -> dict[tuple[int, int], Expr]:
-        """The part to read in place of an element, by the numbers of the node and of the line in it."""
+        """The values to read in place of elements, by the numbers of the node and of the line in it."""
         options: dict[tuple[int, int], set[Expr]] = {}
         for number, node in enumerate(self.nodes):
             lines = node.body if isinstance(node, For) else (node,)

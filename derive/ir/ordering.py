@@ -33,7 +33,7 @@ def with_few_waiting(lines: Sequence[Node]) -> tuple[Node, ...]:
 
 @dataclass(frozen=True)
 class _Needs:
-    """The needs of lines, by their numbers.
+    """The lines that each line needs, by their numbers.
 
     before: the lines that have to precede a line, without loads; values: the lines whose values it reads; loads: those
     lines that name an element and compute nothing; overwritten: the loads of an element that a line writes.

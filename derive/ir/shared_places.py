@@ -47,7 +47,7 @@ def _component(element: Element, spacing: Mapping[str, int]) -> Component:
 
 
 def _accesses(line: Node, spacing: Mapping[str, int]) -> Iterator[Access]:
-    """The elements of the arrays that a line reads and then writes."""
+    """The accesses of a line to the arrays: first those that read."""
     parts = [(part, False) for expr in expressions_of(line) for part in walk(expr)]
     if isinstance(line, Assign):
         parts += [(line.target, False)] if line.operator else []

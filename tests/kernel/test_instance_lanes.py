@@ -208,9 +208,13 @@ def test_where_vectors_are_stored_arrays_are_aligned() -> None:
 
 
 def test_batches_keep_the_components_of_an_instance_together() -> None:
-    """Element p of component c lies at 4 c + p in an array with a spacing of 4, and at 3 p + c in a batch."""
-    store = StoreElement(Element("w", variable("n", -1, 4 + 3)), Number(Fraction(1)))
-    kernel = own_kernel(4, store)
+    """Element p of component c lies at 4 c + p in an array with a spacing of 4.
+
+    In a batch, where only the components 1 and 2 occur, it is at 2 p + c - 1.
+    """
+    stores = (StoreElement(Element("w", variable("n", -1, 4 * c + 3)), Number(Fraction(1))) for c in (1, 2))
+    kernel = own_kernel(4, *stores)
     kernel = replace(kernel, sections=(Section("", "", "", (Work("w", 12, spacing=4), *kernel.statements)),))
     stored = [n.target for n in every(batch(kernel).nodes) if isinstance(n, Assign)]
-    assert [t.index for t in stored if isinstance(t, Element)] == [variable("n", -3, 3 * 3 + 1)]
+    assert [t.index for t in stored if isinstance(t, Element)] == [variable("n", -2, 6), variable("n", -2, 7)]
+    assert batch(kernel).arrays.get("w") == 8

@@ -1,4 +1,4 @@
-"""The local arrays in which instances keep values: near elements replace them, and short-lived ones share a place."""
+"""Local arrays of instances: near elements are read in their place, and what is short-lived shares a place."""
 
 from __future__ import annotations
 

@@ -27,8 +27,11 @@ WIDTHS = {32: 256, 16: 256, 8: 512, 4: None}
 
 Blocks of fewer than eight states read the tables too often.
 """
-REPEATED = {8: 512, 4: None}
-"""States of a block of a kernel with loops over bodies, and its kilobytes: it has no tables, and names many values."""
+REPEATED = {8: 32, 4: None}
+"""States of a block of a kernel with loops over bodies, and the kilobytes of its arrays.
+
+Eight states hide more waiting of a processor than four, as long as what they keep stays in a first-level cache.
+"""
 SHORT = 60
 """Statements of a kernel that is compiled again for the states that fill no block, and for the batches of KNOWN.
 
@@ -51,9 +54,9 @@ def _block(model: Model, kernel: Kernel) -> StateBlock:
     straight = StateBlock(kernel, model.name, STRAIGHT)
     if straight.is_straight:
         return straight
-    widths = REPEATED if straight.repeats else WIDTHS
+    widths, size = (REPEATED, _own_stack) if straight.repeats else (WIDTHS, stack)
     blocks = ((straight.of_width(width), most) for width, most in widths.items())
-    return next(block for block, most in blocks if _fits(stack(block), most))
+    return next(block for block, most in blocks if _fits(size(block), most))
 
 
 def _fits(size: int, kilobytes: int | None) -> bool:
@@ -63,7 +66,11 @@ def _fits(size: int, kilobytes: int | None) -> bool:
 def stack(block: StateBlock) -> int:
     """The bytes of stack that the arrays of a block or the copies of states take."""
     copies = 8 * _copies(block.kernel) * sum(_copied(block.kernel).values())
-    return max(8 * block.width * block.rows, copies)
+    return max(_own_stack(block), copies)
+
+
+def _own_stack(block: StateBlock) -> int:
+    return 8 * block.width * block.rows
 
 
 @dataclass(frozen=True)

@@ -105,7 +105,8 @@ class CNests:
             case If():
                 then, otherwise = (indented(self.lines(body)) for body in (node.then, node.otherwise))
                 head = f"    if ({node.variable} < {node.bound}) {{"
-                return [*plain(head), *then, *plain("    } else {"), *otherwise, *plain("    }")]
+                middle = plain("    } else {") if otherwise else []
+                return [*plain(head), *then, *middle, *otherwise, *plain("    }")]
             case PartOf():
                 return [replace(line, statement=node.statement) for line in self.lines(node.body)]
             case BlockProduct():
@@ -113,8 +114,9 @@ class CNests:
                 vector, target = (address_text(e.array, e.index) for e in (node.vector, node.target))
                 return plain(f"    {self.helpers}_rows(count, {matrix}, {vector}, {target});")
             case Sines():
-                angle = self._row(node.angle)
-                return plain(f"    tisserand_sines({node.count or 'count'}, {angle}, {node.sine}, {node.cosine});")
+                rows = [f"[{index_text(index)}]" for index in node.rows] if node.rows else ["", ""]
+                results = f"{node.sine}{rows[0]}, {node.cosine}{rows[1]}"
+                return plain(f"    tisserand_sines({node.count or 'count'}, {self._row(node.angle)}, {results});")
             case _:
                 assert_never(node)
 
