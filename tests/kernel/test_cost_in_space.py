@@ -90,8 +90,8 @@ def test_constraints_that_pairs_imply_are_redundant(tmp_path: Path) -> None:
     path = tmp_path / "twice.toml"
     joint = '[joints.{}]\nkind = "spherical"\nbetween = ["ground.base", "body.centre"]\n'
     path.write_text(
-        'name = "twice"\n[scene]\ngravity = [0, 0, -9.81]\n[ground.markers]\nbase = [0, 0, 0]\n[bodies.body]\nmass = 1\n'
-        "inertia = [0.1, 0.2, 0.25, 0, 0, 0]\nkeep_coordinates = true\nmarkers = { centre = [0, 0, 0] }\n"
+        'name = "twice"\n[scene]\ngravity = [0, 0, -9.81]\n[ground.markers]\nbase = [0, 0, 0]\n[bodies.body]\n'
+        "mass = 1\ninertia = [0.1, 0.2, 0.25, 0, 0, 0]\nkeep_coordinates = true\nmarkers = { centre = [0, 0, 0] }\n"
         + joint.format("first")
         + joint.format("second")
     )
