@@ -163,7 +163,7 @@ tolerance = 1e-10
 
 
 def test_a_mechanism_in_space_moves_as_in_exudyn(exu: ModuleType, folder: Path) -> None:
-    """What differs is the error of the trapezoidal rule, of order 2; extrapolated, the motion is ours."""
+    """The difference is the error of the trapezoidal rule, of order 2; extrapolated, the motion is ours."""
     arrays = {name: of for name, of in np.load(ROOT / "scenes/block.npz").items() if not name.startswith("stiffness")}
     np.savez(folder / "soft.npz", **arrays | {"modal_stiffness": 1e-4 * arrays["modal_stiffness"]})
     (folder / "hung.toml").write_text(HUNG)

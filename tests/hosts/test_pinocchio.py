@@ -38,7 +38,7 @@ def native(text: str) -> derive.NativeScene:
 
 
 def differences(own: derive.NativeScene, other: PinocchioModel, q: Any, v: Any, vdot: Any, data: Any) -> list[float]:
-    """What differs in a state of Pinocchio: constraints, their rates, accelerations, kinetic and potential energy."""
+    """Differences in a state of Pinocchio: constraints, their rates, accelerations, kinetic and potential energy."""
     pin, k = other.pin, own.setup()
     energies = pin.computeKineticEnergy(other.model, data, q, v), pin.computePotentialEnergy(other.model, data, q)
     pin.forwardKinematics(other.model, data, q, v, vdot)
