@@ -6,6 +6,7 @@ import csv
 import json
 import math
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -196,6 +197,13 @@ def test_pictures_are_lines_and_maps() -> None:
     points = sweep_svg(made_up(random_samples({"a.x": uniform(0, 1), "b.x": uniform(0, 1)}, 20)))
     assert points and "peak of s over a.x and b.x" in points and points.count("<use") > 20
     assert sweep_svg(made_up(grid({"x": x, "y": y, "z": [1, 2]}))) is None
+
+
+def test_pictures_do_not_depend_on_the_last_bits_of_values() -> None:
+    """The bar's colours change at limits of rounding, which its bytes would show."""
+    result = made_up(grid({"a.x": np.linspace(1, 2, 5), "b.y": np.geomspace(1, 100, 5)}))
+    others = [replace(result, values=result.values * (1 + k * 2.0**-50)) for k in range(-6, 7)]
+    assert {sweep_svg(other) for other in others} == {sweep_svg(result)}
 
 
 CHAIN = """
