@@ -239,3 +239,27 @@ def test_rotation_constraints_do_not_drift(steps: int) -> None:
     for body in ("upper", "lower"):
         e = np.stack([found[f"{body}_e{i}"] for i in range(4)])
         assert np.abs(np.linalg.norm(e, axis=0) - 1).max() < 1e-15
+
+
+DURATIONS = {"adaptive": 6600.0, "c_ida": 240.0, "dop853": 20.0, "rk45": 10.0, "ida": 10.0}
+"""s; those of the integrators in C are more than 10^5 steps."""
+INTERPOLATED = {"adaptive": 1e-11}
+"""The largest constraints (m, rad) in rows within steps of integrators that do not project these."""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("integrator", "duration"), DURATIONS.items())
+def test_no_integrator_drifts(integrator: str, duration: float) -> None:
+    """In all rows constraints and the length of quaternions are met to rounding, and energy is conserved."""
+    spec = parse(turned_double_pendulum_scene(1.2, -0.8))
+    found = derive.simulate(spec, duration=duration, output=duration / 50, integrator=integrator, tolerance=1e-8)
+    native, k, limit = found.motion.native, found.motion.k, INTERPOLATED.get(integrator, 5e-15)
+    for t, q, v in zip(found.t, found.q, found.v, strict=True):
+        assert np.abs(native.constraints(t, q, k)).max() < limit
+        assert np.abs(native.constraint_rates(t, q, v, k)).max() < 20 * limit
+    for body in ("upper", "lower"):
+        e = np.stack([found[f"{body}_e{i}"] for i in range(4)])
+        assert np.abs(np.linalg.norm(e, axis=0) - 1).max() < limit
+    energies = np.array([native.energy(q, v, k) for q, v in zip(found.q, found.v, strict=True)])
+    assert np.ptp(energies.sum(axis=1)) < 1e-5 * energies[:, 0].max()
+    assert integrator not in ("adaptive", "c_ida") or found.solution.cost.steps > 100_000
