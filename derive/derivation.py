@@ -83,7 +83,8 @@ def reduced_bodies(scene: SpatialScene) -> dict[str, ReducedBody]:
     from derive.reduction import reduce
     from derive.reduction.frame_points import modal_frames
 
-    return {body.name: ReducedBody(reduce(body.body), modal_frames(body)) for body in flexible}
+    frames = {body.name: modal_frames(body) for body in flexible}  # first, since modes need rigid sets that it checks
+    return {body.name: ReducedBody(reduce(body.body), frames[body.name]) for body in flexible}
 
 
 @paused()

@@ -2,29 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from derive.errors import Problem, SpecError
 from derive.mechanics.bodies.modal_body import ModalFrame, ModalPoint
 from derive.reduction.arithmetic import Array
-from derive.reduction.body import prepare, second_order_fields
+from derive.reduction.body import Prepared, prepare, second_order_fields
 from derive.spec.model.spatial_scene import FlexibleBody, NodeFrame
 
 ON_A_LINE = 1e-8
 """Sets of nodes whose least moment of inertia is below this part of the largest lie on a line."""
 
 
+RIGID_TOLERANCE = 1e-5
+"""The largest deformation of a rigid set of nodes in a mode, relative to the largest displacement of the mode.
+
+Finite-element programs print modes with six or seven digits.
+"""
+
+
 def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
-    """The markers of a body in its floating frame. Raises SpecError with sets of nodes that have no rotation.
+    """The markers of a body in its floating frame. Raises SpecError with faults of sets of nodes.
 
     The mean displacement of a set of nodes is that of its weighted centre. Its rotation fits the displacements of the
-    nodes best: it minimises the weighted sum of squares of u_i - u - theta x (X_i - X), as an RBE3 element does.
+    nodes best: it minimises the weighted sum of squares of u_i - u - theta x (X_i - X), as an RBE3 element does. Where
+    the set is rigid (RBE2), computed modes have that constraint, and a mode of a file that deforms it is an error.
     """
+    problems = list(_sets_on_a_line(body))
+    if problems:
+        raise SpecError(tuple(problems))
     prepared = prepare(body.body)
+    problems += _sets_that_deform(body, prepared)
     fields = second_order_fields(body.body, prepared)
     x, phi = prepared.shapes.x, prepared.shapes.phi
     second = None if fields is None else fields.points
-    problems: list[Problem] = []
     frames = []
     for marker in body.markers:
         nodes, weights = np.array(marker.nodes), _weights(marker)
@@ -34,19 +47,57 @@ def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
         twists = np.zeros_like(shapes)
         if marker.has_rotation:
             levers = x[nodes] - centre
-            inertia = np.einsum("a,akl->kl", weights, _moments(levers))
-            values = np.linalg.eigvalsh(inertia)
-            if not values[0] > ON_A_LINE * values[-1]:
-                text = "these nodes lie on a line, and a rotation about it moves none; add a node beside it"
-                problems.append(Problem(f"bodies.{body.name}.markers.{marker.name}.nodes", text))
-                continue
-            moments = np.einsum("a,nak->nk", weights, np.cross(levers[None], phi[:, nodes]))
-            twists = np.linalg.solve(inertia, moments.T).T
+            twists = _rotations(weights, levers, phi[:, nodes])
         point = ModalPoint(marker.name, _doc(marker), centre, np.ascontiguousarray(shapes), of_second)
         frames.append(ModalFrame(point, np.ascontiguousarray(twists)))
     if problems:
         raise SpecError(tuple(problems))
     return tuple(frames)
+
+
+def _sets_on_a_line(body: FlexibleBody) -> Iterator[Problem]:
+    positions = np.asarray(body.body.data.positions)
+    for marker in body.markers:
+        if not marker.has_rotation:
+            continue
+        weights, own = _weights(marker), positions[list(marker.nodes)]
+        values = np.linalg.eigvalsh(_inertia(weights, own - weights @ own))
+        if not values[0] > ON_A_LINE * values[-1]:
+            text = "these nodes lie on a line, and a rotation about it moves none; add a node beside it"
+            yield Problem(f"bodies.{body.name}.markers.{marker.name}.nodes", text)
+
+
+def _sets_that_deform(body: FlexibleBody, prepared: Prepared) -> Iterator[Problem]:
+    """The rigid sets of nodes that some mode deforms, which are modes of a file, since computed ones do not."""
+    x, phi = prepared.raw.x, prepared.raw.phi
+    sizes = np.abs(prepared.framed.phi).max(axis=(1, 2), initial=0.0)
+    for marker in body.markers:
+        if marker.motion != "rigid" or not len(phi):
+            continue
+        nodes, weights = list(marker.nodes), np.full(len(marker.nodes), 1 / len(marker.nodes))
+        levers, own = x[nodes] - weights @ x[nodes], phi[:, nodes]
+        motion = np.einsum("a,nak->nk", weights, own)[:, None] + np.cross(
+            _rotations(weights, levers, own)[:, None], levers[None]
+        )
+        parts = np.abs(own - motion).max(axis=(1, 2)) / sizes
+        worst = int(np.argmax(parts))
+        if parts[worst] > RIGID_TOLERANCE:
+            text = (
+                f"mode {worst + 1} deforms this rigid set of nodes by {parts[worst]:.2g} of its largest displacement; "
+                'write motion = "mean", or give modes of a model in which an RBE2 element connects these nodes, or '
+                "the stiffness instead of modes"
+            )
+            yield Problem(f"bodies.{body.name}.markers.{marker.name}.motion", text)
+
+
+def _rotations(weights: Array, levers: Array, fields: Array) -> Array:
+    """The rotations (n, 3) that fit displacements (n, nodes, 3) of nodes with these levers from their centre best."""
+    moments = np.einsum("a,nak->nk", weights, np.cross(levers[None], fields))
+    return np.asarray(np.linalg.solve(_inertia(weights, levers), moments.T).T)
+
+
+def _inertia(weights: Array, levers: Array) -> Array:
+    return np.asarray(np.einsum("a,akl->kl", weights, _moments(levers)))
 
 
 def _weights(marker: NodeFrame) -> Array:
@@ -61,4 +112,6 @@ def _moments(levers: Array) -> Array:
 
 
 def _doc(marker: NodeFrame) -> str:
-    return f"node {marker.nodes[0]}" if len(marker.nodes) == 1 else f"mean of {len(marker.nodes)} nodes"
+    if not marker.has_rotation:
+        return f"node {marker.nodes[0]}"
+    return f"{'rigid set' if marker.motion == 'rigid' else 'mean'} of {len(marker.nodes)} nodes"

@@ -29,6 +29,7 @@ def flexible_nodes(
         faults += [fault._replace(path=_in_scene(str(name), fault.path)) for fault in of_body]
         if nodes is not None:
             result[str(name)] = nodes
+            faults += _shared_nodes(str(name), body.get("markers"))
             faults += _missing_nodes(str(name), body.get("markers"), len(nodes.positions))
     return result, faults
 
@@ -51,3 +52,16 @@ def _missing_nodes(name: str, markers: object, count: int) -> Iterator[Fault]:
                 text = f"there is no node {node}: the nodes are 0 to {count - 1}"
                 yield Fault(("bodies", name, "markers", str(marker), key), text)
                 break
+
+
+def _shared_nodes(name: str, markers: object) -> Iterator[Fault]:
+    """Faults of rigid sets of nodes that have a node in common, and so are a single rigid set."""
+    owner: dict[int, str] = {}
+    for marker, value in markers.items() if isinstance(markers, Mapping) else ():
+        nodes = value.get("nodes") if isinstance(value, Mapping) and value.get("motion") == "rigid" else ()
+        own = [node for node in nodes if isinstance(node, int)] if isinstance(nodes, (list, tuple)) else []
+        shared = next((node for node in own if node in owner), None)
+        if shared is not None:
+            text = f"node {shared} is in the rigid set {owner[shared]} as well; make one rigid set of both"
+            yield Fault(("bodies", name, "markers", str(marker), "nodes"), text)
+        owner |= {node: str(marker) for node in own if node not in owner}

@@ -163,7 +163,8 @@ class NodeFrame:
         NodeMotion,
         key(
             KeyType.CHOICE,
-            "How the nodes move: mean, any (their weighted mean is the marker, as RBE3), or rigid, together (as RBE2).",
+            "How the nodes move: mean, freely (their weighted mean is the marker, as RBE3), or rigid, as a rigid body "
+            "(as RBE2): computed modes then have this constraint, modes that are given must meet it.",
             choice_of="the motion of nodes",
         ),
     ] = "mean"

@@ -85,11 +85,8 @@ def _node_frame(node: Any = None, nodes: Any = (), **given: Any) -> NodeFrame:
     """A marker of a finite-element body. Raises WrongValueError for what does not go together."""
     if (node is None) == (not nodes):
         raise WrongValueError("a marker is at a node, node = 17, or at a set of nodes, nodes = [17, 18, 30, 31]")
-    if given.get("motion", "mean") == "rigid":
-        raise WrongValueError(
-            'a rigid set of nodes (RBE2) has to be part of the finite-element model; write motion = "mean" for their '
-            "weighted mean, or give modes with such a set"
-        )
+    if given.get("motion", "mean") == "rigid" and node is not None:
+        raise WrongValueError('a single node has no rotation; a rigid set, motion = "rigid", needs nodes = [..]')
     own = (node,) if node is not None else tuple(nodes)
     if len(set(own)) < len(own):
         raise WrongValueError("a node is named twice in `nodes`; name each once, with a weight of its own")
@@ -130,7 +127,8 @@ def flexible_body(name: str, table: Any, data: NodeData) -> FlexibleBody:
     """The finite-element body that a table describes, with its data."""
     given = {key.field: getattr(table, key.name, None) for key in NODAL_KEYS if key.name not in ("nodes", "units")}
     own = nodal_keys(given, data, {"gravity": None, "markers": (), "start": AT_REST, "lowering": "auto"})
-    return FlexibleBody(name, NodalBody(name=name, data=data, **own), table.markers, table.start)
+    rigid = tuple(marker.nodes for marker in table.markers if marker.motion == "rigid")
+    return FlexibleBody(name, NodalBody(name=name, data=data, rigid_sets=rigid, **own), table.markers, table.start)
 
 
 SPATIAL_RIGID = declare(
