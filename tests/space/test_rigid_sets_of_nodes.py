@@ -1,4 +1,4 @@
-"""Rigid sets of nodes of finite-element bodies: computed modes have the constraint, modes that are given must meet it."""
+"""Rigid sets of nodes of finite-element bodies: computed modes have the constraint, and modes of files must meet it."""
 
 from __future__ import annotations
 
