@@ -81,10 +81,10 @@ def reduced_bodies(scene: SpatialScene) -> dict[str, ReducedBody]:
     if not flexible:
         return {}
     from derive.reduction import reduce
-    from derive.reduction.frame_points import modal_frames
+    from derive.reduction.frame_points import load_frames, modal_frames
 
     frames = {body.name: modal_frames(body) for body in flexible}  # first, since modes need rigid sets that it checks
-    return {body.name: ReducedBody(reduce(body.body), frames[body.name]) for body in flexible}
+    return {body.name: ReducedBody(reduce(body.body), frames[body.name], load_frames(body)) for body in flexible}
 
 
 @paused()

@@ -8,6 +8,7 @@ import numpy as np
 
 from derive.errors import Problem, SpecError
 from derive.mechanics.bodies.modal_body import ModalFrame, ModalPoint
+from derive.mechanics.multibody.space.nodal_loads import nodal_resultants
 from derive.reduction.arithmetic import Array
 from derive.reduction.body import Prepared, prepare, second_order_fields
 from derive.spec.model.spatial_scene import FlexibleBody, NodeFrame
@@ -35,24 +36,63 @@ def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
         raise SpecError(tuple(problems))
     prepared = prepare(body.body)
     problems += _sets_that_deform(body, prepared)
-    fields = second_order_fields(body.body, prepared)
-    x, phi = prepared.shapes.x, prepared.shapes.phi
-    second = None if fields is None else fields.points
-    frames = []
-    for marker in body.markers:
-        nodes, weights = np.array(marker.nodes), _weights(marker)
-        centre = weights @ x[nodes]
-        shapes = np.einsum("a,nak->nk", weights, phi[:, nodes])
-        of_second = None if second is None else np.einsum("a,aijk->ijk", weights, np.array([second[a] for a in nodes]))
-        twists = np.zeros_like(shapes)
-        if marker.has_rotation:
-            levers = x[nodes] - centre
-            twists = _rotations(weights, levers, phi[:, nodes])
-        point = ModalPoint(marker.name, _doc(marker), centre, np.ascontiguousarray(shapes), of_second)
-        frames.append(ModalFrame(point, np.ascontiguousarray(twists)))
+    problems += _nodes_of_first_order(body)
     if problems:
         raise SpecError(tuple(problems))
+    mean = _MeanPoints(body, prepared)
+    frames = []
+    for marker in body.markers:
+        point = mean(marker.name, _doc(marker), marker.nodes, _weights(marker))
+        twists = np.zeros_like(point.shapes)
+        if marker.has_rotation:
+            nodes = list(marker.nodes)
+            twists = _rotations(_weights(marker), mean.x[nodes] - point.position, mean.phi[:, nodes])
+        frames.append(ModalFrame(point, np.ascontiguousarray(twists)))
     return tuple(frames)
+
+
+def load_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
+    """The points at which the resultants of the loads of a body act, after `modal_frames` has found no faults."""
+    if not body.loads:
+        return ()
+    mean = _MeanPoints(body, prepare(body.body))
+    points = []
+    for r in nodal_resultants(body):
+        forces = np.array([float(force) for force in r.forces])
+        points.append(mean(r.point, f"point of load {r.load.name}", r.nodes, forces / forces.sum()))
+    return tuple(ModalFrame(point, np.zeros_like(point.shapes)) for point in points)
+
+
+class _MeanPoints:
+    """Points of a body that move as the weighted means of nodes."""
+
+    def __init__(self, body: FlexibleBody, prepared: Prepared) -> None:
+        fields = second_order_fields(body.body, prepared)
+        self.x, self.phi = prepared.shapes.x, prepared.shapes.phi
+        self.second = None if fields is None else fields.points
+
+    def __call__(self, name: str, doc: str, nodes: tuple[int, ...], weights: Array) -> ModalPoint:
+        """The point of some nodes, whose weights sum to 1."""
+        own = list(nodes)
+        shapes = np.ascontiguousarray(np.einsum("a,nak->nk", weights, self.phi[:, own]))
+        second = None
+        if self.second is not None:
+            second = np.einsum("a,aijk->ijk", weights, np.array([self.second[a] for a in nodes]))
+        return ModalPoint(name, doc, weights @ self.x[own], shapes, second)
+
+
+def _nodes_of_first_order(body: FlexibleBody) -> Iterator[Problem]:
+    """Nodes of a body of second order whose displacements of second order are unknown."""
+    known = set() if body.body.data.K0F_nodes is None else {int(node) for node in body.body.data.K0F_nodes}
+    if not body.body.second_order:
+        return
+    own = [(f"markers.{marker.name}", marker.nodes) for marker in body.markers]
+    for key, nodes in (*own, *((f"loads.{load.name}", load.nodes) for load in body.loads)):
+        missing = [node for node in nodes if node not in known]
+        if missing:
+            text = f"K0F of node {missing[0]} is missing, and with it the displacement of second order there"
+            text += "; add it with the node to K0F and K0F_nodes, or write order = 1"
+            yield Problem(f"bodies.{body.name}.{key}", text)
 
 
 def _sets_on_a_line(body: FlexibleBody) -> Iterator[Problem]:

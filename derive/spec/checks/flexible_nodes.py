@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from derive.mechanics.multibody.space.nodal_loads import load_points
 from derive.spec.model.body import NodeData
 from derive.spec.parsing.faults import Fault, KeyPath
 from derive.spec.tables.shared import TomlTable
@@ -30,7 +31,9 @@ def flexible_nodes(
         if nodes is not None:
             result[str(name)] = nodes
             faults += _shared_nodes(str(name), body.get("markers"))
-            faults += _missing_nodes(str(name), body.get("markers"), len(nodes.positions))
+            faults += _missing_nodes(str(name), "markers", body.get("markers"), len(nodes.positions))
+            faults += _missing_nodes(str(name), "loads", body.get("loads"), len(nodes.positions))
+            faults += _loads_like_markers(str(name), body)
     return result, faults
 
 
@@ -39,8 +42,18 @@ def _in_scene(name: str, path: KeyPath) -> KeyPath:
     return ("bodies", name, *path[1:])
 
 
-def _missing_nodes(name: str, markers: object, count: int) -> Iterator[Fault]:
-    """Faults of sets of nodes with nodes that do not exist; single nodes are looked at with the data."""
+def _loads_like_markers(name: str, body: Mapping[str, object]) -> Iterator[Fault]:
+    """Faults of loads whose points have the names of markers."""
+    loads, markers = body.get("loads"), body.get("markers")
+    for load in loads if isinstance(loads, Mapping) else ():
+        taken = load_points(str(load)) & {str(marker) for marker in markers} if isinstance(markers, Mapping) else set()
+        if taken:
+            text = f"a point of the load {load} is called like the marker {min(taken)}; rename one of them"
+            yield Fault(("bodies", name, "loads", str(load)), text)
+
+
+def _missing_nodes(name: str, section: str, markers: object, count: int) -> Iterator[Fault]:
+    """Faults of markers or loads with nodes that do not exist; single nodes are looked at with the data."""
     for marker, value in markers.items() if isinstance(markers, Mapping) else ():
         if not isinstance(value, Mapping):
             continue
@@ -50,7 +63,7 @@ def _missing_nodes(name: str, markers: object, count: int) -> Iterator[Fault]:
         for key, node in numbers:
             if isinstance(node, int) and node >= count:
                 text = f"there is no node {node}: the nodes are 0 to {count - 1}"
-                yield Fault(("bodies", name, "markers", str(marker), key), text)
+                yield Fault(("bodies", name, section, str(marker), key), text)
                 break
 
 

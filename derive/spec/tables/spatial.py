@@ -24,6 +24,7 @@ from derive.spec.model.simulation import AT_REST
 from derive.spec.model.spatial_scene import (
     FlexibleBody,
     FrameMarker,
+    NodalLoad,
     NodeFrame,
     SpatialForce,
     SpatialInitialValues,
@@ -112,6 +113,28 @@ def _named_node_frame(name: str, at: Any) -> NodeFrame:
 
 
 VALUE_TYPES[KeyType.NODE_FRAMES] = markers_type(NODE_FRAME.value, "nodes", _named_node_frame)
+
+
+def _nodal_load(**given: Any) -> NodalLoad:
+    """A load on nodes. Raises WrongValueError for what does not go together."""
+    nodes, forces = given["nodes"], given["forces"]
+    if not nodes:
+        raise WrongValueError("a load acts on nodes; write their numbers, such as nodes = [3, 4]")
+    if len(set(nodes)) < len(nodes):
+        raise WrongValueError("a node is named twice in `nodes`; name each once, with the sum of its forces")
+    if len(forces) not in (1, len(nodes)):
+        text = "give a force for each node, or a single one for all of them"
+        raise WrongValueError(f"there are {len(nodes)} nodes and {len(forces)} forces; {text}")
+    if not any(component for force in forces for component in force):
+        raise WrongValueError("all forces of the load are zero; leave it out")
+    return NodalLoad("", **{**given, "forces": tuple(forces) * (len(nodes) // len(forces))})
+
+
+declare(
+    NodalLoad,
+    "NodalLoadTable",
+    make=lambda **given: _nodal_load(**{key: value for key, value in given.items() if key != "name"}),
+)
 NOT_IN_SCENES = ("gravity", "markers", "start", "lowering")
 """The keys of a body of nodes alone that a body in a scene does not have."""
 _OF_NODES = tuple(key for key in NODAL_KEYS if key.name not in NOT_IN_SCENES)
@@ -128,7 +151,9 @@ def flexible_body(name: str, table: Any, data: NodeData) -> FlexibleBody:
     given = {key.field: getattr(table, key.name, None) for key in NODAL_KEYS if key.name not in ("nodes", "units")}
     own = nodal_keys(given, data, {"gravity": None, "markers": (), "start": AT_REST, "lowering": "auto"})
     rigid = tuple(marker.nodes for marker in table.markers if marker.motion == "rigid")
-    return FlexibleBody(name, NodalBody(name=name, data=data, rigid_sets=rigid, **own), table.markers, table.start)
+    return FlexibleBody(
+        name, NodalBody(name=name, data=data, rigid_sets=rigid, **own), table.markers, table.start, table.loads
+    )
 
 
 SPATIAL_RIGID = declare(

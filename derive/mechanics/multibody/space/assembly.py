@@ -26,9 +26,10 @@ from derive.mechanics.multibody.space.mechanism import (
     SpatialJointInstance,
     SpatialMechanism,
 )
+from derive.mechanics.multibody.space.nodal_loads import nodal_forces
 from derive.mechanics.symbols import element
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.spatial_scene import FlexibleBody, SpatialScene
 
 
 def spatial_mechanism(scene: SpatialScene, reduced: Mapping[str, ReducedBody]) -> SpatialMechanism:
@@ -70,14 +71,15 @@ class _SpatialAssembly(SceneAssembly):
         )
 
     def _actions(self) -> tuple[SpatialActionInstance, ...]:
-        """The forces, torques and springs with the values of their keys."""
+        """The forces, torques and springs, with the loads on nodes, and the values of their keys."""
+        of_bodies = (f for body in self.scene.bodies if isinstance(body, FlexibleBody) for f in nodal_forces(body))
+        actions = [(section, of) for section in ("forces", "torques", "springs") for of in getattr(self.scene, section)]
         result = []
-        for section in ("forces", "torques", "springs"):
-            for action in getattr(self.scene, section):
-                given = specified(action)
-                keys = (key for key in keys_of(action) if key.name in given)
-                values = {key.name: self._value(section, action.name, key, given[key.name]) for key in keys}
-                result.append(SpatialActionInstance(action, values))
+        for section, action in (*actions, *(("forces", force) for force in of_bodies)):
+            given = specified(action)
+            keys = (key for key in keys_of(action) if key.name in given)
+            values = {key.name: self._value(section, action.name, key, given[key.name]) for key in keys}
+            result.append(SpatialActionInstance(action, values))
         return tuple(result)
 
     def type_of(self, body: Any) -> BodyType[Any]:
