@@ -1,4 +1,4 @@
-"""Loads on nodes of finite-element bodies: their sum and moment on a free body, inputs, faults, and texts written back."""
+"""Loads on nodes of finite-element bodies: generalised forces on a free body, inputs, faults, texts written back."""
 
 from __future__ import annotations
 
