@@ -103,3 +103,16 @@ def test_a_point_of_a_load_has_the_name_of_a_marker(tmp_path: Path) -> None:
     text = scene(tmp_path).replace("[inputs", "[bodies.truss.markers]\npush_1p = 3\n[inputs")
     with pytest.raises(derive.SpecError, match="a point of the load push is called like the marker push_1p"):
         parse(text)
+
+
+def test_bodies_of_one_file_share_its_data(tmp_path: Path) -> None:
+    text = scene(tmp_path)
+    other = text[text.index("[bodies.truss]") : text.index("[inputs")].replace("bodies.truss", "bodies.other")
+    spec = parse(text.replace("[inputs", f"{other}[inputs"))
+    first, second = spec.bodies
+    assert first.body.data is second.body.data
+    mechanism = derive.derive(spec)
+    assert [instance.kind for instance in mechanism.instances] == [0, 0]
+    millimetres = other.replace('units = "SI"', 'units = { length = "mm", mass = "kg", time = "s" }')
+    first, second = parse(text.replace("[inputs", f"{millimetres}[inputs")).bodies
+    assert second.body.data.positions == pytest.approx(first.body.data.positions / 1000)

@@ -20,6 +20,7 @@ def flexible_nodes(
     bodies = data.get("bodies")
     result: dict[str, NodeData] = {}
     faults: list[Fault] = []
+    known: dict[tuple[str, str], NodeData] = {}
     for name, body in bodies.items() if isinstance(bodies, Mapping) else ():
         if not isinstance(body, Mapping) or kind_of_spatial_body(body) != "flexible":
             continue
@@ -28,8 +29,11 @@ def flexible_nodes(
         tables: Any = getattr(specification, "bodies", None) or {}
         nodes, of_body = nodes_of(body, tables.get(name), folder)
         faults += [fault._replace(path=_in_scene(str(name), fault.path)) for fault in of_body]
-        if nodes is not None:
-            result[str(name)] = nodes
+        if nodes is not None:  # bodies of the same file share its data, and what follows from them
+            file, same = body["nodes"], nodes
+            if isinstance(file, str):
+                same = known.setdefault((file, repr(body.get("units"))), nodes)
+            result[str(name)] = same
             faults += _shared_nodes(str(name), body.get("markers"))
             faults += _missing_nodes(str(name), "markers", body.get("markers"), len(nodes.positions))
             faults += _missing_nodes(str(name), "loads", body.get("loads"), len(nodes.positions))

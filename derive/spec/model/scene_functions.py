@@ -50,7 +50,10 @@ def with_changed_functions(scene: S, change: Callable[[TimeFunction], TimeFuncti
     def element(of: Any) -> Any:
         return replace(of, **{field.name: changed(getattr(of, field.name)) for field in fields(of)})
 
-    bodies = (replace(b, loads=tuple(map(element, b.loads))) if isinstance(b, LOADED) else b for b in scene.bodies)
+    def body(of: Any) -> Any:
+        return replace(of, loads=tuple(map(element, of.loads))) if isinstance(of, LOADED) else of
+
+    bodies = map(body, scene.bodies)
     sections: dict[str, Any] = {section: tuple(map(element, getattr(scene, section))) for section in SECTIONS}
     of_scene: Any = scene
     result: S = replace(of_scene, bodies=tuple(bodies), **sections)
