@@ -51,7 +51,8 @@ def with_changed_functions(scene: S, change: Callable[[TimeFunction], TimeFuncti
         return replace(of, **{field.name: changed(getattr(of, field.name)) for field in fields(of)})
 
     def body(of: Any) -> Any:
-        return replace(of, loads=tuple(map(element, of.loads))) if isinstance(of, LOADED) else of
+        loaded = isinstance(of, LOADED)
+        return replace(of, loads=tuple(map(element, of.loads))) if loaded else of
 
     bodies = map(body, scene.bodies)
     sections: dict[str, Any] = {section: tuple(map(element, getattr(scene, section))) for section in SECTIONS}
