@@ -7,6 +7,7 @@ over the modes; `lower` unrolls them or generates loops, as the specification re
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import assert_never
 
 import numpy as np
@@ -81,9 +82,17 @@ def reduced_bodies(scene: SpatialScene) -> dict[str, ReducedBody]:
     if not flexible:
         return {}
     from derive.reduction import reduce
-    from derive.reduction.frame_points import modal_frames
+    from derive.reduction.frame_points import load_frames, modal_frames
 
-    return {body.name: ReducedBody(reduce(body.body), modal_frames(body)) for body in flexible}
+    frames = {body.name: modal_frames(body) for body in flexible}  # first, since modes need rigid sets that it checks
+    alike = {body.name: replace(body.body, name="") for body in flexible}
+    integrals = {body: reduce(body) for body in dict.fromkeys(alike.values())}
+    return {
+        body.name: ReducedBody(
+            replace(integrals[alike[body.name]], name=body.name), frames[body.name], load_frames(body)
+        )
+        for body in flexible
+    }
 
 
 @paused()

@@ -44,6 +44,7 @@ TITLES = {
     "SpatialOutputTable": "`[outputs.NAME]` in space",
     "FlexibleTable": "`[bodies.NAME]`, a finite-element body in space",
     "NodeFrameTable": "Marker at nodes",
+    "NodalLoadTable": "Load on nodes of a finite-element body",
     "RotationTable": "Rotation about an axis",
     "AxesTable": "Rotation by axes",
     "AnglesTable": "Rotation by angles",

@@ -206,7 +206,7 @@ def _mode_count_faults(body: NodalBody) -> list[Problem]:
     if data.modes is not None and body.modes is not None and body.modes > len(data.modes):
         return [Problem("body.modes", f"{body.modes} modes are requested, but {len(data.modes)} are given")]
     requested = len(data.modes) if data.modes is not None and body.modes is None else body.modes or 0
-    most = max_elastic_modes(canonical_csr(data.mass), 6)
+    most = max_elastic_modes(canonical_csr(data.mass), 6, body.rigid_sets if data.modes is None else ())
     if requested > most:
         message = f"{requested} modes are too many: nodes with mass allow {most} elastic modes and 6 rigid motions"
         return [Problem("body.modes", message)]

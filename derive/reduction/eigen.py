@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.linalg
-from scipy.sparse import csr_array, identity, kron
+from scipy.sparse import csr_array, identity, kron, lil_array
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
 from derive.errors import Problem, SpecError
 from derive.reduction.arithmetic import Array, inner_products, symmetric_part
-from derive.reduction.frames import from_centre_of_mass, projected_out, rigid_basis
+from derive.reduction.frames import from_centre_of_mass, projected_out, rigid_basis, rigid_fields
 from derive.reduction.integrals import canonical_csr, csr_product, mass_products
 from derive.spec.model.body import NodalBody
 
@@ -33,9 +33,15 @@ def modal_stiffness(stiffness: csr_array | None, phi: Array) -> Array:
     return symmetric_part(inner_products(flat, csr_product(canonical_csr(stiffness), np.ascontiguousarray(flat.T)).T))
 
 
-def max_elastic_modes(mass: csr_array, rigid: int) -> int:
-    """The number of elastic modes of a body: three for each node with mass, minus the number of rigid motions."""
-    return 3 * int(np.count_nonzero(np.diff(canonical_csr(mass).indptr))) - rigid
+def max_elastic_modes(mass: csr_array, rigid: int, rigid_sets: tuple[tuple[int, ...], ...] = ()) -> int:
+    """The number of elastic modes of a body: three for each node with mass, minus the number of rigid motions.
+
+    A rigid set of nodes with mass counts as six, or as five or three if its mass is on a line or in one node.
+    """
+    heavy = np.diff(canonical_csr(mass).indptr) > 0
+    counts = [int(np.count_nonzero(heavy[list(nodes)])) for nodes in rigid_sets]
+    lost = sum(3 * count - (0, 3, 5, 6)[min(count, 3)] for count in counts)
+    return 3 * int(np.count_nonzero(heavy)) - lost - rigid
 
 
 def elastic_modes(body: NodalBody, mass: csr_array, x: Array) -> tuple[Array, Array]:
@@ -46,8 +52,7 @@ def elastic_modes(body: NodalBody, mass: csr_array, x: Array) -> tuple[Array, Ar
     assert body.data.stiffness is not None and body.modes is not None  # by check_body
     x = from_centre_of_mass(mass, x)
     basis = rigid_basis(mass, x)
-    size = 3 * len(x)
-    most = max_elastic_modes(mass, len(basis))
+    most = max_elastic_modes(mass, len(basis), body.rigid_sets)
     requested = min(body.modes + EXTRA_MODES, most)
     if not requested:
         return np.zeros((0, *x.shape)), np.zeros((0, 0))
@@ -55,15 +60,40 @@ def elastic_modes(body: NodalBody, mass: csr_array, x: Array) -> tuple[Array, Ar
     m = csr_array(kron(mass, identity(3), format="csr"))
     shift = 1e-2 * _lowest_quotient(k, mass, x, basis)
     count = requested + len(basis)
-    solve = _dense_eigenvectors if size <= MAX_DENSE_SIZE or 2 * count >= most else _sparse_eigenvectors
-    vectors = solve(k, m, shift, count)
-    phi = vectors.T.reshape(-1, *x.shape)
+    free, sets = k, rigid_set_motions(x, body.rigid_sets) if body.rigid_sets else None
+    if sets is not None:  # displacements u = T y with the constraints of the rigid sets have T^T K T and T^T M T
+        free, m = csr_array(sets.T @ k @ sets), csr_array(sets.T @ m @ sets)
+    solve = _dense_eigenvectors if free.shape[0] <= MAX_DENSE_SIZE or 2 * count >= most else _sparse_eigenvectors
+    vectors = solve(free, m, shift, count)
+    phi = (vectors if sets is None else sets @ vectors).T.reshape(-1, *x.shape)
     for _ in range(2):
         phi = projected_out(mass, basis, phi)
     values, combinations = np.linalg.eigh(symmetric_part(mass_products(mass, phi, phi)))
     elastic = combinations[:, values > 0.5].T  # after projection rigid motions have c8 = 0, elastic modes 1
     phi = (elastic @ phi.reshape(len(phi), -1)).reshape(-1, *x.shape)
     return phi, modal_stiffness(k, phi)
+
+
+def rigid_set_motions(x: Array, rigid_sets: tuple[tuple[int, ...], ...]) -> csr_array:
+    """T (3 nodes, coordinates): displacements of the nodes x whose sets move as rigid bodies, as a rigid RBE2 element.
+
+    The coordinates are the displacements of the other nodes, in their order, and then for each set the displacement of
+    its centre and its rotation times its size.
+    """
+    in_sets = {node for nodes in rigid_sets for node in nodes}
+    others = [node for node in range(len(x)) if node not in in_sets]
+    result = lil_array((3 * len(x), 3 * len(others) + 6 * len(rigid_sets)))
+    for column, node in enumerate(others):
+        for k in range(3):
+            result[3 * node + k, 3 * column + k] = 1.0
+    for column, nodes in enumerate(rigid_sets):
+        levers = x[list(nodes)] - x[list(nodes)].mean(axis=0)
+        fields = rigid_fields(levers / np.abs(levers).max())
+        start = 3 * len(others) + 6 * column
+        for field, node in ((field, node) for field in range(6) for node in range(len(nodes))):
+            for k in range(3):
+                result[3 * nodes[node] + k, start + field] = fields[field, node, k]
+    return csr_array(result)
 
 
 def _lowest_quotient(k: csr_array, mass: csr_array, x: Array, basis: Array) -> float:

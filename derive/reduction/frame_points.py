@@ -2,51 +2,142 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from derive.errors import Problem, SpecError
 from derive.mechanics.bodies.modal_body import ModalFrame, ModalPoint
+from derive.mechanics.multibody.space.nodal_loads import nodal_resultants
 from derive.reduction.arithmetic import Array
-from derive.reduction.body import prepare, second_order_fields
+from derive.reduction.body import Prepared, prepare, second_order_fields
 from derive.spec.model.spatial_scene import FlexibleBody, NodeFrame
 
 ON_A_LINE = 1e-8
 """Sets of nodes whose least moment of inertia is below this part of the largest lie on a line."""
 
 
+RIGID_TOLERANCE = 1e-5
+"""The largest deformation of a rigid set of nodes in a mode, relative to the largest displacement of the mode.
+
+Finite-element programs print modes with six or seven digits.
+"""
+
+
 def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
-    """The markers of a body in its floating frame. Raises SpecError with sets of nodes that have no rotation.
+    """The markers of a body in its floating frame. Raises SpecError with faults of sets of nodes.
 
     The mean displacement of a set of nodes is that of its weighted centre. Its rotation fits the displacements of the
-    nodes best: it minimises the weighted sum of squares of u_i - u - theta x (X_i - X), as an RBE3 element does.
+    nodes best: it minimises the weighted sum of squares of u_i - u - theta x (X_i - X), as an RBE3 element does. Where
+    the set is rigid (RBE2), computed modes have that constraint, and a mode of a file that deforms it is an error.
     """
-    prepared = prepare(body.body)
-    fields = second_order_fields(body.body, prepared)
-    x, phi = prepared.shapes.x, prepared.shapes.phi
-    second = None if fields is None else fields.points
-    problems: list[Problem] = []
-    frames = []
-    for marker in body.markers:
-        nodes, weights = np.array(marker.nodes), _weights(marker)
-        centre = weights @ x[nodes]
-        shapes = np.einsum("a,nak->nk", weights, phi[:, nodes])
-        of_second = None if second is None else np.einsum("a,aijk->ijk", weights, np.array([second[a] for a in nodes]))
-        twists = np.zeros_like(shapes)
-        if marker.has_rotation:
-            levers = x[nodes] - centre
-            inertia = np.einsum("a,akl->kl", weights, _moments(levers))
-            values = np.linalg.eigvalsh(inertia)
-            if not values[0] > ON_A_LINE * values[-1]:
-                text = "these nodes lie on a line, and a rotation about it moves none; add a node beside it"
-                problems.append(Problem(f"bodies.{body.name}.markers.{marker.name}.nodes", text))
-                continue
-            moments = np.einsum("a,nak->nk", weights, np.cross(levers[None], phi[:, nodes]))
-            twists = np.linalg.solve(inertia, moments.T).T
-        point = ModalPoint(marker.name, _doc(marker), centre, np.ascontiguousarray(shapes), of_second)
-        frames.append(ModalFrame(point, np.ascontiguousarray(twists)))
+    problems = list(_sets_on_a_line(body))
     if problems:
         raise SpecError(tuple(problems))
+    prepared = prepare(body.body)
+    problems += _sets_that_deform(body, prepared)
+    problems += _nodes_of_first_order(body)
+    if problems:
+        raise SpecError(tuple(problems))
+    mean = _MeanPoints(body, prepared)
+    frames = []
+    for marker in body.markers:
+        point = mean(marker.name, _doc(marker), marker.nodes, _weights(marker))
+        twists = np.zeros_like(point.shapes)
+        if marker.has_rotation:
+            nodes = list(marker.nodes)
+            twists = _rotations(_weights(marker), mean.x[nodes] - point.position, mean.phi[:, nodes])
+        frames.append(ModalFrame(point, np.ascontiguousarray(twists)))
     return tuple(frames)
+
+
+def load_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
+    """The points at which the resultants of the loads of a body act, after `modal_frames` has found no faults."""
+    if not body.loads:
+        return ()
+    mean = _MeanPoints(body, prepare(body.body))
+    points = []
+    for r in nodal_resultants(body):
+        forces = np.array([float(force) for force in r.forces])
+        points.append(mean(r.point, f"point of load {r.load.name}", r.nodes, forces / forces.sum()))
+    return tuple(ModalFrame(point, np.zeros_like(point.shapes)) for point in points)
+
+
+class _MeanPoints:
+    """Points of a body that move as the weighted means of nodes."""
+
+    def __init__(self, body: FlexibleBody, prepared: Prepared) -> None:
+        fields = second_order_fields(body.body, prepared)
+        self.x, self.phi = prepared.shapes.x, prepared.shapes.phi
+        self.second = None if fields is None else fields.points
+
+    def __call__(self, name: str, doc: str, nodes: tuple[int, ...], weights: Array) -> ModalPoint:
+        """The point of some nodes, whose weights sum to 1."""
+        own = list(nodes)
+        shapes = np.ascontiguousarray(np.einsum("a,nak->nk", weights, self.phi[:, own]))
+        second = None
+        if self.second is not None:
+            second = np.einsum("a,aijk->ijk", weights, np.array([self.second[a] for a in nodes]))
+        return ModalPoint(name, doc, weights @ self.x[own], shapes, second)
+
+
+def _nodes_of_first_order(body: FlexibleBody) -> Iterator[Problem]:
+    """Nodes of a body of second order whose displacements of second order are unknown."""
+    known = set() if body.body.data.K0F_nodes is None else {int(node) for node in body.body.data.K0F_nodes}
+    if not body.body.second_order:
+        return
+    own = [(f"markers.{marker.name}", marker.nodes) for marker in body.markers]
+    for key, nodes in (*own, *((f"loads.{load.name}", load.nodes) for load in body.loads)):
+        missing = [node for node in nodes if node not in known]
+        if missing:
+            text = f"K0F of node {missing[0]} is missing, and with it the displacement of second order there"
+            text += "; add it with the node to K0F and K0F_nodes, or write order = 1"
+            yield Problem(f"bodies.{body.name}.{key}", text)
+
+
+def _sets_on_a_line(body: FlexibleBody) -> Iterator[Problem]:
+    positions = np.asarray(body.body.data.positions)
+    for marker in body.markers:
+        if not marker.has_rotation:
+            continue
+        weights, own = _weights(marker), positions[list(marker.nodes)]
+        values = np.linalg.eigvalsh(_inertia(weights, own - weights @ own))
+        if not values[0] > ON_A_LINE * values[-1]:
+            text = "these nodes lie on a line, and a rotation about it moves none; add a node beside it"
+            yield Problem(f"bodies.{body.name}.markers.{marker.name}.nodes", text)
+
+
+def _sets_that_deform(body: FlexibleBody, prepared: Prepared) -> Iterator[Problem]:
+    """The rigid sets of nodes that some mode deforms, which are modes of a file, since computed ones do not."""
+    x, phi = prepared.raw.x, prepared.raw.phi
+    sizes = np.abs(prepared.framed.phi).max(axis=(1, 2), initial=0.0)
+    for marker in body.markers:
+        if marker.motion != "rigid" or not len(phi):
+            continue
+        nodes, weights = list(marker.nodes), np.full(len(marker.nodes), 1 / len(marker.nodes))
+        levers, own = x[nodes] - weights @ x[nodes], phi[:, nodes]
+        motion = np.einsum("a,nak->nk", weights, own)[:, None] + np.cross(
+            _rotations(weights, levers, own)[:, None], levers[None]
+        )
+        parts = np.abs(own - motion).max(axis=(1, 2)) / sizes
+        worst = int(np.argmax(parts))
+        if parts[worst] > RIGID_TOLERANCE:
+            text = (
+                f"mode {worst + 1} deforms this rigid set of nodes by {parts[worst]:.2g} of its largest displacement; "
+                'write motion = "mean", or give modes of a model in which an RBE2 element connects these nodes, or '
+                "the stiffness instead of modes"
+            )
+            yield Problem(f"bodies.{body.name}.markers.{marker.name}.motion", text)
+
+
+def _rotations(weights: Array, levers: Array, fields: Array) -> Array:
+    """The rotations (n, 3) that fit displacements (n, nodes, 3) of nodes with these levers from their centre best."""
+    moments = np.einsum("a,nak->nk", weights, np.cross(levers[None], fields))
+    return np.asarray(np.linalg.solve(_inertia(weights, levers), moments.T).T)
+
+
+def _inertia(weights: Array, levers: Array) -> Array:
+    return np.asarray(np.einsum("a,akl->kl", weights, _moments(levers)))
 
 
 def _weights(marker: NodeFrame) -> Array:
@@ -61,4 +152,6 @@ def _moments(levers: Array) -> Array:
 
 
 def _doc(marker: NodeFrame) -> str:
-    return f"node {marker.nodes[0]}" if len(marker.nodes) == 1 else f"mean of {len(marker.nodes)} nodes"
+    if not marker.has_rotation:
+        return f"node {marker.nodes[0]}"
+    return f"{'rigid set' if marker.motion == 'rigid' else 'mean'} of {len(marker.nodes)} nodes"

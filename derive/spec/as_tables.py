@@ -163,6 +163,8 @@ def _flexible_body(body: FlexibleBody) -> Data:
 
 def _node_frame(marker: NodeFrame) -> Data:
     own: Data = {"nodes": [*marker.nodes]} if marker.has_rotation else {"node": marker.nodes[0]}
+    if marker.motion != "mean":
+        own["motion"] = marker.motion
     if marker.weights:
         own["weights"] = [*marker.weights]
     return own if marker.rotation == NO_ROTATION else {**own, "rotation": [*marker.rotation]}

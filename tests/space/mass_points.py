@@ -21,13 +21,18 @@ from written_scene import Numbers, Table, rotation
 class MarkerFrame:
     """A marker in the frame of its body: x + sum shapes alpha, rotated by sum turns alpha and then by `rotation`.
 
-    position (3,); shapes (N, 3); turns (N, 3), None where a marker has no rotation; rotation (3, 3).
+    position (3,); shapes (N, 3); turns (N, 3), None where a marker has no rotation; rotation (3, 3); second (N, N, 3).
     """
 
     position: Array
     rotation: Array
     shapes: Array
     turns: Array | None
+    second: Array | None = None
+
+    def at(self, amplitudes: Array) -> Array:
+        """The position of the marker in the frame of its body."""
+        return moved(self.position, self.shapes, self.second, amplitudes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +49,7 @@ class PointBody:
     stiffness: Array
     damping: Array
     markers: Mapping[str, MarkerFrame]
+    second: Array | None = None
 
     @property
     def n(self) -> int:
@@ -51,11 +57,18 @@ class PointBody:
         return len(self.modes)
 
     def deformed(self, amplitudes: Array) -> Array:
-        """X + sum Phi_i alpha_i (P, 3)."""
-        result = self.points
-        for alpha, mode in zip(amplitudes, self.modes, strict=True):
-            result = result + alpha * mode
-        return result
+        """X + sum Phi_i alpha_i + 1/2 sum Psi_ij alpha_i alpha_j (P, 3)."""
+        return moved(self.points, self.modes, self.second, amplitudes)
+
+
+def moved(points: Array, modes: Array, second: Array | None, amplitudes: Array) -> Array:
+    """Points displaced by modes, and to second order by `second` (N, N, ...), the second derivatives."""
+    result = points
+    for i, alpha in enumerate(amplitudes):
+        result = result + alpha * modes[i]
+        for j, beta in enumerate(amplitudes) if second is not None else ():
+            result = result + alpha * beta * second[i, j] / 2
+    return result
 
 
 def rigid_points(mass: Decimal, centre: Array, inertia: Array) -> tuple[Array, Array]:
@@ -101,6 +114,7 @@ class NodalFields:
     mass: Array
     phi: Array
     stiffness: Array
+    psi: Array | None = None
 
 
 def nodal_fields(file: Path) -> NodalFields:
@@ -110,14 +124,24 @@ def nodal_fields(file: Path) -> NodalFields:
     mass = np.diag(data["mass"]) if "mass" in data else np.zeros((count, count))
     if "mass_row" in data:
         mass[data["mass_row"], data["mass_col"]] = data["mass_value"]
-    return NodalFields(array(data["positions"]), array(mass), array(data["modes"]), array(data["modal_stiffness"]))
+    psi = None
+    if "K0F" in data:  # of all nodes, in their order
+        psi = array(-np.moveaxis(data["K0F"], (2, 3), (0, 1)))
+    return NodalFields(array(data["positions"]), array(mass), array(data["modes"]), array(data["modal_stiffness"]), psi)
 
 
 def nodal_body(name: str, table: Table, value: Numbers, fields: NodalFields) -> PointBody:
     """A flexible body of a scene, with its nodes in the floating frame."""
     markers = {marker: nodal_marker(of, fields) for marker, of in table.get("markers", {}).items()}
     return PointBody(
-        name, fields.mass, fields.x, fields.phi, fields.stiffness, damping_matrix(table, value, fields), markers
+        name,
+        fields.mass,
+        fields.x,
+        fields.phi,
+        fields.stiffness,
+        damping_matrix(table, value, fields),
+        markers,
+        fields.psi,
     )
 
 
@@ -127,7 +151,9 @@ def nodal_marker(of: Any, fields: NodalFields) -> MarkerFrame:
     turned = rotation(table.get("rotation"))
     if "node" in table:
         node = int(table["node"])
-        return MarkerFrame(fields.x[node], turned, fields.phi[:, node], None)
+        return MarkerFrame(
+            fields.x[node], turned, fields.phi[:, node], None, None if fields.psi is None else fields.psi[:, :, node]
+        )
     nodes = [int(node) for node in table["nodes"]]
     weights = array(table.get("weights", [1] * len(nodes)))
     weights = weights / sum(weights)
@@ -135,7 +161,8 @@ def nodal_marker(of: Any, fields: NodalFields) -> MarkerFrame:
     centre = weights @ x
     shapes = np.array([weights @ phi[nodes] for phi in fields.phi], dtype=object).reshape(-1, 3)
     turns = [rotation_vector_of_set(weights, x - centre, phi[nodes]) for phi in fields.phi]
-    return MarkerFrame(centre, turned, shapes, np.array(turns, dtype=object).reshape(-1, 3))
+    second = None if fields.psi is None else np.einsum("a,ijak->ijk", weights, fields.psi[:, :, nodes])
+    return MarkerFrame(centre, turned, shapes, np.array(turns, dtype=object).reshape(-1, 3), second)
 
 
 def damping_matrix(table: Table, value: Numbers, fields: NodalFields) -> Array:

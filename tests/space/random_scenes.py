@@ -140,6 +140,18 @@ class Writer:
         self._known(f"{name}.face")
         self.lines.append(f"markers.edge = {{ nodes = {nodes[:3]} }}")
         self._known(f"{name}.edge")
+        if "forces" in self.parts:
+            self.loads(name, count)
+
+    def loads(self, name: str, count: int) -> None:
+        """Loads on nodes of a body; the rest of the scene does not depend on them."""
+        rest, self.random = self.random, Random(f"loads {self.seed} {name}")
+        nodes = self.random.sample(range(count), 3)
+        forces = [self.vector(2) for _ in nodes]
+        self.lines.append(f"loads.wind = {{ nodes = {nodes}, forces = {forces}, time = {self.function()} }}")
+        forces = f"forces = [{self.vector(2)}]"
+        self.lines.append(f'loads.jet = {{ nodes = {nodes[:2]}, {forces}, frame = "body" }}')
+        self.random = rest
 
     def pair(self, markers: Sequence[str]) -> list[str]:
         """Two markers of different bodies."""

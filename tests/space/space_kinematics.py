@@ -229,7 +229,7 @@ class SpaceKinematics:
         position, turned = marker.position, marker.rotation
         if body != GROUND and self.bodies[body].n:
             alpha = self.amplitudes(body, state)
-            position = position + alpha @ marker.shapes
+            position = marker.at(alpha)
             if marker.turns is not None:
                 turned = of_quaternion(np.array([ONE, *(alpha @ marker.turns / 2)], dtype=object)) @ turned
         return pose.place(position), pose.R @ turned

@@ -92,6 +92,7 @@ class SpaceOracle(SpaceKinematics):
         M, mass_sizes, h, force_sizes = self._inertia(jacobians[0], second[0])
         for force in (
             *self._internal(state, v),
+            *self._on_nodes(t, self.poses(t, state), jacobians[0]),
             *self._applied(t, now[2], jacobians[2]),
             *self._sprung(now[3], rate[3], jacobians[3]),
         ):
@@ -152,6 +153,20 @@ class SpaceOracle(SpaceKinematics):
                         force = zeros(len(v))
                         force[own] = term
                         result.append(force)
+        return result
+
+    def _on_nodes(self, t: Decimal, poses: Mapping[str, Pose], J: Array) -> list[Array]:
+        """Less the virtual work of forces at nodes, of which a single one is that of all nodes of a load."""
+        result, start = [], 0
+        for name, body in self.bodies.items():
+            for load in self.scene["bodies"][name].get("loads", {}).values():
+                forces = [self.value.vector(force) for force in load["forces"]]
+                for i, node in enumerate(load["nodes"]):
+                    force = self.value.at(load.get("time", 1), t) * forces[i if len(forces) > 1 else 0]
+                    if load.get("frame", "inertial") == "body":
+                        force = poses[name].R @ force
+                    result += [-force[k] * J[start + 3 * node + k] for k in range(3)]
+            start += 3 * len(body.points)
         return result
 
     def _applied(self, t: Decimal, now: Array, J: Array) -> list[Array]:

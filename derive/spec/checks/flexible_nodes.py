@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from derive.mechanics.multibody.space.nodal_loads import load_points
 from derive.spec.model.body import NodeData
 from derive.spec.parsing.faults import Fault, KeyPath
 from derive.spec.tables.shared import TomlTable
@@ -19,6 +20,7 @@ def flexible_nodes(
     bodies = data.get("bodies")
     result: dict[str, NodeData] = {}
     faults: list[Fault] = []
+    known: dict[tuple[str, str], NodeData] = {}
     for name, body in bodies.items() if isinstance(bodies, Mapping) else ():
         if not isinstance(body, Mapping) or kind_of_spatial_body(body) != "flexible":
             continue
@@ -27,9 +29,15 @@ def flexible_nodes(
         tables: Any = getattr(specification, "bodies", None) or {}
         nodes, of_body = nodes_of(body, tables.get(name), folder)
         faults += [fault._replace(path=_in_scene(str(name), fault.path)) for fault in of_body]
-        if nodes is not None:
-            result[str(name)] = nodes
-            faults += _missing_nodes(str(name), body.get("markers"), len(nodes.positions))
+        if nodes is not None:  # bodies of the same file share its data, and what follows from them
+            file, same = body["nodes"], nodes
+            if isinstance(file, str):
+                same = known.setdefault((file, repr(body.get("units"))), nodes)
+            result[str(name)] = same
+            faults += _shared_nodes(str(name), body.get("markers"))
+            faults += _missing_nodes(str(name), "markers", body.get("markers"), len(nodes.positions))
+            faults += _missing_nodes(str(name), "loads", body.get("loads"), len(nodes.positions))
+            faults += _loads_like_markers(str(name), body)
     return result, faults
 
 
@@ -38,8 +46,18 @@ def _in_scene(name: str, path: KeyPath) -> KeyPath:
     return ("bodies", name, *path[1:])
 
 
-def _missing_nodes(name: str, markers: object, count: int) -> Iterator[Fault]:
-    """Faults of sets of nodes with nodes that do not exist; single nodes are looked at with the data."""
+def _loads_like_markers(name: str, body: Mapping[str, object]) -> Iterator[Fault]:
+    """Faults of loads whose points have the names of markers."""
+    loads, markers = body.get("loads"), body.get("markers")
+    for load in loads if isinstance(loads, Mapping) else ():
+        taken = load_points(str(load)) & {str(marker) for marker in markers} if isinstance(markers, Mapping) else set()
+        if taken:
+            text = f"a point of the load {load} is called like the marker {min(taken)}; rename one of them"
+            yield Fault(("bodies", name, "loads", str(load)), text)
+
+
+def _missing_nodes(name: str, section: str, markers: object, count: int) -> Iterator[Fault]:
+    """Faults of markers or loads with nodes that do not exist; single nodes are looked at with the data."""
     for marker, value in markers.items() if isinstance(markers, Mapping) else ():
         if not isinstance(value, Mapping):
             continue
@@ -49,5 +67,18 @@ def _missing_nodes(name: str, markers: object, count: int) -> Iterator[Fault]:
         for key, node in numbers:
             if isinstance(node, int) and node >= count:
                 text = f"there is no node {node}: the nodes are 0 to {count - 1}"
-                yield Fault(("bodies", name, "markers", str(marker), key), text)
+                yield Fault(("bodies", name, section, str(marker), key), text)
                 break
+
+
+def _shared_nodes(name: str, markers: object) -> Iterator[Fault]:
+    """Faults of rigid sets of nodes that have a node in common, and so are a single rigid set."""
+    owner: dict[int, str] = {}
+    for marker, value in markers.items() if isinstance(markers, Mapping) else ():
+        nodes = value.get("nodes") if isinstance(value, Mapping) and value.get("motion") == "rigid" else ()
+        own = [node for node in nodes if isinstance(node, int)] if isinstance(nodes, (list, tuple)) else []
+        shared = next((node for node in own if node in owner), None)
+        if shared is not None:
+            text = f"node {shared} is in the rigid set {owner[shared]} as well; make one rigid set of both"
+            yield Fault(("bodies", name, "markers", str(marker), "nodes"), text)
+        owner |= {node: str(marker) for node in own if node not in owner}

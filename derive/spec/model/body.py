@@ -123,7 +123,10 @@ class NodeMarker:
 
 @dataclass(frozen=True)
 class NodalBody:
-    """A flexible body in space given by nodes, as a finite-element program exports it."""
+    """A flexible body in space given by nodes, as a finite-element program exports it.
+
+    rigid_sets: sets of nodes that move as rigid bodies in all computed modes.
+    """
 
     name: str
     data: Annotated[
@@ -190,6 +193,7 @@ class NodalBody:
             optional=True,
         ),
     ] = DisplacementOrder.FIRST_ORDER
+    rigid_sets: tuple[tuple[int, ...], ...] = ()
     section: ClassVar[str] = "body"
 
     @property

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import BeamBody
+from derive.spec.model.spatial_scene import FlexibleBody
 from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import Spline, TimeFunction, break_times, parts
 
@@ -16,6 +17,9 @@ S = TypeVar("S", bound=AnyScene)
 SECTIONS = ("joints", "drives", "forces", "torques", "springs")
 """The tables of a scene whose elements may have functions of time."""
 
+LOADED = (BeamBody, FlexibleBody)
+"""The bodies that may have loads of their own."""
+
 FunctionPath = tuple[str, str, str]
 """The section, the element and the key of a function."""
 
@@ -23,7 +27,7 @@ FunctionPath = tuple[str, str, str]
 def time_functions(scene: AnyScene) -> Iterator[tuple[FunctionPath, TimeFunction]]:
     """The functions of time in the equations of a scene, with their section, element and key."""
     for body in scene.bodies:
-        for load in body.loads if isinstance(body, BeamBody) else ():
+        for load in body.loads if isinstance(body, LOADED) else ():
             yield ("bodies", body.name, f"loads.{load.name}.time"), load.time
     for section in SECTIONS:
         for element in getattr(scene, section):
@@ -46,7 +50,11 @@ def with_changed_functions(scene: S, change: Callable[[TimeFunction], TimeFuncti
     def element(of: Any) -> Any:
         return replace(of, **{field.name: changed(getattr(of, field.name)) for field in fields(of)})
 
-    bodies = (replace(b, loads=tuple(map(element, b.loads))) if isinstance(b, BeamBody) else b for b in scene.bodies)
+    def body(of: Any) -> Any:
+        loaded = isinstance(of, LOADED)
+        return replace(of, loads=tuple(map(element, of.loads))) if loaded else of
+
+    bodies = map(body, scene.bodies)
     sections: dict[str, Any] = {section: tuple(map(element, getattr(scene, section))) for section in SECTIONS}
     of_scene: Any = scene
     result: S = replace(of_scene, bodies=tuple(bodies), **sections)

@@ -163,7 +163,8 @@ class NodeFrame:
         NodeMotion,
         key(
             KeyType.CHOICE,
-            "How the nodes move: mean, any (their weighted mean is the marker, as RBE3), or rigid, together (as RBE2).",
+            "How the nodes move: mean, freely (their weighted mean is the marker, as RBE3), or rigid, as a rigid body "
+            "(as RBE2): computed modes then have this constraint, modes that are given must meet it.",
             choice_of="the motion of nodes",
         ),
     ] = "mean"
@@ -183,6 +184,35 @@ class NodeFrame:
 
 
 @dataclass(frozen=True)
+class NodalLoad:
+    """Forces at nodes of a finite-element body, times a function of t."""
+
+    name: str
+    nodes: Annotated[tuple[int, ...], key(KeyType.COUNTS, "The nodes, counted from 0.", example="[3, 4]")]
+    forces: Annotated[
+        tuple[tuple[Fraction, Fraction, Fraction], ...],
+        key(
+            KeyType.NODAL_FORCES,
+            "The force at each node, N: three components; a single force is that of all nodes.",
+            example="[[0, 0, -5], [0, 0, -10]]",
+        ),
+    ]
+    time: Annotated[
+        TimeFunction,
+        key(
+            KeyType.FUNCTION,
+            "Factor of the load: a number, a function of t, or an input.",
+            default=TimeFunction("number", value=Fraction(1)),
+            shown=1,
+        ),
+    ]
+    frame: Annotated[
+        ForceFrame,
+        key(KeyType.CHOICE, "The frame of the components: inertial, or body, the floating frame of the body."),
+    ] = "inertial"
+
+
+@dataclass(frozen=True)
 class FlexibleBody:
     """A finite-element body in a scene in space; `body` are its data, without gravity, markers and initial values."""
 
@@ -197,6 +227,9 @@ class FlexibleBody:
         ),
     ] = ()
     start: Annotated[SpatialInitialValues, SPATIAL_START] = NOT_GIVEN_IN_SPACE
+    loads: Annotated[
+        tuple[NodalLoad, ...], key(NodalLoad, "Loads on nodes by name.", example="[bodies.rod.loads.pressure]")
+    ] = ()
     keep_coordinates: ClassVar[bool] = True
     kind: ClassVar[str] = "flexible"
 

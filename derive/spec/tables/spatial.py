@@ -25,6 +25,7 @@ from derive.spec.model.spatial_scene import (
     FlexibleBody,
     FrameMarker,
     Gear,
+    NodalLoad,
     NodeFrame,
     SpatialForce,
     SpatialInitialValues,
@@ -86,11 +87,8 @@ def _node_frame(node: Any = None, nodes: Any = (), **given: Any) -> NodeFrame:
     """A marker of a finite-element body. Raises WrongValueError for what does not go together."""
     if (node is None) == (not nodes):
         raise WrongValueError("a marker is at a node, node = 17, or at a set of nodes, nodes = [17, 18, 30, 31]")
-    if given.get("motion", "mean") == "rigid":
-        raise WrongValueError(
-            'a rigid set of nodes (RBE2) has to be part of the finite-element model; write motion = "mean" for their '
-            "weighted mean, or give modes with such a set"
-        )
+    if given.get("motion", "mean") == "rigid" and node is not None:
+        raise WrongValueError('a single node has no rotation; a rigid set, motion = "rigid", needs nodes = [..]')
     own = (node,) if node is not None else tuple(nodes)
     if len(set(own)) < len(own):
         raise WrongValueError("a node is named twice in `nodes`; name each once, with a weight of its own")
@@ -116,6 +114,28 @@ def _named_node_frame(name: str, at: Any) -> NodeFrame:
 
 
 VALUE_TYPES[KeyType.NODE_FRAMES] = markers_type(NODE_FRAME.value, "nodes", _named_node_frame)
+
+
+def _nodal_load(**given: Any) -> NodalLoad:
+    """A load on nodes. Raises WrongValueError for what does not go together."""
+    nodes, forces = given["nodes"], given["forces"]
+    if not nodes:
+        raise WrongValueError("a load acts on nodes; write their numbers, such as nodes = [3, 4]")
+    if len(set(nodes)) < len(nodes):
+        raise WrongValueError("a node is named twice in `nodes`; name each once, with the sum of its forces")
+    if len(forces) not in (1, len(nodes)):
+        text = "give a force for each node, or a single one for all of them"
+        raise WrongValueError(f"there are {len(nodes)} nodes and {len(forces)} forces; {text}")
+    if not any(component for force in forces for component in force):
+        raise WrongValueError("all forces of the load are zero; leave it out")
+    return NodalLoad("", **{**given, "forces": tuple(forces) * (len(nodes) // len(forces))})
+
+
+declare(
+    NodalLoad,
+    "NodalLoadTable",
+    make=lambda **given: _nodal_load(**{key: value for key, value in given.items() if key != "name"}),
+)
 NOT_IN_SCENES = ("gravity", "markers", "start", "lowering")
 """The keys of a body of nodes alone that a body in a scene does not have."""
 _OF_NODES = tuple(key for key in NODAL_KEYS if key.name not in NOT_IN_SCENES)
@@ -131,7 +151,10 @@ def flexible_body(name: str, table: Any, data: NodeData) -> FlexibleBody:
     """The finite-element body that a table describes, with its data."""
     given = {key.field: getattr(table, key.name, None) for key in NODAL_KEYS if key.name not in ("nodes", "units")}
     own = nodal_keys(given, data, {"gravity": None, "markers": (), "start": AT_REST, "lowering": "auto"})
-    return FlexibleBody(name, NodalBody(name=name, data=data, **own), table.markers, table.start)
+    rigid = tuple(marker.nodes for marker in table.markers if marker.motion == "rigid")
+    return FlexibleBody(
+        name, NodalBody(name=name, data=data, rigid_sets=rigid, **own), table.markers, table.start, table.loads
+    )
 
 
 SPATIAL_RIGID = declare(

@@ -173,6 +173,13 @@ VALUE_TYPES: dict[KeyType, Any] = {
         "weights",
         "weights is needed, such as [1, 1, 2]",
     ),
+    KeyType.NODAL_FORCES: _several(
+        Annotated[tuple[Number, Number, Number], components(("0", "0", "-5"), "components")],
+        1,
+        MAX_AROUND,
+        "forces",
+        "forces is needed, such as [[0, 0, -5], [0, 0, -10]]",
+    ),
     KeyType.RELATIVE_MOTIONS: _several(
         _relative_motion, 1, len(RELATIVE_MOTIONS), "relative motions", 'words is needed, such as ["x", "y"]'
     ),

@@ -24,10 +24,11 @@ from derive.mechanics.multibody.space.gears import GearInstance
 from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, minimal_spatial_coordinates
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.mechanism import SpatialActionInstance, SpatialMechanism
+from derive.mechanics.multibody.space.nodal_loads import nodal_forces
 from derive.mechanics.symbols import element
 from derive.spec.model.keys import declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialScene
+from derive.spec.model.spatial_scene import FlexibleBody, Gear, SpatialJoint, SpatialScene
 
 _PITCH = next(key for key in declared_keys(SpatialJoint) if key.name == "pitch")
 
@@ -83,14 +84,15 @@ class _SpatialAssembly(SceneAssembly):
         return tuple(result)
 
     def _actions(self) -> tuple[SpatialActionInstance, ...]:
-        """The forces, torques and springs with the values of their keys."""
+        """The forces, torques and springs, with the loads on nodes, and the values of their keys."""
+        of_bodies = (f for body in self.scene.bodies if isinstance(body, FlexibleBody) for f in nodal_forces(body))
+        actions = [(section, of) for section in ("forces", "torques", "springs") for of in getattr(self.scene, section)]
         result = []
-        for section in ("forces", "torques", "springs"):
-            for action in getattr(self.scene, section):
-                given = specified(action)
-                keys = (key for key in keys_of(action) if key.name in given)
-                values = {key.name: self._value(section, action.name, key, given[key.name]) for key in keys}
-                result.append(SpatialActionInstance(action, values))
+        for section, action in (*actions, *(("forces", force) for force in of_bodies)):
+            given = specified(action)
+            keys = (key for key in keys_of(action) if key.name in given)
+            values = {key.name: self._value(section, action.name, key, given[key.name]) for key in keys}
+            result.append(SpatialActionInstance(action, values))
         return tuple(result)
 
     def type_of(self, body: Any) -> BodyType[Any]:

@@ -15,16 +15,18 @@ from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.motion.rotations import matrix_of
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
+from derive.mechanics.multibody.space.frame_motion import FIXED_AXES
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.spatial_scene import FlexibleBody
 
 
 @dataclass(frozen=True, eq=False)
 class ReducedBody:
-    """A finite-element body as numbers: its shape integrals, and the frames of its markers."""
+    """A finite-element body as numbers: its shape integrals, the frames of its markers, and the points of its loads."""
 
     body: ModalBody
     frames: tuple[ModalFrame, ...]
+    load_points: tuple[ModalFrame, ...] = ()
 
 
 class Flexible(BodyType[FlexibleBody]):
@@ -40,6 +42,7 @@ class Flexible(BodyType[FlexibleBody]):
         of = _with_exact_values(self.reduced.body, gravity)
         axes = {m.name: matrix_of(m.rotation) for m in body.markers}
         sections = {frame.point.name: _section(frame, axes[frame.point.name]) for frame in self.reduced.frames}
+        sections |= {frame.point.name: _section(frame, FIXED_AXES) for frame in self.reduced.load_points}
         still = sp.ImmutableMatrix([0, 0, 0])
         origin = MaterialPoint(BODY_FRAME, "origin of the floating frame", still, (still,) * self.reduced.body.modes)
         sections[BODY_FRAME] = CrossSection(origin, twists=(still,) * self.reduced.body.modes)

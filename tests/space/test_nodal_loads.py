@@ -1,0 +1,118 @@
+"""Loads on nodes of finite-element bodies: generalised forces on a free body, inputs, faults, texts written back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import derive
+from conftest import QUICK
+from derive.generated_models import generated
+from derive.runtime.loading import load_scene
+from derive.spec.toml.read import parse
+
+LOAD = 'nodes = [0, 2], forces = [[3, 0, -1], [-2, 4, 0]], time = { input = "pull" }, frame = "body"'
+SCENE = """
+name = "nodal_loads"
+[bodies.truss]
+nodes = "FOLDER/truss.npz"
+units = "SI"
+frame = "given"
+orthonormal = false
+start = { rotation = { axis = [1, 2, 3], angle = 0.8 } }
+[bodies.truss.loads]
+push = { LOAD }
+[inputs.pull]
+value = "2*t"
+[simulation]
+duration = 1
+output = 1
+"""
+
+
+def scene(folder: Path, load: str = LOAD) -> str:
+    rng = np.random.default_rng(3)
+    x = rng.uniform(-1, 1, (5, 3))
+    mass = rng.uniform(1, 2, 5)
+    np.savez(
+        folder / "truss.npz",
+        positions=x,
+        mass=mass,
+        modes=rng.uniform(-1, 1, (2, 5, 3)),
+        modal_stiffness=np.diag([30.0, 50.0]),
+    )
+    return SCENE.replace("FOLDER", str(folder)).replace("LOAD", load)
+
+
+def test_generalised_forces_are_those_of_the_nodes(tmp_path: Path) -> None:
+    native = load_scene(generated(parse(scene(tmp_path)))[1], QUICK)
+    data = np.load(tmp_path / "truss.npz")
+    q, v = np.zeros(native.nq), np.zeros(native.nv)
+    q[3:7] = np.array([0.5, -0.5, 0.7, 0.1])
+    k = native.setup()
+    loaded, free = (native.force(0.0, q, v, native.with_inputs(k, [u])) for u in (1.5, 0.0))
+    w, a, b, c = q[3:7] = q[3:7] / np.linalg.norm(q[3:7])
+    Q = np.array(
+        [
+            [1 - 2 * (b * b + c * c), 2 * (a * b - w * c), 2 * (a * c + w * b)],
+            [2 * (a * b + w * c), 1 - 2 * (a * a + c * c), 2 * (b * c - w * a)],
+            [2 * (a * c - w * b), 2 * (b * c + w * a), 1 - 2 * (a * a + b * b)],
+        ]
+    )
+    forces = 1.5 * np.array([[3, 0, -1], [-2, 4, 0]])
+    expected = np.concatenate(
+        [
+            Q @ forces.sum(axis=0),
+            np.cross(data["positions"][[0, 2]], forces).sum(axis=0),
+            np.einsum("nak,ak->n", data["modes"][:, [0, 2]], forces),
+        ]
+    )
+    assert free - loaded == pytest.approx(expected, rel=1e-12)
+
+
+def test_they_are_written_back(tmp_path: Path) -> None:
+    spec = parse(scene(tmp_path))
+    again = derive.validated(replace(spec, plots=()))
+    assert again.bodies[0].loads == spec.bodies[0].loads
+    (load,) = spec.bodies[0].loads
+    assert load.forces == ((3, 0, -1), (-2, 4, 0)) and load.frame == "body"
+
+
+@pytest.mark.parametrize(
+    ("load", "message"),
+    [
+        ("nodes = [0, 5], forces = [[1, 0, 0]]", "there is no node 5: the nodes are 0 to 4"),
+        ("nodes = [0, 1, 2], forces = [[1, 0, 0], [0, 1, 0]]", "there are 3 nodes and 2 forces"),
+        ("nodes = [0, 0], forces = [[1, 0, 0]]", "a node is named twice"),
+        ("nodes = [], forces = [[1, 0, 0]]", "a load acts on nodes"),
+        ("nodes = [0], forces = [[0, 0, 0]]", "all forces of the load are zero"),
+        ("nodes = [0], forces = [[0, 1]]", "a list of 3 components is needed"),
+    ],
+)
+def test_faults(load: str, message: str, tmp_path: Path) -> None:
+    text = scene(tmp_path, load).replace('[inputs.pull]\nvalue = "2*t"\n', "")
+    with pytest.raises(derive.SpecError, match=message) as caught:
+        parse(text)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_point_of_a_load_has_the_name_of_a_marker(tmp_path: Path) -> None:
+    text = scene(tmp_path).replace("[inputs", "[bodies.truss.markers]\npush_1p = 3\n[inputs")
+    with pytest.raises(derive.SpecError, match="a point of the load push is called like the marker push_1p"):
+        parse(text)
+
+
+def test_bodies_of_one_file_share_its_data(tmp_path: Path) -> None:
+    text = scene(tmp_path)
+    other = text[text.index("[bodies.truss]") : text.index("[inputs")].replace("bodies.truss", "bodies.other")
+    spec = parse(text.replace("[inputs", f"{other}[inputs"))
+    first, second = spec.bodies
+    assert first.body.data is second.body.data
+    mechanism = derive.derive(spec)
+    assert [instance.kind for instance in mechanism.instances] == [0, 0]
+    millimetres = other.replace('units = "SI"', 'units = { length = "mm", mass = "kg", time = "s" }')
+    first, second = parse(text.replace("[inputs", f"{millimetres}[inputs")).bodies
+    assert second.body.data.positions == pytest.approx(first.body.data.positions / 1000)
