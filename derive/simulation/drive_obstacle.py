@@ -254,7 +254,7 @@ def _labels(joint: Joint | SpatialJoint) -> tuple[str, ...]:
 
 
 def _taken_as_rigid(scene: AnyScene) -> str:
-    """What may deform in a scene, in a word; nothing of rigid bodies."""
+    """The word for the bodies of a scene that may deform; an empty text if all are rigid."""
     if any(isinstance(body, BeamBody) for body in scene.bodies):
         return "beams"
     return "bodies" if any(isinstance(body, FlexibleBody) for body in scene.bodies) else ""
