@@ -1,4 +1,4 @@
-"""Drives that a linkage cannot follow: whether its joints can be met, with rigid beams, wherever drives move it.
+"""Drives that a linkage cannot follow: whether its joints can be met, undeformed, wherever drives move it.
 
 The drives are walked through what they prescribe over a run, from its initial state, and Newton's method closes the
 joints in small steps. What has been passed once is not walked again, since a linkage without other freedom returns to
@@ -16,19 +16,26 @@ import numpy as np
 
 from derive.lowering.redundancy import enumeration
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.prescribed_motion import drive_motion
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, max_norm
-from derive.simulation.configurations import velocities_with
-from derive.simulation.constraints.closest_state import PERTURBATIONS, closest_state, perturbed, unmet_constraints
+from derive.simulation.configurations import difference, displaced, velocities_with
+from derive.simulation.constraints.closest_state import (
+    PERTURBATIONS,
+    changed,
+    closest_state,
+    perturbed,
+    unmet_constraints,
+)
 from derive.simulation.constraints.scaling import SINGULAR
 from derive.simulation.observables.motion import drive_unit
 from derive.spec.model.instances import joined
 from derive.spec.model.markers import GROUND
-from derive.spec.model.scene import BeamBody, Scene
-from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.scene import BeamBody, Joint
+from derive.spec.model.spatial_scene import FlexibleBody, SpatialJoint
 from derive.spec.model.specification import AnyScene
 from derive.spec.model.time_function import value_at
 
@@ -58,19 +65,19 @@ BEGUN = 1e-3
 @dataclass(frozen=True)
 class DriveObstacle:
     """The point of a motion where the joints of a linkage can no longer be met: the time (s), the drives with their
-    values and units there, and the joints; beams: whether there are beams, which are taken as rigid."""
+    values and units there, and the joints; rigid: what is taken as rigid in the search, "beams" or "bodies", or ""."""
 
     t: float
     drives: tuple[tuple[str, float, str], ...]
     joints: tuple[str, ...]
-    beams: bool
+    rigid: str
 
     def __str__(self) -> str:
         where = " and ".join(f"{name} = {value:.5g} {unit}" for name, value, unit in self.drives)
         joints = f"the joint{'s' if len(self.joints) > 1 else ''} {enumeration(self.joints)}"
         return (
             f"the linkage cannot be turned through: beyond {where} (t = {self.t:.5g} s) {joints} cannot be met"
-            f"{' with rigid beams' if self.beams else ''}"
+            f"{f' with rigid {self.rigid}' if self.rigid else ''}"
         )
 
 
@@ -81,8 +88,6 @@ def drive_obstacle(scene: AnyScene, native: NativeScene, k: Vector, q: Vector, s
     begins at all, beams are there to be bent by their drives, and no obstacle is sought; nor where drives follow
     run-time inputs, whose functions are called once the integration needs them.
     """
-    if isinstance(scene, SpatialScene):
-        return None
     unknown = any(drive.motion is not None and drive.motion.kind == "input" for drive in scene.drives)
     if not scene.drives or unknown or not native.nlambda or not _has_loop(scene):
         return None
@@ -95,7 +100,7 @@ def drive_obstacle(scene: AnyScene, native: NativeScene, k: Vector, q: Vector, s
 @dataclass(frozen=True, eq=False)
 class _Front:
     """The state that the walk of drives has reached: the time (s), their values u (drives,), the configuration q (nq,),
-    and the change of q per change of u on the way here."""
+    and the change (nv,) of q per change of u on the way here."""
 
     t: float
     u: Vector
@@ -106,7 +111,7 @@ class _Front:
 class _Walk:
     """The walk of the drives of a scene, whose values u count angles in rad and lengths as parts of the size."""
 
-    def __init__(self, scene: Scene, native: NativeScene, k: Vector, q: Vector, size: float) -> None:
+    def __init__(self, scene: AnyScene, native: NativeScene, k: Vector, q: Vector, size: float) -> None:
         self.scene, self.native, self.k, self.start, self.size = scene, native, k, q, size
         self.units = [drive_unit(scene, drive) for drive in scene.drives]
         self.motions = [drive_motion(drive) for drive in scene.drives]
@@ -123,7 +128,7 @@ class _Walk:
             return None
         single = len(self.units) == 1
         first = self._values(np.zeros(1))[0]
-        fronts: dict[int, _Front | None] = dict.fromkeys((1, -1), _Front(0.0, first, self.start, 0 * self.start))
+        fronts: dict[int, _Front | None] = dict.fromkeys((1, -1), _Front(0.0, first, self.start, self._still()))
         for number, (time, u) in enumerate(path):
             # A single drive walks on where it has not been yet.
             sign = 1 if not single or u[0] > first[0] else -1
@@ -135,6 +140,10 @@ class _Walk:
                 return moved
             fronts[sign] = moved
         return None
+
+    def _still(self) -> Vector:
+        """No change (nv,) of the configuration."""
+        return np.zeros(self.native.nv)
 
     def _path(self) -> Iterator[tuple[float, Vector]]:
         """Times and values of the drives, from each to the next of which drives move by about a step at most.
@@ -170,20 +179,19 @@ class _Walk:
         distance = float(np.linalg.norm(u - front.u))
         if distance == 0.0:
             return front
-        q = front.q + distance * front.slope
+        q = displaced(self.native, front.q, distance * front.slope)
         for _ in range(NEWTON_STEPS):
             g = self.native.constraints(time, q, self.k)
             error = max_norm(g)
             if error <= MET * self.size:
-                change = q - front.q
+                change = difference(self.native, front.q, q)
                 if max_norm(change[self.free] / self.lengths) > NEAR:
                     return None
                 return _Front(time, u, q, change / distance)
             if not error < self.size:
                 return None
             rows = constraint_matrix(self.native, time, q, self.k)[:, self.free] * self.lengths
-            q = q.copy()
-            q[self.free] -= self.lengths * np.linalg.lstsq(rows, g, rcond=SINGULAR)[0]
+            q = changed(self.native, q, self.free, -self.lengths * np.linalg.lstsq(rows, g, rcond=SINGULAR)[0])
         return None
 
     def _passed(self, front: _Front, path: Sequence[tuple[float, Vector]]) -> _Front | DriveObstacle | None:
@@ -199,7 +207,7 @@ class _Walk:
             missed = []
             for state in states:
                 if state.converged:
-                    return _Front(time, u, state.q, 0 * state.q)
+                    return _Front(time, u, state.q, self._still())
                 missed.append(state)
             least = min(missed, key=lambda state: state.error)
             if least.error > GAP * self.size:
@@ -232,14 +240,27 @@ class _Walk:
         joints = [
             joint.name
             for joint in self.scene.joints
-            if any(joined(joint.name, row.label) in unmet for row in JOINTS[joint.kind].removes)
+            if any(joined(joint.name, label) in unmet for label in _labels(joint))
         ]
-        beams = any(isinstance(body, BeamBody) for body in self.scene.bodies)
         values = tuple((drive.name, float(value), unit) for drive, value, unit in drives)
-        return DriveObstacle(front.t, values, tuple(joints), beams)
+        return DriveObstacle(front.t, values, tuple(joints), _taken_as_rigid(self.scene))
 
 
-def _has_loop(scene: Scene) -> bool:
+def _labels(joint: Joint | SpatialJoint) -> tuple[str, ...]:
+    """The labels of the constraints of a joint."""
+    if isinstance(joint, SpatialJoint):
+        return tuple(row.label for row in SPATIAL_JOINTS[joint.kind].rows(joint))
+    return tuple(row.label for row in JOINTS[joint.kind].removes)
+
+
+def _taken_as_rigid(scene: AnyScene) -> str:
+    """The word for the bodies of a scene that may deform; an empty text if all are rigid."""
+    if any(isinstance(body, BeamBody) for body in scene.bodies):
+        return "beams"
+    return "bodies" if any(isinstance(body, FlexibleBody) for body in scene.bodies) else ""
+
+
+def _has_loop(scene: AnyScene) -> bool:
     """Whether joints connect bodies in a loop; without a loop, each body follows those that it is connected to."""
     groups = {name: {name} for name in (GROUND, *(body.name for body in scene.bodies))}
     for joint in scene.joints:
