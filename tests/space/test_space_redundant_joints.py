@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import derive
+from derive.pipeline import generate
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.simulate import with_simulation
 from derive.spec.toml.read import parse
@@ -83,6 +84,29 @@ def test_redundant_joints_may_be_refused() -> None:
     text = FOUR_BAR.replace("[scene]", '[scene]\nredundant = "error"')
     with pytest.raises(derive.TisserandError, match="redundant"):
         moved(parse(text))
+
+
+def test_a_turned_four_bar_follows_its_drive() -> None:
+    """The rotation rows of a driven parallelogram about a slanting axis are zero but for rounding, at any time."""
+    turn = Rotation.from_rotvec(1.1 * np.array([1, 2, -3]) / np.sqrt(14))
+
+    def turned(x: list[float]) -> list[float]:
+        return [float(c) for c in turn.apply(x)]
+
+    text = FOUR_BAR.replace("start = { angle = 1.4 }\n", "").replace(
+        "[outputs.E]", '[drives.motor]\njoint = "a"\nmotion = "1.4 + t"\n[outputs.E]'
+    )
+    axes = "rotation = { x = [1, 0, 0], z = [0, -1, 0] } }"
+    for name, x in (("a", 0), ("d", 1)):
+        new = f"at = {turned([x, 0, 0])}, rotation = {{ x = {turned([1, 0, 0])}, z = {turned([0, -1, 0])} }} }}"
+        text = text.replace(f"{name} = {{ at = [{x}, 0, 0], {axes}", f"{name} = {{ {new}", 1)
+    guess = f"position = {turned([0.17, 0, 0.98])}, rotation = {turn.as_quat(scalar_first=True).tolist()}"
+    scene = parse(text.replace("position = [0.17, 0, 0.98], rotation = [1, 0, 0, 0]", guess))
+    model = generate(scene, backends=()).model
+    assert model.proximal and model.start is not None
+    right, top = (model.start.q[[c.name for c in model.coordinates].index(f"{name}_phi")] for name in ("right", "top"))
+    assert right == pytest.approx(1.4, abs=1e-14) and np.cos(top + 1.4) == pytest.approx(1, abs=1e-14)
+    assert model.start.v == pytest.approx([-1, 1], abs=1e-14)
 
 
 DOOR = """

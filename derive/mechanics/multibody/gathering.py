@@ -182,6 +182,8 @@ def equations_of_mechanism(mechanism: InstancesOfKinds, instances: Instances, of
     )
 
 
+INSTANTS = (sp.S.Zero, sp.Rational(5, 11), sp.Rational(-13, 9), sp.Rational(17, 3))
+"""Times (s) and values of inputs at which a constraint without coordinates is tried; one met there always is."""
 MET = sp.Rational(1, 10**10)
 """A constraint that no coordinate takes part in is met if it is off by at most this (m or rad): numbers are rounded."""
 
@@ -199,18 +201,28 @@ def refuse_idle(
     implied = "this constraint is redundant: other joints and drives meet it in every state; leave out one of them"
     problems = []
     for c in (c for c in conditions if not c.jacobian):
-        position = c.position
-        for symbol, value in reversed(known):
-            position = position.xreplace({symbol: value})
+        size, constant = _largest(c.position, known)
         key = f"{c.section}.{c.of}"
-        if position.is_number and abs(position) <= MET:
-            if redundant == "error":
-                problems.append(Problem(key, f"{c.doc}: {implied}"))
-            continue
-        off = f"it is off by {float(abs(position)):.3g}, and " if position.is_number else ""
-        problems.append(Problem(key, f"{c.doc}: {off}{prescribed}"))
+        if size > MET:
+            off = f"it is off by {float(size):.3g}, and " if constant else ""
+            problems.append(Problem(key, f"{c.doc}: {off}{prescribed}"))
+        elif redundant == "error":
+            problems.append(Problem(key, f"{c.doc}: {implied}"))
     if problems:
         raise SpecError(tuple(problems))
+
+
+def _largest(position: sp.Expr, known: Sequence[tuple[sp.Symbol, sp.Expr]]) -> tuple[sp.Expr, bool]:
+    """The largest size of the position of a constraint at some times and values of inputs; whether it is constant."""
+    for symbol, value in reversed(known):
+        position = position.xreplace({symbol: value})
+    symbols = sorted(position.free_symbols, key=str)
+    sizes = []
+    for start in INSTANTS:
+        values = {symbol: start + sp.Rational(k, 7) for k, symbol in enumerate(symbols)}
+        value = sp.N(position.xreplace(values))
+        sizes.append(abs(value) if value.is_number else sp.oo)
+    return max(sizes), not symbols
 
 
 def functions_of_time(scene: AnyScene) -> Iterator[TimeFunction]:

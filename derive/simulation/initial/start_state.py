@@ -20,6 +20,7 @@ from derive.ir.interpreter import interpret
 from derive.ir.model import Model, StartState
 from derive.roles import Role
 from derive.runtime.interpreted_scene import InterpretedScene
+from derive.simulation.constraints.scaling import rounding
 from derive.simulation.initial.spatial_state import spatial_state
 from derive.simulation.inputs import with_functions
 from derive.simulation.scene_start import state_of
@@ -115,8 +116,9 @@ def _change(model: Model, q: list[Any], k: list[Any], residual: list[Any], start
         return [mpmath.mpf(0)] * len(model.velocities)
     (values,) = _evaluated(model, "constraint_jacobian", mpmath.mpf(0), q, k)
     G = mpmath.zeros(len(residual), len(model.velocities))
+    least = rounding(q) if model.proximal else 0  # what is smaller in redundant rows is no direction
     for (i, j), value in zip(model.pattern("constraint_jacobian", "G").entries, values, strict=True):
-        G[i, j] = value
+        G[i, j] = value if abs(value) > least else 0
     exact = [x.exact for x in start] if len(start) == len(model.velocities) else [False] * len(model.velocities)
     weighted = mpmath.diag([STIFFNESS if of else 1 for of in exact]) * G.T
     matrix = G * weighted
