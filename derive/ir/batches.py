@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from itertools import count, groupby
 
 from derive.ir.analysis import names_read
-from derive.ir.continuation import continued_nodes
 from derive.ir.early_sines import with_early_sines
 from derive.ir.expansion import ZERO, expand_in_tiles
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped, walk
@@ -81,7 +80,7 @@ def batch(kernel: Kernel) -> Batch:
     """A kernel for many states."""
     nodes = [node for argument, view in state_views(kernel) for node in _gathered(argument, view)]
     nodes += [node for statement in kernel.statements for node in expand_in_tiles(statement)]
-    nodes = [*_initialised(_in_records(fused(continued_nodes(_one_by_one(nodes)))))]
+    nodes = [*_initialised(_in_records(fused(_one_by_one(nodes))))]
     arguments = frozenset(argument.name for argument in state_arguments(kernel))
     nodes = _in_loops(nodes, frozenset(state_elements(kernel)), arguments)
     if kernel.repeats:

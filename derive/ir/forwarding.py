@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from derive.ir.accesses import accesses_of, are_apart, is_ordered, iterations
 from derive.ir.expressions import Element, ScalarRef, mapped, walk
-from derive.ir.loop_nests import Assign, For, Local, Node, expressions_of
+from derive.ir.loop_nests import Assign, For, Local, Node, every, expressions_of
 from derive.ir.statements import Let, Require
 
 
@@ -73,3 +73,16 @@ def without_idle_stores(nodes: Sequence[Node]) -> tuple[Node, ...]:
         return replace(loop, body=tuple(body))
 
     return tuple(kept(node) if isinstance(node, For) and is_ordered(node) else node for node in nodes)
+
+
+def without_unread_arrays(nodes: Sequence[Node]) -> tuple[Node, ...]:
+    """Plain statements without local arrays that are written, or added to, and never read."""
+    arrays = {node.array for node in nodes if isinstance(node, Local)}
+    idle = arrays - {element.array for element in _elements(every(nodes))}
+
+    def kept(node: Node) -> bool:
+        target = node.target if isinstance(node, Assign) else None
+        return not (isinstance(target, Element) and target.array in idle)
+
+    result = (replace(n, body=tuple(filter(kept, n.body))) if isinstance(n, For) else n for n in nodes)
+    return tuple(n for n in result if kept(n) and not (isinstance(n, Local) and n.array in idle))
