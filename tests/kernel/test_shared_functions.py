@@ -1,9 +1,8 @@
-"""The accelerations and the multipliers have one text, and the elimination of joints has one in all functions."""
+"""Loops over instances: the accelerations and the multipliers have one text."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +18,6 @@ from derive.lowering.instances.lower import lower_instances
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.runtime.loading import load_scene
 
-SCENE = Path(__file__).parents[2] / "scenes" / "crank_slider_3.toml"
 BEAM = {"ansatz": ["1", "xi", "xi^2"], "bending_stiffness": "1/5", "mass": "1/20", "length": "1/10"}
 
 
@@ -44,6 +42,7 @@ def test_accelerations_are_the_beginning_of_the_solution(model: Model) -> None:
     assert beginnings(model) == {"accel": "solve"}
     kernels = tuple(replace(k, sections=k.sections[1:]) if k.name == "accel" else k for k in model.kernels)
     assert not beginnings(replace(model, kernels=kernels))
+    assert not beginnings(replace(model, lowering="flat"))
 
 
 def test_their_statements_are_written_once(model: Model) -> None:
@@ -54,15 +53,6 @@ def test_their_statements_are_written_once(model: Model) -> None:
     text = next(file.text for file in files if file.path.endswith(".c"))
     assert text.count("the blocks of the joints") == 2  # here, and in `project_velocity`
     assert text.splitlines()[solve.first - 1] == solve.lines[0].text
-
-
-def test_straight_line_has_one_text_as_well() -> None:
-    """A slider-crank without loops: the multipliers have a section of their own, behind those of the accelerations."""
-    model = derive.lower(derive.derive(derive.read(SCENE)))
-    accel, solve = model.kernel("accel"), model.kernel("solve")
-    assert beginnings(model) == {"accel": "solve"}
-    assert solve.sections[:-1] == accel.sections
-    assert len(source_map(CBackend().files(model, "a test"), "c").functions["accel"].lines) < 12
 
 
 def test_projections_call_the_elimination_of_the_accelerations(model: Model) -> None:
