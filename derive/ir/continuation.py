@@ -7,34 +7,24 @@ follow each other as the iterations do, one loop has the iterations of both, wit
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from itertools import combinations
-from typing import Any, TypeVar
+from typing import Any
 
+from derive.errors import TisserandError
 from derive.ir.analysis import reads
 from derive.ir.expressions import Element, ScalarRef
 from derive.ir.indices import ElementIndex, IndexTerm, Of, constant
-from derive.ir.loop_nests import For, Integer, LoopKind, Node
+from derive.ir.loop_nests import Integer
 from derive.ir.statements import Entry, ForEach, Let, Statement, StoreElement, inside
-
-Item = TypeVar("Item")
 
 
 def continued_statements(statements: Iterable[Statement]) -> Iterator[Statement]:
     """Statements with one loop over instances in place of neighbouring ones that continue each other."""
-    return _continued(statements, _one_for_each)
-
-
-def continued_nodes(nodes: Iterable[Node]) -> Iterator[Node]:
-    """Plain statements with one ordered loop in place of neighbouring ones that continue each other."""
-    return _continued(nodes, _one_for)
-
-
-def _continued(items: Iterable[Item], one: Callable[[Item, Item], Item | None]) -> Iterator[Item]:
-    kept: list[Item] = []
-    for item in items:
-        joined = one(kept[-1], item) if kept else None
+    kept: list[Statement] = []
+    for item in statements:
+        joined = _one_for_each(kept[-1], item) if kept else None
         if joined is None:
             kept.append(item)
         else:
@@ -57,20 +47,6 @@ def _one_for_each(first: Statement, second: Statement) -> Statement | None:
     return loop if not loop.independent or _writes_apart(loop, len(run)) else None
 
 
-def _one_for(first: Node, second: Node) -> Node | None:
-    """The ordered loop with the iterations of two, if the second one continues the first."""
-    if not isinstance(first, For) or not isinstance(second, For) or first.kind is not LoopKind.ORDERED:
-        return None
-    if replace(first, start=second.start, stop=second.stop, step=second.step, body=second.body) != second:
-        return None
-    runs = (_run(loop.start, loop.stop, loop.step) for loop in (first, second))
-    joined = _joined(first.variable, (*runs,), first.body, second.body)
-    if joined is None:
-        return None
-    run, body = joined
-    return replace(first, start=constant(run.start), stop=constant(run.stop), step=run.step, body=body)
-
-
 def _run(start: ElementIndex, stop: ElementIndex, step: int = 1) -> range:
     """The values of the variable of a loop; none if they depend on other variables."""
     return range(0) if start.terms or stop.terms else range(start.offset, stop.offset, step)
@@ -91,7 +67,7 @@ def _joined(
         return None
 
 
-class _DifferentError(Exception):
+class _DifferentError(TisserandError):
     """Two bodies differ in more than names, and elements that follow each other."""
 
 

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_c7916574e7ddc8d2
+#ifndef DOUBLE_PENDULUM_HASH_8ddb8117ac00515b
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -317,13 +317,12 @@ int double_pendulum_mass_force(
     return 0;
 }
 
-TISSERAND_SHARED int double_pendulum_solve_or_less(
+int double_pendulum_accel(
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *vdot,
-    double *lam)
+    double *vdot)
 {
     (void) t;
     (void) k;
@@ -524,25 +523,7 @@ TISSERAND_SHARED int double_pendulum_solve_or_less(
         + 5.684341886080802e-14 * t51) > 0.0)) return 1; /* the pivot of elbow_2 vanished */
     if (!isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69
         + t70)) return 2; /* a result is not finite */
-    if (!lam) return 0;
-
-    /* lam: the reactions, of which callers of the accelerations have no need */
-    lam[0] = t59;
-    lam[1] = t58;
-    lam[2] = t57;
-    lam[3] = t56;
-    if (!isfinite(t59 + t58 + t57 + t56)) return 2; /* a result is not finite */
     return 0;
-}
-
-int double_pendulum_accel(
-    double t,
-    const double *TISSERAND_RESTRICT q,
-    const double *TISSERAND_RESTRICT v,
-    const double *TISSERAND_RESTRICT k,
-    double *vdot)
-{
-    return double_pendulum_solve_or_less(t, q, v, k, vdot, 0);
 }
 
 int double_pendulum_energy(
@@ -1568,7 +1549,210 @@ int double_pendulum_solve(
     double *vdot,
     double *lam)
 {
-    return double_pendulum_solve_or_less(t, q, v, k, vdot, lam);
+    (void) t;
+    (void) k;
+
+    /*
+     * upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
+     *     rotation angle
+     */
+    const double upper_phi = q[2];
+    const double upper_cos_phi = tisserand_cos(upper_phi);
+    const double upper_sin_phi = tisserand_sin(upper_phi);
+
+    /* upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2 */
+    const double upper_alpha1 = q[3];
+    const double upper_D2_1 = (98897337.0 / 5000000000.0) * upper_alpha1;
+    const double upper_alpha2 = q[4];
+    const double upper_D2_2 = (14128191.0 / 1000000000.0) * upper_alpha2;
+
+    /* upper J (appendix): upper_J = int rho r . r */
+    const double upper_J = (32965779.0 / 4000000000.0) + upper_D2_1 * upper_alpha1
+        + upper_D2_2 * upper_alpha2;
+
+    /* upper D2dot (appendix): upper_D2dot = int rho r . rdot */
+    const double upper_alpha1dot = v[3];
+    const double upper_alpha2dot = v[4];
+    const double upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2;
+
+    /*
+     * upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_sdot_2 = Q rdot
+     *     at left, along e2
+     */
+    const double upper_left_r_2 = upper_alpha1 - upper_alpha2;
+    const double upper_left_rdot_2 = upper_alpha1dot - upper_alpha2dot;
+    const double upper_left_s_1 = (-0.5) * upper_cos_phi - upper_left_r_2 * upper_sin_phi;
+    const double upper_left_s_2 = (-0.5) * upper_sin_phi + upper_left_r_2 * upper_cos_phi;
+    const double upper_left_sdot_2 = upper_left_rdot_2 * upper_cos_phi;
+
+    /*
+     * upper right (1): upper_right_r_2 = r = X + u at right, along e2; ...; upper_right_sdot_2 = Q
+     *     rdot at right, along e2
+     */
+    const double upper_right_r_2 = upper_alpha1 + upper_alpha2;
+    const double upper_right_rdot_2 = upper_alpha1dot + upper_alpha2dot;
+    const double upper_right_s_1 = 0.5 * upper_cos_phi - upper_right_r_2 * upper_sin_phi;
+    const double upper_right_s_2 = 0.5 * upper_sin_phi + upper_right_r_2 * upper_cos_phi;
+    const double upper_right_sdot_2 = upper_right_rdot_2 * upper_cos_phi;
+
+    /*
+     * lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
+     *     rotation angle
+     */
+    const double lower_phi = q[7];
+    const double lower_cos_phi = tisserand_cos(lower_phi);
+    const double lower_sin_phi = tisserand_sin(lower_phi);
+
+    /* lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2 */
+    const double lower_alpha1 = q[8];
+    const double lower_D2_1 = (98897337.0 / 5000000000.0) * lower_alpha1;
+    const double lower_alpha2 = q[9];
+    const double lower_D2_2 = (14128191.0 / 1000000000.0) * lower_alpha2;
+
+    /* lower J (appendix): lower_J = int rho r . r */
+    const double lower_J = (32965779.0 / 4000000000.0) + lower_D2_1 * lower_alpha1
+        + lower_D2_2 * lower_alpha2;
+
+    /* lower D2dot (appendix): lower_D2dot = int rho r . rdot */
+    const double lower_alpha1dot = v[8];
+    const double lower_alpha2dot = v[9];
+    const double lower_D2dot = lower_alpha1dot * lower_D2_1 + lower_alpha2dot * lower_D2_2;
+
+    /*
+     * lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_sdot_2 = Q rdot
+     *     at left, along e2
+     */
+    const double lower_left_r_2 = lower_alpha1 - lower_alpha2;
+    const double lower_left_rdot_2 = lower_alpha1dot - lower_alpha2dot;
+    const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
+    const double lower_left_s_2 = lower_left_r_2 * lower_cos_phi + (-0.5) * lower_sin_phi;
+    const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi;
+
+    /*
+     * pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1,
+     *     lower_phi, upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1,
+     *     elbow_2; fill-in 6
+     */
+    const double t1 = (5000000000.0 / 98897337.0) * upper_sin_phi;
+    const double upper_phidot = v[2];
+    const double t2 = upper_phidot * upper_phidot;
+    const double t3 = (226194669.0 / 625000.0) * upper_alpha1 - t2 * upper_D2_1;
+    const double t4 = t1 * t3;
+    const double t5 = 2.0 * upper_phidot;
+    const double t6 = (1000000000.0 / 14128191.0) * upper_sin_phi;
+    const double t7 = (75398223.0 / 25000.0) * upper_alpha2 - t2 * upper_D2_2;
+    const double t8 = t6 * t7;
+    const double inverse_upper_J = 1.0 / upper_J;
+    const double t9 = upper_left_s_2 * inverse_upper_J;
+    const double t10 = t5 * upper_D2dot;
+    const double t11 = t4 - (t2 * upper_left_s_1 + t5 * upper_left_sdot_2) - t8 + t9 * t10;
+    const double t12 = (5000000000.0 / 98897337.0) * upper_cos_phi;
+    const double t13 = t12 * upper_sin_phi;
+    const double t14 = (1000000000.0 / 14128191.0) * upper_cos_phi;
+    const double t15 = t14 * upper_sin_phi;
+    const double t16 = upper_left_s_1 * inverse_upper_J;
+    const double t17 = t13 + t15 + t16 * upper_left_s_2;
+    const double t18 = t1 * upper_sin_phi;
+    const double t19 = (1000000000.0 / 98897337.0) + t18;
+    const double t20 = t6 * upper_sin_phi;
+    const double t21 = t19 + t20 + t9 * upper_left_s_2;
+    const double inverse_t21 = 1.0 / t21;
+    const double t22 = t17 * inverse_t21;
+    const double t23 = t12 * upper_cos_phi;
+    const double t24 = (1000000000.0 / 98897337.0) + t23;
+    const double t25 = t14 * upper_cos_phi;
+    const double t26 = t24 + t25 + t16 * upper_left_s_1;
+    const double pivot_hinge_2 = t22 * t17 - t26;
+    const double t27 = t12 * t3;
+    const double t28 = t14 * t7;
+    const double t29 = (-981.0 / 100.0) - (t5 * (upper_left_rdot_2 * upper_sin_phi)
+        + t2 * upper_left_s_2) - t27 + t28 - t16 * t10 + t22 * t11;
+    const double t30 = upper_right_s_2 * inverse_upper_J;
+    const double t31 = t19 - t20 + t30 * upper_left_s_2;
+    const double t32 = t31 * inverse_t21;
+    const double t33 = (1000000000.0 / 14128191.0) * lower_sin_phi;
+    const double t34 = (5000000000.0 / 98897337.0) * lower_sin_phi;
+    const double inverse_lower_J = 1.0 / lower_J;
+    const double t35 = lower_left_s_2 * inverse_lower_J;
+    const double t36 = (1000000000.0 / 98897337.0) + t33 * lower_sin_phi + t34 * lower_sin_phi
+        + t35 * lower_left_s_2 + (1000000000.0 / 98897337.0) + t18 + t20 + t30 * upper_right_s_2;
+    const double t37 = t6 * upper_cos_phi - t1 * upper_cos_phi - t30 * upper_left_s_1 + t32 * t17;
+    const double inverse_pivot_hinge_2 = 1.0 / pivot_hinge_2;
+    const double t38 = t37 * inverse_pivot_hinge_2;
+    const double pivot_elbow_1 = t32 * t31 - t36 - t38 * t37;
+    const double lower_phidot = v[7];
+    const double t39 = lower_phidot * lower_phidot;
+    const double t40 = 2.0 * lower_phidot;
+    const double t41 = (75398223.0 / 25000.0) * lower_alpha2 - t39 * lower_D2_2;
+    const double t42 = (226194669.0 / 625000.0) * lower_alpha1 - t39 * lower_D2_1;
+    const double t43 = t40 * lower_D2dot;
+    const double t44 = t5 * upper_right_sdot_2 + t2 * upper_right_s_1 - t39 * lower_left_s_1
+        - t40 * lower_left_sdot_2 - t33 * t41 + t34 * t42 + t35 * t43 - t4 - t8 - t30 * t10
+        + t32 * t11 - t38 * t29;
+    const double t45 = upper_right_s_1 * inverse_upper_J;
+    const double t46 = t15 - t13 - t45 * upper_left_s_2;
+    const double t47 = t46 * inverse_t21;
+    const double t48 = (1000000000.0 / 14128191.0) * lower_cos_phi;
+    const double t49 = (5000000000.0 / 98897337.0) * lower_cos_phi;
+    const double t50 = lower_left_s_1 * inverse_lower_J;
+    const double t51 = (2000000000.0 / 98897337.0) + t48 * lower_cos_phi + t49 * lower_cos_phi
+        + t50 * lower_left_s_1 + t23 + t25 + t45 * upper_right_s_1;
+    const double t52 = t24 - t25 + t45 * upper_left_s_1 + t47 * t17;
+    const double t53 = t52 * inverse_pivot_hinge_2;
+    const double t54 = t48 * lower_sin_phi + t49 * lower_sin_phi + t50 * lower_left_s_2 + t13 + t15
+        + t45 * upper_right_s_2 + t47 * t31 - t53 * t37;
+    const double inverse_pivot_elbow_1 = 1.0 / pivot_elbow_1;
+    const double t55 = t54 * inverse_pivot_elbow_1;
+    const double pivot_elbow_2 = t47 * t46 - t51 - t53 * t52 - t55 * t54;
+
+    /* solution (LDL^T): forward, diagonal and back substitution */
+    const double t56 = (t2 * upper_right_s_2 - t40 * (lower_left_rdot_2 * lower_sin_phi)
+        - t39 * lower_left_s_2 + t5 * (upper_right_rdot_2 * upper_sin_phi) + t48 * t41 - t49 * t42
+        - t50 * t43 + t27 + t28 + t45 * t10 + t47 * t11 - t53 * t29 - t55 * t44) / pivot_elbow_2;
+    const double t57 = t44 * inverse_pivot_elbow_1 - t55 * t56;
+    const double t58 = t29 * inverse_pivot_hinge_2 - t53 * t56 - t38 * t57;
+    const double t59 = t47 * t56 - t11 * inverse_t21 + t32 * t57 + t22 * t58;
+    const double t60 = (1000000000.0 / 98897337.0) * t57;
+    const double t61 = (1000000000.0 / 98897337.0) * t59 - t60;
+    vdot[0] = t61;
+    const double t62 = (1000000000.0 / 98897337.0) * t56;
+    const double t63 = (-981.0 / 100.0) - t62 + (1000000000.0 / 98897337.0) * t58;
+    vdot[1] = t63;
+    const double t64 = t30 * t57 - (t10 * inverse_upper_J + t45 * t56) + t16 * t58 - t9 * t59;
+    vdot[2] = t64;
+    const double t65 = t1 * t57 - ((5000000000.0 / 98897337.0) * t3 + t12 * t56) + t12 * t58
+        - t1 * t59;
+    vdot[3] = t65;
+    const double t66 = t6 * t57 - ((1000000000.0 / 14128191.0) * t7 + t14 * t56) - t14 * t58
+        + t6 * t59;
+    vdot[4] = t66;
+    vdot[5] = t60;
+    const double t67 = (-981.0 / 100.0) + t62;
+    vdot[6] = t67;
+    const double t68 = t50 * t56 - t43 * inverse_lower_J - t35 * t57;
+    vdot[7] = t68;
+    const double t69 = t49 * t56 - (5000000000.0 / 98897337.0) * t42 - t34 * t57;
+    vdot[8] = t69;
+    const double t70 = t33 * t57 - ((1000000000.0 / 14128191.0) * t41 + t48 * t56);
+    vdot[9] = t70;
+    lam[0] = t59;
+    lam[1] = t58;
+    lam[2] = t57;
+    lam[3] = t56;
+
+    /* check: check the pivots and that the result is finite */
+    if (!(lower_J > 0.0)) return 1; /* the pivot of lower_phi vanished */
+    if (!(upper_J > 0.0)) return 1; /* the pivot of upper_phi vanished */
+    if (!(t21 > 0.0)) return 1; /* the pivot of hinge_1 vanished */
+    if (!(-(pivot_hinge_2
+        + 5.684341886080802e-14 * t26) > 0.0)) return 1; /* the pivot of hinge_2 vanished */
+    if (!(-(pivot_elbow_1
+        + 5.684341886080802e-14 * t36) > 0.0)) return 1; /* the pivot of elbow_1 vanished */
+    if (!(-(pivot_elbow_2
+        + 5.684341886080802e-14 * t51) > 0.0)) return 1; /* the pivot of elbow_2 vanished */
+    if (!isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70 + t59 + t58 + t57
+        + t56)) return 2; /* a result is not finite */
+    return 0;
 }
 
 int double_pendulum_project_velocity(

@@ -158,7 +158,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "c7916574e7ddc8d2"
+HASH = "8ddb8117ac00515b"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",
@@ -2044,7 +2044,7 @@ def solve(t, q, v, k):
     lam: constraint reactions on body 2 of each joint (4): hinge_1, hinge_2, elbow_1, elbow_2
 
     From (26), appendix, (1), LDL^T.
-    328 operations.
+    329 operations.
     """
     if (type(q) is type(v) is type(k) is _ARRAY and q.dtype is v.dtype is k.dtype is _DOUBLE and
         q.shape == v.shape == (10,) and k.shape == (0,) and isinstance(t, float)):
@@ -2231,6 +2231,10 @@ def solve(t, q, v, k):
     vdot_8 = t69
     t70 = t33 * t57 - ((1000000000 / 14128191) * t41 + t48 * t56)
     vdot_9 = t70
+    lam_0 = t59
+    lam_1 = t58
+    lam_2 = t57
+    lam_3 = t56
 
     # check: check the pivots and that the result is finite
     valid_1 = lower_J > 0
@@ -2245,21 +2249,16 @@ def solve(t, q, v, k):
     _require(batch[0] or valid_5, 1, "the pivot of elbow_1 vanished")
     valid_6 = (-(pivot_elbow_2 + 5.684341886080802e-14 * t51)) > 0
     _require(batch[0] or valid_6, 1, "the pivot of elbow_2 vanished")
-    valid_7 = xp.isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70)
+    valid_7 = (
+        xp.isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70 + t59 + t58 + t57
+            + t56)
+    )
     _require(batch[0] or valid_7, 2, "a result is not finite")
-
-    # lam: the reactions, of which callers of the accelerations have no need
-    lam_0 = t59
-    lam_1 = t58
-    lam_2 = t57
-    lam_3 = t56
-    valid_8 = xp.isfinite(t59 + t58 + t57 + t56)
-    _require(batch[0] or valid_8, 2, "a result is not finite")
 
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
         vdot_8, vdot_9))
     lam = _stack(xp, batch, (lam_0, lam_1, lam_2, lam_3))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8, lam)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, lam)
 
 
 @_in_numbers

@@ -52,6 +52,7 @@ NOT_IN_SPACE = (
     "SpatialSceneTable.start",
     "SpatialInitialValuesTable.guess = false",
     "NodeFrameTable.motion",
+    "FlexibleTable.loads",  # tests/space/test_nodal_loads.py
 )
 """Parts of the names of features that no scene in space of the corpus has."""
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from corpus.draft import Draft
 from corpus.draws import rounded
-from derive.spec.parsing.time_expression import FUNCTIONS
+from derive.spec.parsing.time_expression import FUNCTIONS, WHOLE
 
 SMOOTH = {
     "sin": "sin({w}*t)",
@@ -33,8 +33,8 @@ PLAIN = ("{w}*t", "({w}*t)^2/2", "{w}*t - sin({w}*t)", "sin({w}*t)^3", "t^2*{w}^
 
 
 def unknown_functions() -> list[str]:
-    """The functions of the language of expressions for which the corpus has no example."""
-    return [name for name in FUNCTIONS if name not in SMOOTH and name not in ROUGH]
+    """The functions of t in the language of expressions for which the corpus has no example."""
+    return [name for name in FUNCTIONS if name not in SMOOTH and name not in ROUGH and name not in WHOLE]
 
 
 WITHOUT_INTEGRAL = ("sqrt", "atan2")

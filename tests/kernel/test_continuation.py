@@ -8,13 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from derive.ir.batches import batch
-from derive.ir.continuation import continued_nodes, continued_statements
-from derive.ir.expansion import expand
+from derive.ir.continuation import continued_statements
 from derive.ir.expressions import Element, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
-from derive.ir.loop_nests import Assign, For, Node, every
 from derive.ir.model import Argument, Kernel, Output, Section, View
 from derive.ir.statements import ForEach, Let, Statement, StoreElement
 from kernel.test_instance_lanes import looped
@@ -94,37 +91,8 @@ def test_independent_iterations_write_elements_of_their_own() -> None:
     assert len(both(5, 6)) == 1
 
 
-def test_plain_loops_backward_continue_a_single_iteration() -> None:
-    def nodes(loops: tuple[ForEach, ...]) -> tuple[Node, ...]:
-        return tuple(node for each in loops for node in expand(each))
-
-    last = loop(1, body("a", constant(14), constant(4), adds=False))
-    indices = variable("n", 3, 2), variable("n")
-    others = ForEach("n", constant(0), constant(4), body("a", *indices, adds=False), backward=True)
-    (joined,) = continued_nodes(nodes((last, others)))
-    assert isinstance(joined, For)
-    assert [*joined.values({})] == [4, 3, 2, 1, 0]
-    given = {"x": np.random.default_rng(0).uniform(-1, 1, SIZE).tolist()}
-    kernel = own_kernel((last, others))
-    assert interpret(kernel, given, nodes=(joined,)) == interpret(kernel, given)
-
-
 def test_bodies_of_a_chain_have_one_text_where_joints_do_not_matter() -> None:
     model = looped("chain_10")
     for name in ("mass", "force", "mass_force", "momentum", "rates", "poses"):
         loops = [s for s in model.kernel(name).statements if isinstance(s, ForEach)]
         assert [(each.start.offset, each.stop.offset) for each in loops] == [(0, 10)], name
-
-
-def test_the_joint_left_on_one_side_is_the_last_of_its_end_in_batches() -> None:
-    """A chain of ten hangs from the ground by ten joints: four from one end, five from the other, and one between."""
-    nodes = batch(looped("chain_10").kernel("accel")).nodes
-    loops = [node for node in nodes if isinstance(node, For) and "update_scale" in written(node)]
-    assert sum(node.count or 0 for node in loops if node.variable == "step") == 9
-    assert len([node for node in loops if node.variable == "step"]) == 3  # one end, its first joint, the other end
-
-
-def written(node: Node) -> set[str]:
-    return {
-        item.target.array for item in every([node]) if isinstance(item, Assign) and isinstance(item.target, Element)
-    }

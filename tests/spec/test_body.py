@@ -64,6 +64,7 @@ DEFAULTS = {
     "simulation": None,
     "order": DisplacementOrder.FIRST_ORDER,
     "plots": (),
+    "rigid_sets": (),
 }
 
 

@@ -1,7 +1,7 @@
 """Functions that are the beginning of another one: both call one static function, whose last outputs may be null.
 
-The accelerations are the beginning of the function that gives the multipliers as well. Both have one text, since
-compilers take long for it; a call and a test of a pointer are no measurable part of its time.
+The accelerations are the beginning of the function that gives the multipliers as well. Loops over instances have the
+text of both once, since compilers take long for it; a call and a test of a pointer are no measurable part of its time.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from derive.ir.model import Kernel, Model
 
 def beginnings(model: Model) -> dict[str, str]:
     """The kernels that are the beginning of another one, by name, with the names of the others."""
+    if model.lowering != "instances":
+        return {}
     return {a.name: b.name for a in model.kernels for b in model.kernels if _begins(a, b)}
 
 

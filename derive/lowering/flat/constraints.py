@@ -276,9 +276,8 @@ def _with_pivots(
 ) -> Kernel:
     """The kernel that solves the system. Raises LoweringError.
 
-    The right-hand sides are eliminated beside the pivots, since each pivot waits for the division before; and the
-    checks come last, since compilers move nothing across their branches. Multipliers come after them: the sections
-    before are those of the accelerations alone.
+    The right-hand sides are eliminated beside the pivots, since each pivot waits for the division before; and all
+    checks come last, since compilers move nothing across their branches.
     """
     shape, entries, names = kkt_pattern(context), kkt_entries(context, symbols), (*context.rows, *context.multipliers)
     pairs = PairedElimination(entries, kkt_pairs(context, shape))
@@ -290,12 +289,12 @@ def _with_pivots(
     for j, pivot in zip(factors.order, factors.pivots, strict=True):
         items += [NamedValue(f"pivot_{names[j]}", pivot), EarlyValue(eliminated[j])]
     checks = pivot_checks(symbols, factors, names)
-    results, totals, start = [], [], 0
+    results, start = [], 0
     for name, elements in outputs.items():
-        values = solution[start : start + len(elements.names)]
-        results.append(stores(name, values))
-        totals.append(RequiredValue(Requirement.FINITE, _sum(values), ReturnCode.NOT_FINITE, "a result is not finite"))
+        results.append(stores(name, solution[start : start + len(elements.names)]))
         start += len(elements.names)
+    total = sum(solution[1:start], start=solution[0])
+    finite = RequiredValue(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "a result is not finite")
     order = ", ".join(
         [
             *(f"{names[p.coordinate]} with {names[p.multiplier]}" for p in pairs.pairs),
@@ -308,15 +307,12 @@ def _with_pivots(
         outputs,
         symbols,
         Step("pivots", Source.FACTORISATION, f"eliminate {order}; fill-in {factors.fill}{term}", tuple(items)),
-        Step("solution", Source.FACTORISATION, "forward, diagonal and back substitution", results[0]),
-        Step("check", "", "check the pivots and that the result is finite", (*checks, totals[0])),
-        *(
-            Step(name, "", "the reactions, of which callers of the accelerations have no need", (*items, total))
-            for name, items, total in zip([*outputs][1:], results[1:], totals[1:], strict=True)
+        Step(
+            "solution",
+            Source.FACTORISATION,
+            "forward, diagonal and back substitution",
+            tuple(item for items in results for item in items),
         ),
+        Step("check", "", "check the pivots and that the result is finite", (*checks, finite)),
         inputs=inputs,
     )
-
-
-def _sum(values: list[ca.SX]) -> ca.SX:
-    return sum(values[1:], start=values[0]) if values else ca.SX(0)

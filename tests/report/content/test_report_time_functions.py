@@ -21,6 +21,7 @@ from derive.mechanics.time_functions import (
     Str,
     Tanh,
     TimeOperation,
+    Wrapped,
 )
 from derive.report.notation.expressions import Notation
 from derive.report.notation.spoken_math import words
@@ -37,6 +38,7 @@ WORDS = {
     Select(t, 3, 0, t): "piecewise of open bracket t less than 3 , 0 , t close bracket",
     SmoothStep(t, 1, 3, 0): "step of open bracket t , 1 , 3 close bracket",
     SmoothStep(t, 1, 3, 1): "step\u2032 of open bracket t , 1 , 3 close bracket",
+    Wrapped(t, 3): "mod of open bracket t , 6 pi close bracket",
     Lookup(Str("lift"), sp.S.Zero, t): "lift of t",
     Lookup(Str("lift"), sp.S(2), t): "lift\u2032\u2032 of t",
 }
