@@ -118,8 +118,6 @@ def _change(model: Model, q: list[Any], k: list[Any], residual: list[Any], start
     (values,) = _evaluated(model, "constraint_jacobian", mpmath.mpf(0), q, k)
     G = mpmath.zeros(len(residual), len(model.velocities))
     least = rounding(np.array(q, dtype=float)) if model.proximal else 0  # smaller entries are rounding errors
-        rounding(np.array(q, dtype=float)) if model.proximal else 0
-    )  # what is smaller in redundant rows is no direction
     for (i, j), value in zip(model.pattern("constraint_jacobian", "G").entries, values, strict=True):
         G[i, j] = value if abs(value) > least else 0
     exact = [x.exact for x in start] if len(start) == len(model.velocities) else [False] * len(model.velocities)
