@@ -245,6 +245,8 @@ DURATIONS = {"adaptive": 6600.0, "c_ida": 240.0, "dop853": 20.0, "rk45": 10.0, "
 """s; those of the integrators in C are more than 10^5 steps."""
 INTERPOLATED = {"adaptive": 1e-11}
 """The largest constraints (m, rad) in rows within steps of integrators that do not project these."""
+DISSIPATED = {"c_ida": 1e-4}
+"""The energy that a method of backward differences takes in more than 10^5 steps, of the largest kinetic energy."""
 
 
 @pytest.mark.long
@@ -261,5 +263,5 @@ def test_no_integrator_drifts(integrator: str, duration: float) -> None:
         e = np.stack([found[f"{body}_e{i}"] for i in range(4)])
         assert np.abs(np.linalg.norm(e, axis=0) - 1).max() < limit
     energies = np.array([native.energy(q, v, k) for q, v in zip(found.q, found.v, strict=True)])
-    assert np.ptp(energies.sum(axis=1)) < 1e-5 * energies[:, 0].max()
+    assert np.ptp(energies.sum(axis=1)) < DISSIPATED.get(integrator, 1e-5) * energies[:, 0].max()
     assert integrator not in ("adaptive", "c_ida") or found.solution.cost.steps > 100_000
