@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import repeat
@@ -134,17 +133,16 @@ def _referenced(bodies: Bodies, output: OutputInstance) -> tuple[tuple[str, ...]
 
 
 def names_of(element: GroupElement, mechanism: Mechanism) -> tuple[str, ...]:
-    """The names in the texts of an output: those of its values and of its bodies, alike for the elements of a group."""
+    """The names in the text of an output: those of its values, of its bodies, and of the markers of its forces."""
     values = mechanism.outputs[element.number].values.values()
-    forces = (marker.body for form in element.forces for marker in form.force.markers)
-    return (*map(str, values), *(member.instance.name for member in element.bodies), *forces)
+    markers = (marker for form in element.forces for marker in form.force.markers)
+    return (*map(str, values), *(member.instance.name for member in element.bodies), *map(str, markers))
 
 
 def renamed(text: str, old: Sequence[str], new: Sequence[str]) -> str:
-    """A text with other names."""
+    """A text with other names, which are words of it."""
     names = dict(zip(old, new, strict=True))
-    every = "|".join(map(re.escape, sorted(names, key=len, reverse=True)))
-    return re.sub(rf"(?<!\w)(?:{every})(?!\w)", lambda found: names[found[0]], text) if every else text
+    return " ".join(names.get(word, word) for word in text.split(" "))
 
 
 def _output_equations(bodies: Bodies, element: GroupElement, of_all: bool = False) -> Equations:
