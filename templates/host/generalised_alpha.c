@@ -24,6 +24,10 @@ enum { ITERATIONS = 4, JACOBIANS = 4 };
    coordinates, and of what follows from it for v times the step. */
 #define TISSERAND_ROUNDING (16.0 * DBL_EPSILON)
 
+/* The least part of the compliance that a constraint has if each of its factors is 1 m or 1 rad. A constraint that
+   others imply entirely may have factors of rounding errors, which must not count as much as any other. */
+static const double LEAST = 1.0 / 1024.0;
+
 /* The coefficients of the method for a step length h. */
 typedef struct {
     double alpha_m, alpha_f, beta, gamma;
@@ -117,13 +121,16 @@ static void add_proximal(machine *own)
     const int nq = own->nq, n = own->form.size;
 
     for (int j = 2 * nq; j < n; j++) {
-        double compliance = 0.0;
+        double compliance = 0.0, full = 0.0;
         for (int i = own->colptr[j]; i < own->colptr[j + 1]; i++) {
             const int row = own->rowidx[i];
             if (row >= nq && row < 2 * nq) {
-                compliance += own->jac[i] * own->jac[i] / fabs(*entry(own, row, row));
+                const double inverse = 1.0 / fabs(*entry(own, row, row));
+                compliance += own->jac[i] * own->jac[i] * inverse;
+                full += inverse;
             }
         }
+        compliance = full > 0.0 ? fmax(compliance, LEAST * full) : 1.0;
         *entry(own, j, j) += own->proximal * own->method.scale / own->method.cj * compliance;
     }
 }
