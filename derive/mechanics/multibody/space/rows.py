@@ -92,6 +92,12 @@ class Derived:
     rate: sp.Expr
     bias: sp.Expr
 
+    @property
+    def turns(self) -> bool:
+        """Whether gdot depends on the difference of the angular velocities alone."""
+        forces, torques = (*self.f1, *self.f2), (sp.expand(a + b) for a, b in zip(self.m1, self.m2, strict=True))
+        return not any(forces) and not any(torques)
+
 
 @lru_cache(256)
 def derived(row: RelativeFunction) -> Derived:
