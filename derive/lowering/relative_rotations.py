@@ -16,10 +16,10 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
+from derive.lowering.congruences import AddedRow, Columns, Entries, columns_of, lower_triangle
+
 Triple = tuple[int, int, int]
 Vector = list[ca.SX]
-Columns = dict[int, dict[int, ca.SX]]
-Entries = dict[tuple[int, int], ca.SX]
 SPACE = range(3)
 ZERO = ca.SX(0)
 
@@ -44,20 +44,6 @@ def transposed(matrix: Sequence[Sequence[ca.SX]]) -> list[Vector]:
     return [list(column) for column in zip(*matrix, strict=True)]
 
 
-def _columns(entries: Mapping[tuple[int, int], ca.SX]) -> Columns:
-    """All entries of a symmetric matrix by rows, from those of its lower triangle."""
-    columns: Columns = {}
-    for (i, j), value in entries.items():
-        columns.setdefault(i, {})[j] = value
-        columns.setdefault(j, {})[i] = value
-    return columns
-
-
-def _lower(columns: Columns) -> Entries:
-    """The entries of the lower triangle."""
-    return {(i, j): x for i, of in columns.items() for j, x in of.items() if i >= j}
-
-
 @dataclass(frozen=True)
 class InertialRotations:
     """The change of the rows of rotations from components in bodies to inertial ones.
@@ -71,7 +57,7 @@ class InertialRotations:
 
     def change(self, entries: Entries) -> None:
         """Change the entries of the lower triangle."""
-        columns = _columns(entries)
+        columns = columns_of(entries)
         for rows, Q in self.tensors.items():
             of_inertia = [turned([columns[i].get(j, ZERO) for j in rows], Q) for i in rows]
             inertia = [turned(row, Q) for row in transposed(of_inertia)]
@@ -86,7 +72,7 @@ class InertialRotations:
                 for b in range(a + 1):
                     columns[rows[a]][rows[b]] = columns[rows[b]][rows[a]] = inertia[a][b]
         entries.clear()
-        entries.update(_lower(columns))
+        entries.update(lower_triangle(columns))
 
     def forward(self, right: Sequence[ca.SX]) -> list[ca.SX]:
         """The right-hand side in inertial components."""
@@ -157,14 +143,14 @@ class RelativeElimination:
     steps: list[_Step] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        columns = _columns(self.entries)
+        columns = columns_of(self.entries)
         for turn in self.turns:
             self._relative(turn, columns)
         for turn in self.turns:
             if turn.gone:
                 self.steps.append(_eliminated(turn, columns))
         self.entries.clear()
-        self.entries.update(_lower(columns))
+        self.entries.update(lower_triangle(columns))
 
     @property
     def gone(self) -> tuple[int, ...]:
@@ -173,17 +159,8 @@ class RelativeElimination:
 
     def _relative(self, turn: RelativeTurn, columns: Columns) -> None:
         """Change the rows of a body to those of its rotation relative to the body before it."""
-        for source, target, factor in _sums(turn):
-            added = {j: x if factor is None else factor * x for j, x in columns[source].items()}
-            to = columns.setdefault(target, {})
-            diagonal = added.pop(target, None)
-            for j, x in added.items():
-                to[j] = columns[j][target] = to[j] + x if j in to else x
-            # the row target has the source twice, and the sum of the source in the column source itself
-            if diagonal is not None:
-                to[target] = to[target] + diagonal if target in to else diagonal
-            own = to[source] if factor is None else factor * to[source]
-            to[target] = to[target] + own if target in to else own
+        for added in _sums(turn):
+            added.change(columns)
         for of in turn.multipliers:
             for j in (*(turn.parent or ()), *(row for row, _ in turn.others)):
                 columns[of].pop(j, None)  # n . (w2 - w1) = n . e
@@ -193,8 +170,8 @@ class RelativeElimination:
         """The right-hand side of the rows that are left."""
         b = list(right)
         for turn in self.turns:
-            for source, target, factor in _sums(turn):
-                b[target] = b[target] + (b[source] if factor is None else factor * b[source])
+            for added in _sums(turn):
+                added.change_right(b)
         for step in self.steps:
             _prescribe(step, b)
         return b
@@ -207,18 +184,16 @@ class RelativeElimination:
         for step in reversed(self.steps):
             _recover(step, x)
         for turn in reversed(self.turns):
-            for source, target, factor in reversed(_sums(turn)):
-                x[source] = x[source] + (x[target] if factor is None else factor * x[target])
+            for added in reversed(_sums(turn)):
+                added.recover(x)
         return x
 
 
-def _sums(turn: RelativeTurn) -> list[tuple[int, int, ca.SX | None]]:
-    """The rows that are added to others, with factors unless these are 1."""
-    sums: list[tuple[int, int, ca.SX | None]] = []
-    if turn.parent:
-        sums += [(i, p, None) for i, p in zip(turn.rows, turn.parent, strict=True)]
+def _sums(turn: RelativeTurn) -> list[AddedRow]:
+    """The rows of a body, added to those that turn the body before it."""
+    sums = [AddedRow(i, p) for i, p in zip(turn.rows, turn.parent or (), strict=False)]
     for row, factors in turn.others:
-        sums += [(i, row, factor) for i, factor in zip(turn.rows, factors, strict=True) if not factor.is_zero()]
+        sums += [AddedRow(i, row, f) for i, f in zip(turn.rows, factors, strict=True) if not f.is_zero()]
     return sums
 
 

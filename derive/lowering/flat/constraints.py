@@ -27,7 +27,7 @@ from derive.lowering.paired_elimination import Pair, PairedElimination, forest_o
 from derive.lowering.proximal import LEAST, PROXIMAL, REFINEMENTS
 from derive.lowering.relative_rotations import RelativeElimination, RelativeTurn
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
-from derive.mechanics.symbols import local
+from derive.mechanics.symbols import identity, local
 from derive.mechanics.terms import Constraint, SpatialPose
 from derive.roles import Source
 
@@ -207,6 +207,13 @@ def _factors(
     return factorise(left, entries, kkt_order(context, left, together), len(context.rows), *terms)
 
 
+def _of_bodies(context: Context) -> dict[int, tuple[int, ...]]:
+    """The other rows of the body to which each row belongs."""
+    owners = [identity(row.v).owner for row in context.equations.rows]
+    every = range(len(owners))
+    return {i: tuple(j for j in every if j != i and owners[j] == owners[i]) for i in every}
+
+
 def _turn_text(turn: RelativeTurn, names: Sequence[str]) -> str:
     """The rows that are eliminated with the joint of a tree."""
     rotations, multipliers = turn.gone[: -len(turn.multipliers)], turn.multipliers
@@ -311,7 +318,7 @@ def _with_pivots(
         joints.inertial.change(entries)
         shape = pattern(shape.rows, shape.cols, set(entries), symmetric=True)
         right = joints.inertial.forward(right)
-    pairs = PairedElimination(entries, kkt_pairs(context, shape))
+    pairs = PairedElimination(entries, kkt_pairs(context, shape), _of_bodies(context))
     right = pairs.forward(right)
     relative = RelativeElimination(entries, joints.turns if joints else ())
     right = relative.forward(right)
