@@ -37,11 +37,11 @@ class JointTurns:
 
 
 def joint_turns(context: Context, symbols: Symbols) -> JointTurns | None:
-    """The joints whose rotations are eliminated beforehand; None if no joint leaves one rotation or none."""
+    """The joints whose rotations are eliminated beforehand; None if there are none."""
     if context.proximal or context.elimination is not EliminationRule.SAFE:
         return None
     oriented = list(_oriented(_forest(list(_edges(context)))))
-    if not any(len(edge.conditions) > 1 for edge, _ in oriented):
+    if not oriented:
         return None
     tensors = {}
     for c in context.equations.constraints:
