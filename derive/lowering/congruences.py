@@ -49,10 +49,10 @@ class AddedRow:
         once = added.pop(self.target, None)
         for j, x in added.items():
             to[j] = columns[j][self.target] = to[j] + x if j in to else x
-        twice = self.times(to[self.source]) if self.source in to else None
-        for x in (once, twice):
-            if x is not None:
-                to[self.target] = to[self.target] + x if self.target in to else x
+        again = self.times(to[self.source]) if self.source in to else None
+        for part in (once, again):
+            if part is not None:
+                to[self.target] = to[self.target] + part if self.target in to else part
 
     def change_right(self, right: list[ca.SX]) -> None:
         """Change the right-hand side."""

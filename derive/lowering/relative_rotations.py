@@ -76,7 +76,7 @@ class InertialRotations:
 
     def forward(self, right: Sequence[ca.SX]) -> list[ca.SX]:
         """The right-hand side in inertial components."""
-        return self._turned(right, {rows: Q for rows, Q in self.tensors.items()})
+        return self._turned(right, self.tensors)
 
     def backward(self, solution: Sequence[ca.SX]) -> list[ca.SX]:
         """The solution in components in bodies."""

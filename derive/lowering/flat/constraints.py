@@ -15,19 +15,19 @@ from derive.ir.model import Kernel, Kkt
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.elimination_orders import EliminationRule, coordinates_first, fill_in, work
-from derive.lowering.flat.body_functions import VANISHING, pivot_checks
+from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.graph import LoweringError
-from derive.lowering.flat.joint_turns import joint_turns
+from derive.lowering.flat.joint_turns import axis_checks, joint_turns, rows_of_bodies, turn_text
 from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue, Step, StepItem
 from derive.lowering.ldlt import Factorisation, backward, factorise, forward, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.lowering.paired_elimination import Pair, PairedElimination, forest_of_pairs, left_by_pairs
 from derive.lowering.proximal import LEAST, PROXIMAL, REFINEMENTS
-from derive.lowering.relative_rotations import RelativeElimination, RelativeTurn
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
-from derive.mechanics.symbols import identity, local
+from derive.lowering.relative_rotations import RelativeElimination
+from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, SpatialPose
 from derive.roles import Source
 
@@ -150,7 +150,9 @@ def kkt(context: Context) -> Kkt:
     pairs = kkt_pairs(context, shape)
     together = tuple(row for pair in pairs for row in (pair.coordinate, pair.multiplier))
     order = (*together, *kkt_order(context, left_by_pairs(shape, pairs)[0], together))
-    return Kkt(shape, order, fill_in(shape, order))
+    joints = joint_turns(context, context.symbols(context.t, context.q))
+    relative = tuple(m for turn in joints.turns for m in turn.multipliers) if joints else ()
+    return Kkt(shape, order, fill_in(shape, order), relative)
 
 
 def kkt_order(context: Context, shape: Pattern, without: Sequence[int] = ()) -> tuple[int, ...]:
@@ -205,30 +207,6 @@ def _factors(
     together = [*turns, *(row for pair in pairs for row in (pair.coordinate, pair.multiplier))]
     terms = [symbols.number(x) if context.proximal else None for x in (PROXIMAL, LEAST)]
     return factorise(left, entries, kkt_order(context, left, together), len(context.rows), *terms)
-
-
-def _of_bodies(context: Context) -> dict[int, tuple[int, ...]]:
-    """The other rows of the body to which each row belongs."""
-    owners = [identity(row.v).owner for row in context.equations.rows]
-    every = range(len(owners))
-    return {i: tuple(j for j in every if j != i and owners[j] == owners[i]) for i in every}
-
-
-def _turn_text(turn: RelativeTurn, names: Sequence[str]) -> str:
-    """The rows that are eliminated with the joint of a tree."""
-    rotations, multipliers = turn.gone[: -len(turn.multipliers)], turn.multipliers
-    return f"relative {', '.join(names[i] for i in rotations)} with {', '.join(names[i] for i in multipliers)}"
-
-
-def _axis_checks(symbols: Symbols, relative: RelativeElimination, names: Sequence[str]) -> tuple[RequiredValue, ...]:
-    """The checks that the axes about which a joint removes rotations, of length 1 where it is aligned, are independent."""
-    margin = symbols.number(VANISHING)
-    result = []
-    for step in relative.steps:
-        text = f"the axes of {', '.join(names[i] for i in step.turn.multipliers)} became dependent"
-        squared = step.divisor if step.leaves_one else step.divisor * step.divisor
-        result.append(RequiredValue(Requirement.POSITIVE, squared - margin, ReturnCode.PIVOT, text))
-    return tuple(result)
 
 
 def _refined(
@@ -318,7 +296,7 @@ def _with_pivots(
         joints.inertial.change(entries)
         shape = pattern(shape.rows, shape.cols, set(entries), symmetric=True)
         right = joints.inertial.forward(right)
-    pairs = PairedElimination(entries, kkt_pairs(context, shape), _of_bodies(context))
+    pairs = PairedElimination(entries, kkt_pairs(context, shape), rows_of_bodies(context))
     right = pairs.forward(right)
     relative = RelativeElimination(entries, joints.turns if joints else ())
     right = relative.forward(right)
@@ -332,7 +310,7 @@ def _with_pivots(
     items: list[StepItem] = []
     for j, pivot in zip(factors.order, factors.pivots, strict=True):
         items += [NamedValue(f"pivot_{names[j]}", pivot), EarlyValue(eliminated[j])]
-    checks = (*pivot_checks(symbols, factors, names), *_axis_checks(symbols, relative, names))
+    checks = (*pivot_checks(symbols, factors, names), *axis_checks(symbols, relative, names))
     results, start = [], 0
     for name, elements in outputs.items():
         results.append(stores(name, solution[start : start + len(elements.names)]))
@@ -342,7 +320,7 @@ def _with_pivots(
     order = ", ".join(
         [
             *(f"{names[p.coordinate]} with {names[p.multiplier]}" for p in pairs.pairs),
-            *(_turn_text(step.turn, names) for step in relative.steps),
+            *(turn_text(step.turn, names) for step in relative.steps),
             *(names[j] for j in factors.order),
         ]
     )

@@ -9,11 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.elimination_orders import EliminationRule
+from derive.lowering.flat.body_functions import VANISHING
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context
-from derive.lowering.relative_rotations import InertialRotations, RelativeTurn, Triple, Vector
-from derive.mechanics.terms import Constraint, ConstrainedFrame
+from derive.lowering.flat.schedule import RequiredValue
+from derive.lowering.relative_rotations import InertialRotations, RelativeElimination, RelativeTurn, Triple, Vector
+from derive.mechanics.symbols import identity
+from derive.mechanics.terms import ConstrainedFrame, Constraint
 
 MOST_OTHERS = 3
 """The largest number of rows that turn a body at the root of the forest, each of which is added to the rows behind."""
@@ -145,3 +149,27 @@ def _factors(context: Context, symbols: Symbols) -> dict[tuple[int, Triple], Vec
                 old = result.get((k, rows))
                 result[k, rows] = [a + b for a, b in zip(old, entry, strict=True)] if old else entry
     return result
+
+
+def turn_text(turn: RelativeTurn, names: Sequence[str]) -> str:
+    """The rows that are eliminated with a joint, for people."""
+    rotations, multipliers = turn.gone[: -len(turn.multipliers)], turn.multipliers
+    return f"relative {', '.join(names[i] for i in rotations)} with {', '.join(names[i] for i in multipliers)}"
+
+
+def axis_checks(symbols: Symbols, relative: RelativeElimination, names: Sequence[str]) -> tuple[RequiredValue, ...]:
+    """The checks that the axes about which a joint removes rotations are independent; their length is 1 or less."""
+    margin = symbols.number(VANISHING)
+    result = []
+    for step in relative.steps:
+        text = f"the axes of {', '.join(names[i] for i in step.turn.multipliers)} became dependent"
+        squared = step.divisor if step.leaves_one else step.divisor * step.divisor
+        result.append(RequiredValue(Requirement.POSITIVE, squared - margin, ReturnCode.PIVOT, text))
+    return tuple(result)
+
+
+def rows_of_bodies(context: Context) -> dict[int, tuple[int, ...]]:
+    """The other rows of the body to which each row belongs."""
+    owners = [identity(row.v).owner for row in context.equations.rows]
+    every = range(len(owners))
+    return {i: tuple(j for j in every if j != i and owners[j] == owners[i]) for i in every}
