@@ -255,8 +255,15 @@ def kkt_blocks(model: Model, kkt: Kkt) -> tuple[Block, ...]:
         "fixed at generation: minimum degree, with each multiplier eliminated after its coordinates, so that no pivot "
         "vanishes while the constraints are independent. The picture shows the lower triangle in that order."
     )
+    if kkt.relative:
+        rows = ", ".join(names[m] for m in kkt.relative)
+        text += (
+            " The code changes the system first, which the picture does not show: angular accelerations become "
+            f"inertial components relative to the body before, along the joints of {rows}; where a joint leaves "
+            "one rotation or none, its rows are eliminated with those that it removes."
+        )
     jacobian = model.pattern("constraint_jacobian", "G")
-    rows: list[list[Content]] = [
+    structure: list[list[Content]] = [
         ["size", str(kkt.pattern.rows)],
         ["non-zeros of M", str(model.pattern("mass", "M").full_nnz)],
         ["non-zeros of G", str(len(jacobian.rowidx))],
@@ -274,7 +281,7 @@ def kkt_blocks(model: Model, kkt: Kkt) -> tuple[Block, ...]:
             "",
             HINT,
         ),
-        table("Structure", ("quantity", "count"), rows, "lr"),
+        table("Structure", ("quantity", "count"), structure, "lr"),
         table("Operations", ("function", "operations"), costs, "lr"),
         Details("The elimination order", (Paragraph((order,)),)),
     )
