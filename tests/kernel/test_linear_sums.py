@@ -1,0 +1,129 @@
+"""Dense bodies in space: their sums over the modes are rows of one table, which loops of the generated C compute."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import derive
+from conftest import ROOT
+from derive.backends.c.linear_sums import TOGETHER, linear_sums
+from derive.backends.c.source import CBackend
+from derive.derivation import lower
+from derive.ir.interpreter import interpret
+from derive.ir.linear_forms import Row
+from derive.ir.model import Kernel, Model
+from derive.spec.toml.read import parse
+
+MODES, POINTS = 5, 8
+BODY = """
+[bodies.{name}]
+nodes = "{folder}/{file}.npz"
+units = "SI"
+markers = {{ left = {{ nodes = [0, 1, 2] }}, right = {{ nodes = [5, 6, 7] }} }}
+"""
+
+
+def cloud(folder: Path, file: str, seed: int) -> None:
+    """A file with a body of point masses and random modes, so that no integral vanishes."""
+    rng = np.random.default_rng(seed)
+    index = np.arange(POINTS, dtype=np.int32)
+    np.savez(
+        folder / f"{file}.npz",
+        positions=rng.uniform(-0.3, 0.3, (POINTS, 3)),
+        mass_row=index,
+        mass_col=index,
+        mass_value=rng.uniform(0.5, 1.5, POINTS) / POINTS,
+        modes=rng.uniform(-1, 1, (MODES, POINTS, 3)),
+        modal_stiffness=rng.uniform(50, 100, MODES),
+    )
+
+
+def model_of(folder: Path, *files: str, explicit: bool = True) -> Model:
+    """The model of free bodies with these files."""
+    for seed, file in enumerate(dict.fromkeys(files)):
+        cloud(folder, file, seed)
+    bodies = (BODY.format(name=f"body{k}", folder=folder, file=file) for k, file in enumerate(files))
+    head = ['name = "clouds"', "[scene]", "gravity = [0, 0, -9]", "[ground.markers]", "o = [0, 0, 0]"]
+    text = "\n".join([*head, *bodies])
+    return lower(derive.derive(parse(text)), explicit=explicit)
+
+
+@pytest.fixture(scope="module")
+def single(tmp_path_factory: pytest.TempPathFactory) -> Model:
+    return model_of(tmp_path_factory.mktemp("one"), "a", explicit=False)
+
+
+@pytest.fixture(scope="module")
+def alike(tmp_path_factory: pytest.TempPathFactory) -> Model:
+    return model_of(tmp_path_factory.mktemp("alike"), "a", "a")
+
+
+def values(kernel: Kernel, seed: int) -> dict[str, Fraction | list[Fraction]]:
+    """Random fractions for the arguments of a kernel."""
+    rng = random.Random(seed)
+
+    def number() -> Fraction:
+        return Fraction(rng.randint(-9, 9), 7)
+
+    return {a.name: number() if a.scalar else [number() for _ in range(a.size)] for a in kernel.arguments}
+
+
+def with_sums(model: Model) -> Iterator[Kernel]:
+    sums = linear_sums(model)
+    arrays = tuple(table.array for table in sums.tables)
+    return (replace(model.kernel(name), constants=arrays) for name in sums.kernels)
+
+
+def test_values_are_exactly_those_of_straight_line_code(single: Model) -> None:
+    """In fractions, of all functions that have such sums, derivatives among them."""
+    sums, names = linear_sums(single), []
+    for kernel in with_sums(single):
+        given = values(kernel, len(names))
+        expected = interpret(kernel, given, number=Fraction, check=False)
+        nodes = sums.kernels[kernel.name].nodes()
+        assert interpret(kernel, given, number=Fraction, check=False, nodes=nodes) == expected
+        names.append(kernel.name)
+    assert {*names} >= {"mass", "force", "mass_force", "accel", "solve", "energy", "momentum", "residual", "jacobian"}
+
+
+def rows_of(model: Model, kernel: str) -> set[Row]:
+    return {row for values in linear_sums(model).kernels[kernel].parts.values for row in values.rows}
+
+
+def test_a_second_body_of_a_file_adds_no_rows(single: Model, alike: Model) -> None:
+    """Both bodies and all functions read one table."""
+    (table,) = linear_sums(alike).tables
+    assert table.columns == MODES
+    assert rows_of(single, "accel") == rows_of(alike, "accel") <= {*table.rows}
+    assert len(rows_of(alike, "accel")) >= 9 * MODES  # S has six components, d3 three
+    calls = linear_sums(alike).kernels["accel"].calls
+    of_first, of_second = ([c for c in calls if c.window.first == first] for first in (7, 14 + MODES))
+    assert of_first and [(c.first, c.count) for c in of_first] == [(c.first, c.count) for c in of_second]
+
+
+def test_the_static_function_is_written_once(alike: Model) -> None:
+    text = next(file.text for file in CBackend().files(alike, "a test") if file.path.endswith(".c"))
+    assert text.count(f"TISSERAND_SHARED void clouds_sums_of_{MODES}(") == 1
+    assert text.count("static const double clouds_sums") == 1
+    assert text.count(f"    clouds_sums_of_{MODES}(") == sum(len(k.calls) for k in linear_sums(alike).kernels.values())
+
+
+def test_nothing_is_computed_that_is_not_read(single: Model) -> None:
+    """Every block of a call has a row that the function reads."""
+    for name, sums in linear_sums(single).kernels.items():
+        read = {k // TOGETHER for values in sums.parts.values for k in values.rows.values()}
+        assert read == set(range(sum(call.count for call in sums.calls))) or len(sums.arrays) > 1, name
+
+
+def test_bodies_with_few_integrals_keep_straight_line_code() -> None:
+    """The modes of a symmetric rod, and rigid bodies, have few factors in each sum."""
+    for name in ("spatial_crank_slider", "spatial_crank_slider_rigid"):
+        model = lower(derive.derive(derive.read(ROOT / "examples" / f"{name}.toml")), explicit=True)
+        assert not linear_sums(model).tables
