@@ -19,6 +19,7 @@ from derive.derivation import lower
 from derive.ir.interpreter import interpret
 from derive.ir.linear_forms import Row
 from derive.ir.model import Kernel, Model
+from derive.runtime.loading import load_scene
 from derive.spec.toml.read import parse
 
 MODES, POINTS = 5, 8
@@ -120,6 +121,18 @@ def test_nothing_is_computed_that_is_not_read(single: Model) -> None:
     for name, sums in linear_sums(single).kernels.items():
         read = {k // TOGETHER for values in sums.parts.values for k in values.rows.values()}
         assert read == set(range(sum(call.count for call in sums.calls))) or len(sums.arrays) > 1, name
+
+
+def test_batches_have_the_bits_of_single_calls(alike: Model) -> None:
+    """Both add the products of a row in the order of its elements."""
+    native = load_scene(CBackend().files(alike, "a test"), ("-std=c99", "-O1", "-ftree-vectorize", "-ffp-contract=off"))
+    rng = np.random.default_rng(2)
+    q, v, k = rng.uniform(-1, 1, (11, native.nq)), rng.uniform(-1, 1, (11, native.nv)), native.setup()
+    for name, given in {"mass": (q,), "force": (0.5, q, v), "accel": (0.5, q, v), "energy": (q, v)}.items():
+        batch = getattr(native, f"{name}_batch")(*given, k)
+        for b, row in enumerate(batch):
+            single = getattr(native, name)(*(x if isinstance(x, float) else x[b] for x in given), k)
+            assert row.tobytes() == single.tobytes(), name
 
 
 def test_bodies_with_few_integrals_keep_straight_line_code() -> None:

@@ -8,7 +8,7 @@ rows beside each other, first their constant terms, then their factors of one el
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import count
 
@@ -18,7 +18,7 @@ from derive.backends.c.signatures import signature
 from derive.backends.source_map import SourceLine, plain
 from derive.backends.wrapping import comment
 from derive.ir.expansion import expand
-from derive.ir.expressions import Element, Operation, Operator, ScalarRef
+from derive.ir.expressions import Element, Expr, Operation, Operator, ScalarRef
 from derive.ir.indices import LANE, LANES, ElementIndex, IndexTerm, constant, variable
 from derive.ir.linear_forms import FormValues, LinearParts, Row, Window, linear_parts, linear_rows
 from derive.ir.loop_nests import START, Accumulator, Alias, Assign, For, Local, LoopKind, Node
@@ -128,14 +128,28 @@ class SumCall:
         views = (Alias(name, array, constant(first)) for name, array, first in self._places)
         return (*views, *self.table.nodes(constant(self.count)))
 
+    def row_by_row(self) -> For:
+        """What the call does, with the operations of a row in one statement, as loops over states need them."""
+        (rows, place), (x, first), (sums, start) = ((array, element) for _, array, element in self._places)
+        row = ElementIndex(place, (IndexTerm(self.table.block, "i"), IndexTerm(1, "r")))
+        total: Expr = Element(rows, row)
+        for j in range(self.table.columns):
+            factor = Element(rows, row.plus(TOGETHER * (j + 1)))
+            product = Operation(Operator.MUL, (factor, Element(x, constant(first + j))))
+            total = Operation(Operator.ADD, (total, product))
+        target = Element(sums, ElementIndex(start, (IndexTerm(TOGETHER, "i"), IndexTerm(1, "r"))))
+        inner = For("r", START, constant(TOGETHER), (Assign(target, total),))
+        return For("i", START, constant(self.count), (inner,))
+
 
 @dataclass(frozen=True)
 class KernelSums:
     """A kernel without its linear forms, and the calls at its beginning that compute their values.
 
-    arrays: the names and the sizes of the arrays of these values.
+    kernel: the kernel with the constant arrays of the tables; arrays: the names and the sizes of the arrays of values.
     """
 
+    kernel: Kernel
     parts: LinearParts
     calls: tuple[SumCall, ...]
     arrays: tuple[tuple[str, int], ...]
@@ -146,11 +160,11 @@ class KernelSums:
         declared = declarations(f"{name}[{size}]" for name, size in self.arrays)
         return plain(*declared, *(call.line for call in self.calls))
 
-    def nodes(self) -> Iterator[Node]:
+    def nodes(self, row_by_row: bool = False) -> Iterator[Node]:
         """The kernel as plain statements; it reads the arrays of the tables."""
         yield from (Local(name, size) for name, size in self.arrays)
         for call in self.calls:
-            yield from call.nodes()
+            yield from (call.row_by_row(),) if row_by_row else call.nodes()
         for section in self.parts.sections:
             for _, statement in section:
                 yield from expand(statement)
@@ -164,10 +178,13 @@ class LinearSums:
     kernels: Mapping[str, KernelSums]
 
 
+NO_SUMS = LinearSums((), {})
+
+
 def linear_sums(model: Model) -> LinearSums:
     """The sums of the kernels of a scene in space in straight-line code; other models have none."""
     if model.lowering != "flat" or not model.in_space:
-        return LinearSums((), {})
+        return NO_SUMS
     kernels = [kernel for kernel in model.kernels if kernel.name != "setup"]
     wanted = {kernel.name: linear_rows(kernel) for kernel in kernels}
     numbers: dict[int, dict[Row, int]] = {}
@@ -208,7 +225,9 @@ def _kernel_sums(
             SumCall(tables[window.count], first, length, window, name, TOGETHER * order[first])
             for first, length in _runs(blocks)
         ]
-    return KernelSums(linear_parts(kernel, values), tuple(calls), tuple(arrays))
+    constants = (tables[columns].array for columns in dict.fromkeys(window.count for window in windows))
+    reading = replace(kernel, constants=(*kernel.constants, *constants))
+    return KernelSums(reading, linear_parts(kernel, values), tuple(calls), tuple(arrays))
 
 
 def _runs(numbers: Iterable[int]) -> Iterator[tuple[int, int]]:

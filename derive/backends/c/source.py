@@ -102,7 +102,7 @@ def _template_values(model: Model, fingerprint: str, sums: LinearSums) -> dict[s
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
     names = composed_names(model) if model.lowering == "instances" else None
-    blocks = batch_blocks(model)
+    blocks = batch_blocks(model, sums)
     checked = [f"{name}_batch" for name in blocks if model.kernel(name).checked]
     return {
         "model": model,
