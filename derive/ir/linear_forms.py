@@ -120,7 +120,10 @@ def linear_rows(kernel: Kernel) -> dict[Window, tuple[Row, ...]]:
     for form in forms:
         row, known = form.row(windows[form.window]), rows[windows[form.window]]
         known.setdefault(row.opposite() if row.negative else row, len(known))
-    every = {str(n): FormValues(str(n), window, of) for n, (window, of) in enumerate(rows.items())}
+    enough = {window: of for window, of in rows.items() if len(of) >= FEWEST_ROWS}
+    if not enough:
+        return {}
+    every = {str(n): FormValues(str(n), window, of) for n, (window, of) in enumerate(enough.items())}
     parts = linear_parts(kernel, tuple(every.values()))
     read: dict[str, set[int]] = defaultdict(set)
     for statement in (statement for section in parts.sections for _, statement in section):
