@@ -1,7 +1,8 @@
-"""The generalised-alpha method in space: its order, its damping, quaternions and constraints that hold, its formulas."""
+"""The generalised-alpha method in space: its order, damping, quaternions and constraints that hold, its formulas."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from scipy.optimize import fsolve
 from scipy.spatial.transform import Rotation
 from test_space_modes import HANGING as HANGING_BODY
 from test_space_motions import KEPT, NUTATING, top_scene
+from toolchain import run
 
 import derive
 from conftest import ROOT
@@ -24,7 +26,6 @@ from derive.simulation.compiled_scene import constraint_matrix, mass_matrix
 from derive.simulation.scene_start import state_of
 from derive.spec.model.specification import AnyScene
 from derive.spec.toml.read import parse
-from toolchain import run
 
 EXACT = 1e-13
 """The tolerance of Newton's method: rounding errors of its steps would otherwise hide the order of the method."""
@@ -131,40 +132,52 @@ def test_quaternions_and_constraints_after_many_steps() -> None:
     assert max(np.abs(native.constraints(0.0, q, k)).max() for q in found.q) < EXACT
 
 
-def test_its_formulas_are_those_of_a_lie_group() -> None:
-    """The C code against a transcription that has no Newton matrix: solved by differences, rotations by SciPy."""
-    scene, host = host_of(TOP)
-    native, state, steps, h, rho = host.native, state_of(scene, host.native), 12, 5e-3, 0.7
-    k = native.setup()
-    found = host.run(state.q, state.v, step=h, steps=steps, rho=rho, tolerance=EXACT, consistent=0.0)
-    alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
-    gamma = 0.5 + alpha_f - alpha_m
-    beta = (gamma + 0.5) ** 2 / 4
-    q, v = state.q, state.v
-    vdot, lam = native.solve(0.0, q, v, k)
-    a = vdot
-    for step in range(steps):
+@dataclass(frozen=True)
+class LieGroupStep:
+    """A step of a free rigid body with constraints: q (7,), v (6,), vdot (6,), lambda, and the auxiliary a (6,)."""
 
-        def after(unknown: Vector) -> tuple[Vector, Vector, Vector]:
-            new = ((1 - alpha_f) * unknown[:6] + alpha_f * vdot - alpha_m * a) / (1 - alpha_m)
-            x = h * v + h * h * ((0.5 - beta) * a + beta * new)
-            turned = Rotation.from_quat(q[3:], scalar_first=True) * Rotation.from_rotvec(x[3:])
-            moved = np.concatenate([q[:3] + x[:3], turned.as_quat(scalar_first=True)])
-            return moved, v + h * ((1 - gamma) * a + gamma * new), new
+    q: Vector
+    v: Vector
+    vdot: Vector
+    lam: Vector
+    a: Vector
+
+    def next(self, native: NativeScene, h: float, rho: float) -> LieGroupStep:
+        """The next step, of length h (s), by the formulas of Bruels and Cardona, solved by differences."""
+        k = native.setup()
+        alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
+        gamma = 0.5 + alpha_f - alpha_m
+        beta = (gamma + 0.5) ** 2 / 4
+
+        def after(unknown: Vector) -> LieGroupStep:
+            vdot, lam = unknown[:6], unknown[6:]
+            a = ((1 - alpha_f) * vdot + alpha_f * self.vdot - alpha_m * self.a) / (1 - alpha_m)
+            x = h * self.v + h * h * ((0.5 - beta) * self.a + beta * a)
+            turned = Rotation.from_quat(self.q[3:], scalar_first=True) * Rotation.from_rotvec(x[3:])
+            q = np.concatenate([self.q[:3] + x[:3], turned.as_quat(scalar_first=True)])
+            return LieGroupStep(q, self.v + h * ((1 - gamma) * self.a + gamma * a), vdot, lam, a)
 
         def missed(unknown: Vector) -> Vector:
-            moved, faster, _ = after(unknown)
-            M, G = mass_matrix(native, moved, k), constraint_matrix(native, 0.0, moved, k)
-            balance = M @ unknown[:6] + native.force(0.0, moved, faster, k) - G.T @ unknown[6:]
-            return np.concatenate([balance, native.constraints(0.0, moved, k) / h**2])
+            to = after(unknown)
+            M, G = mass_matrix(native, to.q, k), constraint_matrix(native, 0.0, to.q, k)
+            balance = M @ to.vdot + native.force(0.0, to.q, to.v, k) - G.T @ to.lam
+            return np.concatenate([balance, native.constraints(0.0, to.q, k) / h**2])
 
-        solution = fsolve(missed, np.concatenate([vdot, lam]), xtol=1e-10)
-        q, v, a = after(solution)
-        vdot, lam = solution[:6], solution[6:]
-        row = found.q[step + 1]
-        assert np.abs(q * np.sign(q[3]) - row * np.sign(row[3])).max() < 1e-9
-        assert np.abs(v - found.v[step + 1]).max() < 1e-7
-        assert np.abs(lam - found.lam[step + 1]).max() < 1e-6 * np.abs(lam).max()
+        return after(fsolve(missed, np.concatenate([self.vdot, self.lam]), xtol=1e-10))
+
+
+def test_its_formulas_are_those_of_a_lie_group() -> None:
+    """The C code against a transcription without a Newton matrix, whose rotations are those of SciPy."""
+    scene, host = host_of(TOP)
+    native, state, h, rho = host.native, state_of(scene, host.native), 5e-3, 0.7
+    found = host.run(state.q, state.v, step=h, steps=12, rho=rho, tolerance=EXACT, consistent=0.0)
+    vdot, lam = native.solve(0.0, state.q, state.v, native.setup())
+    step = LieGroupStep(state.q, state.v, vdot, lam, vdot)
+    for q, v, lam in zip(found.q[1:], found.v[1:], found.lam[1:], strict=True):
+        step = step.next(native, h, rho)
+        assert np.abs(step.q * np.sign(step.q[3]) - q * np.sign(q[3])).max() < 1e-9
+        assert np.abs(step.v - v).max() < 1e-7
+        assert np.abs(step.lam - lam).max() < 1e-6 * np.abs(lam).max()
 
 
 def test_the_program_in_c_takes_the_same_steps(tmp_path: Path) -> None:
