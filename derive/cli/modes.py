@@ -90,9 +90,10 @@ def _text(result: Modes, count: int) -> list[str]:
     if result.zero_eigenvalues:
         lines.append(f"  {result.zero_eigenvalues} eigenvalues are zero: motions without stiffness")
     if growing := [str(i) for i, mode in enumerate(result.modes, 1) if _grows(mode)]:
-        state = "the coefficients of this instant let" if result.speed else "warning: the state is unstable;"
+        passing = bool(result.speed) and result.steady is None
+        state = "the coefficients of this instant let" if passing else "warning: the state is unstable;"
         several = len(growing) > 1
-        verb = "grow" if several or result.speed else "grows"
+        verb = "grow" if several or passing else "grows"
         lines.append(f"  {state} mode{'s' if several else ''} {', '.join(growing)} {verb}")
     if len(shown) < len(result.modes):
         lines.append(f"  ... the first {len(shown)} of {len(result.modes)} modes; --count N or --json prints more")
@@ -114,6 +115,9 @@ def _state(result: Modes) -> str:
     if (balance := result.equilibrium) is not None:
         loads = f"; out-of-balance force {magnitude(balance.residual)} of loads up to {balance.load:.3g}"
         return f"the static equilibrium, {balance.stability.value}{loads if balance.load else ''}"
+    if result.steady is not None:
+        axes = ", in axes that rotate with it" if result.steady.spin else ""
+        return f"the {result.steady}{axes}"
     at = f"the state at t = {result.linear.t:g} s"
     if not result.speed and not result.acceleration:
         return f"{at}, at rest"

@@ -46,6 +46,7 @@ def modes_data(modes: Modes) -> dict[str, Any]:
         "v": linear.v.tolist(),
         "vdot": linear.vdot.tolist(),
         "equilibrium": modes.equilibrium is not None,
+        "steady": None if modes.steady is None else {"motion": modes.steady.text, "spin": modes.steady.spin},
         "functions_of_time": list(modes.functions_of_time),
         "coordinates": list(modes.native.coordinates),
         "zero_eigenvalues": modes.zero_eigenvalues,
