@@ -50,7 +50,7 @@ class SteadyMotion:
     """A state q (nq,), v (nv,) at t = 0 of a motion that is steady in axes that rotate at `spin` (rad/s).
 
     axes (nv, nv): the matrix that takes velocities which are constant in these axes to their time derivatives. text:
-    the motion of the axes in words.
+    the motion of the axes in words. rotation (3,): their angular velocity in space, rad/s; None in the plane.
     """
 
     q: Vector
@@ -58,6 +58,7 @@ class SteadyMotion:
     spin: float
     axes: Matrix
     text: str
+    rotation: Vector | None = None
 
     def __str__(self) -> str:
         """The motion in words."""

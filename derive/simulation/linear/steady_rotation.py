@@ -51,7 +51,7 @@ def steady_rotation(native: NativeScene, k: Vector, q: Vector, field: RotatingFi
             f"{angle:.2g} rad; give bodies a start nearer to it"
         )
     _check_steady(native, k, found, field)
-    return SteadyMotion(found, field.velocities(found), field.spin, field.axes, field.text(size))
+    return SteadyMotion(found, field.velocities(found), field.spin, field.axes, field.text(size), field.rotation)
 
 
 @dataclass(frozen=True, eq=False)

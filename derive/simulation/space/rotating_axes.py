@@ -41,13 +41,13 @@ def rotating_axes_of(
 ) -> RotatingField:
     """The field of the steady rotation that has the velocities which a scene gives, in a configuration on its joints.
 
-    rates: the targets of velocities. v (nv,): the velocities of the initial state, whose angular momentum is the axis
-    about which free bodies that spin precess. Raises NoSteadyMotion with what the best rotation misses.
+    rates: the targets of velocities. v (nv,): the velocities of the initial state, from which what is not given comes; its
+    angular momentum is the axis about which free bodies that spin precess. Raises NoSteadyMotion with what the best rotation misses.
     """
     native, found, first = poses.native, [], None
     for spins, basis in _candidates(scene, poses, v):
         fit = _Fit(scene, poses, spins)
-        field, missed, what = fit.field(basis, rates)
+        field, missed, what = fit.field(basis, rates, v)
         first = first or (missed, what)
         if missed <= MET * max(1.0, max_norm(field.velocities(poses.q))):
             if balance(native, poses.k, poses.q, field).rest <= STEADY:
@@ -168,8 +168,11 @@ class _Fit:
         """What motions of the axes (6 + spins, n) miss of joints and of bodies that have coordinates."""
         return np.vstack([self.residual[self.moving] @ y, self.joints @ y])
 
-    def field(self, basis: Matrix, rates: Sequence[SpatialTarget]) -> tuple[RotatingField, float, str]:
-        """The best motion of the axes in a basis, with the largest miss and what misses it."""
+    def field(self, basis: Matrix, rates: Sequence[SpatialTarget], v: Vector) -> tuple[RotatingField, float, str]:
+        """The best motion of the axes in a basis, with the largest miss and what misses it.
+
+        Joints come first, then rates that are given and guessed, bodies that drives carry, and the velocities v (nv,).
+        """
         native, poses = self.poses.native, self.poses
         names = [f"body {native.bodies[i // 6]}" for i in np.flatnonzero(self.moving)]
         names += list(native.multipliers)
@@ -183,6 +186,7 @@ class _Fit:
                 demands.append((rows @ self.A @ basis, -values - rows @ self.b, paths))
         carried = ~self.moving
         demands.append((self.residual[carried] @ basis, -self.offset[carried], []))
+        demands.append((self.A @ basis, v - self.b, []))
         z, free = np.zeros(basis.shape[1]), np.eye(basis.shape[1])
         for rows, values, _ in demands:
             z, free = _nearest(rows, values, z, free)
