@@ -86,9 +86,10 @@ def _text(result: Modes, count: int) -> list[str]:
     if shown:
         rows = [["mode", "frequency, Hz", "damping ratio", "eigenvalue, 1/s"]]
         rows += [[str(i), *_mode(mode)] for i, mode in enumerate(shown, 1)]
-        if (circling := whirls(result)) is not None:
+        circling = (whirls(result) or ())[: len(shown)]
+        if any(whirl is not None for whirl in circling):
             rows[0].append("whirl, Hz")
-            for row, whirl in zip(rows[1:], circling, strict=False):
+            for row, whirl in zip(rows[1:], circling, strict=True):
                 row.append("" if whirl is None else f"{'forward' if whirl > 0 else 'backward'} {abs(whirl):.6g}")
         lines += table(rows)
     else:

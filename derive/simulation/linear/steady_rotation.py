@@ -117,7 +117,7 @@ def _check_steady(native: NativeScene, k: Vector, q: Vector, field: RotatingFiel
     rate = 1.0 + max(field.rates, default=0.0)
 
     def accelerations(t: float, x: float) -> Vector:
-        """Those at the time t of the state that is displaced by x and has rotated along since then."""
+        """The accelerations at the time t of the state that is displaced by x and has rotated along since then."""
         beside = displaced(native, q, x * aside)
         return _accelerations(native, k, t, field.later(beside, t), field.carried(v + x * rate * faster, t))
 

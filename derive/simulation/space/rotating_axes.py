@@ -41,8 +41,9 @@ def rotating_axes_of(
 ) -> RotatingField:
     """The field of the steady rotation that has the velocities which a scene gives, in a configuration on its joints.
 
-    rates: the targets of velocities. v (nv,): the velocities of the initial state, from which what is not given comes; its
-    angular momentum is the axis about which free bodies that spin precess. Raises NoSteadyMotion with what the best rotation misses.
+    rates: the targets of velocities. v (nv,): the velocities of the initial state, from which values come that are not
+    given; about its angular momentum free bodies that spin precess. Raises NoSteadyMotion with what the best rotation
+    misses.
     """
     native, found, first = poses.native, [], None
     for spins, basis in _candidates(scene, poses, v):
@@ -165,7 +166,7 @@ class _Fit:
         self.joints, self.of_joints = G @ self.A, G @ self.b + at_rest
 
     def unmet(self, y: Matrix) -> Matrix:
-        """What motions of the axes (6 + spins, n) miss of joints and of bodies that have coordinates."""
+        """The deviations of motions of the axes (6 + spins, n) from those of joints, and of bodies with coordinates."""
         return np.vstack([self.residual[self.moving] @ y, self.joints @ y])
 
     def field(self, basis: Matrix, rates: Sequence[SpatialTarget], v: Vector) -> tuple[RotatingField, float, str]:
