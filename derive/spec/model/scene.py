@@ -279,8 +279,8 @@ class Scene:
             KeyType.CHOICE,
             '"equilibrium": the motion begins in the static equilibrium, computed with the loads and drives at t = 0; '
             "initial positions of bodies and joints are then its first guess. "
-            '"steady": it begins in a steady motion, at rest in axes that rotate at a constant speed or translate; initial '
-            "velocities and drives determine which.",
+            '"steady": it begins in a steady motion, at rest in axes that rotate at a constant speed or translate; '
+            "initial velocities and drives determine which.",
             choice_of="the start of a scene",
         ),
     ] = None
