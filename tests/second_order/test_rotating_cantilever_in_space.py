@@ -51,7 +51,7 @@ speed = { symbol = "mu", unit = "rad/s", default = 2 }
 
 
 def beam(path: Path) -> None:
-    """Write a beam of unit length, mass and bending stiffness along x, clamped at x = 0; lag is along y, flap along z."""
+    """Write a beam of unit length, mass and stiffness along x, clamped at x = 0; lag is along y, flap along z."""
     nodes, weights = np.polynomial.legendre.leggauss(POINTS)
     x, weights = np.concatenate([[0.0], (nodes + 1) / 2]), np.concatenate([[0.0], weights / 2])
     corners = SIDE * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)])
