@@ -39,6 +39,8 @@ TITLES = {
     "DampingTable": "Damping of a finite-element body",
     "SpatialForceTable": "`[forces.NAME]` in space",
     "SpatialTorqueTable": "`[torques.NAME]` in space",
+    "SpatialJointForceTable": "`[forces.NAME]` in a joint in space",
+    "SpatialJointTorqueTable": "`[torques.NAME]` in a joint in space",
     "SpatialSpringTable": "`[springs.NAME]` in space",
     "SpatialBushingTable": "`[springs.NAME]`, a bushing in space",
     "SpatialOutputTable": "`[outputs.NAME]` in space",

@@ -105,8 +105,25 @@ def _loads(draft: SpatialDraft, at: list[str]) -> None:
         if others and draws.chance(0.5):
             table["against"] = draws.choice(others)
         draft.section("torques")[draft.name("torques")] = table
+    _in_joints(draft, force)
     for _ in range(draws.choice([0, 1, 1, 2])):
         _spring(draft, at, force)
+
+
+def _in_joints(draft: SpatialDraft, force: float) -> None:
+    """A force or a torque along or about the axis of a joint, or of several."""
+    sections = (("forces", Freedom.DISPLACEMENT, force, "N"), ("torques", Freedom.ROTATION, 0.1 * force, "N m"))
+    for section, motion, size, unit in sections:
+        for name, joint in draft.tables.get("joints", {}).items():  # type: ignore[attr-defined]
+            if _leaves(joint, motion) and draft.draws.chance(0.2):
+                load = {"joint": name, "value": _input_or_function(draft, size, unit)}
+                draft.section(section)[draft.name(section)] = load
+
+
+def _leaves(joint: Table, motion: Freedom) -> bool:
+    """Whether the bodies of a joint may move along, or turn about, its z axis."""
+    of = SPATIAL_JOINTS[joint["kind"]]
+    return of.leaves(tuple(joint["removes"]) if of.removes is None else of.removes, motion)
 
 
 def _spring(draft: SpatialDraft, at: list[str], force: float) -> None:
@@ -146,8 +163,19 @@ def _outputs(draft: SpatialDraft, at: list[str]) -> None:
         table: Table = {"kind": kind}
         for key in SPATIAL_OUTPUTS[kind].keys:
             free = [name for name in joints if kind == "reaction" or _has_coordinate(joints[name])]  # type: ignore[index]
-            turning = [marker for marker in at if _turns(draft, marker) or kind != "angular_velocity"]
-            options = {KeyType.MARKER: turning, KeyType.JOINT: free, KeyType.MARKER_PAIR: at}[key.type]
+            turning = [marker for marker in at if _turns(draft, marker) or not kind.startswith("angular_")]
+            sections = {
+                KeyType.DRIVE: ("drives",),
+                KeyType.SPRING: ("springs",),
+                KeyType.JOINT_LOAD: ("forces", "torques"),
+            }
+            named = [
+                name
+                for section in sections.get(key.type, ())
+                for name, of in draft.tables.get(section, {}).items()  # type: ignore[attr-defined]
+                if key.type is not KeyType.JOINT_LOAD or "joint" in of
+            ]
+            options = {KeyType.MARKER: turning, KeyType.JOINT: free, KeyType.MARKER_PAIR: at}.get(key.type, named)
             if key.type is KeyType.MARKER_PAIR:
                 bodies = {marker.split(".")[0]: marker for marker in at}
                 options = [[*bodies.values()][:2]] if len(bodies) > 1 else []

@@ -268,10 +268,18 @@ class SpaceKinematics:
 
     def acted_on(self) -> list[str]:
         """The markers at which forces and torques act, with repetitions, in the order of `frames`."""
-        forces = [table["at"] for table in self.scene.get("forces", {}).values()]
+        forces = [table["at"] for table in self.scene.get("forces", {}).values() if "joint" not in table]
         for table in self.scene.get("torques", {}).values():
             forces += [table[key] for key in ("at", "on", "against") if key in table]
+        for _, table in self.in_joints():
+            forces += self.joints[table["joint"]]["between"]
         return forces
+
+    def in_joints(self) -> list[tuple[str, Table]]:
+        """The forces and torques in joints, with their sections."""
+        sections = ("forces", "torques")
+        every = [(section, table) for section in sections for table in self.scene.get(section, {}).values()]
+        return [(section, table) for section, table in every if "joint" in table]
 
     def spring_motions(self, state: SpaceState, poses: Mapping[str, Pose]) -> list[Decimal]:
         """Lengths, rotations, and relative displacements along which springs act, in the order of `elements`."""

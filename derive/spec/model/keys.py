@@ -46,6 +46,7 @@ class KeyType(Enum):
     JOINT_PAIR = "the names of two joints"
     DRIVE = "the name of a drive"
     SPRING = "the name of a spring"
+    JOINT_LOAD = "the name of a force or a torque in a joint"
     BEAM = "the name of a beam"
     CHOICE = "one of several words"
     TEXT = "the name of a file or of a column"

@@ -374,8 +374,40 @@ class SpatialSpring:
         return (self.first, self.second)
 
 
-SpatialAction = SpatialForce | SpatialTorque | SpatialSpring
-"""Actions at markers in space."""
+@dataclass(frozen=True)
+class SpatialJointForce:
+    """A force in a joint: along z of its first marker on the second body, and its reaction on the first one."""
+
+    name: str
+    joint: Annotated[
+        str, key(KeyType.JOINT, "Joint whose bodies may move along z of its first marker.", example='"guide"')
+    ]
+    value: Annotated[
+        TimeFunction,
+        key(KeyType.FUNCTION, "Force on the second body, N: a number, or a function of t.", "N", example="10"),
+    ]
+    kind: ClassVar[str] = "force"
+
+
+@dataclass(frozen=True)
+class SpatialJointTorque:
+    """A torque in a joint: about z of its first marker on the second body, and its reaction on the first one."""
+
+    name: str
+    joint: Annotated[
+        str, key(KeyType.JOINT, "Joint whose bodies may turn about z of its first marker.", example='"hinge"')
+    ]
+    value: Annotated[
+        TimeFunction,
+        key(KeyType.FUNCTION, "Torque on the second body, N m: a number, or a function of t.", "N m", example="1.5"),
+    ]
+    kind: ClassVar[str] = "torque"
+
+
+SpatialJointLoad = SpatialJointForce | SpatialJointTorque
+"""Loads along or about the axis of a joint."""
+SpatialAction = SpatialForce | SpatialTorque | SpatialSpring | SpatialJointLoad
+"""Actions at markers and in joints in space."""
 
 _OF_SCENE = {key.field: key for key in declared_keys(Scene)}
 
@@ -396,10 +428,12 @@ class SpatialScene:
         tuple[Gear, ...], key(Gear, "Ratios of the motions of two joints by name.", example="[gears.mesh]")
     ] = ()
     forces: Annotated[
-        tuple[SpatialForce, ...], key(SpatialForce, "Forces by name.", example="[forces.load]", default=())
+        tuple[SpatialForce | SpatialJointForce, ...],
+        key(SpatialForce, "Forces by name.", example="[forces.load]", default=()),
     ] = ()
     torques: Annotated[
-        tuple[SpatialTorque, ...], key(SpatialTorque, "Torques by name.", example="[torques.load]", default=())
+        tuple[SpatialTorque | SpatialJointTorque, ...],
+        key(SpatialTorque, "Torques by name.", example="[torques.load]", default=()),
     ] = ()
     springs: Annotated[
         tuple[SpatialSpring, ...],
@@ -412,3 +446,10 @@ class SpatialScene:
     inputs: Annotated[tuple[SceneInput, ...], _OF_SCENE["inputs"]] = ()
     outputs: Annotated[tuple[SceneOutput, ...], _OF_SCENE["outputs"]] = ()
     lowering: Annotated[SceneLowering, _OF_SCENE["lowering"]] = "auto"
+
+    def markers_of(self, action: SpatialAction) -> tuple[MarkerRef, ...]:
+        """The markers at which an action acts: its own, or those of its joint."""
+        if isinstance(action, SpatialJointLoad):
+            (joint,) = (joint for joint in self.joints if joint.name == action.joint)
+            return (joint.first, joint.second)
+        return action.markers

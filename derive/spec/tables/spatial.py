@@ -30,6 +30,8 @@ from derive.spec.model.spatial_scene import (
     SpatialForce,
     SpatialInitialValues,
     SpatialJoint,
+    SpatialJointForce,
+    SpatialJointTorque,
     SpatialRigidBody,
     SpatialScene,
     SpatialSpring,
@@ -178,8 +180,22 @@ def _joint(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SpatialJ
 
 
 declare(Gear, "GearTable", keys=(*declared_keys(Gear), COUNT))
-declare(SpatialForce, "SpatialForceTable", keys=(*declared_keys(SpatialForce), COUNT))
-declare(SpatialTorque, "SpatialTorqueTable", keys=(*declared_keys(SpatialTorque), COUNT))
+
+
+def _at_marker_or_in_joint(at_marker: type, in_joint: type) -> DeclaredTable:
+    """The table of a load at a marker, or of one in a joint, which has the key `joint`."""
+    own, of_joint = (
+        declare(of, f"{of.__name__}Table", keys=(*declared_keys(of), COUNT)) for of in (at_marker, in_joint)
+    )
+    return DeclaredTable(own.model, one_of(_kind_of_load, marker=own.value, joint=of_joint.value))
+
+
+def _kind_of_load(value: Any) -> str:
+    return "joint" if isinstance(value, Mapping) and "joint" in value else "marker"
+
+
+SPATIAL_FORCE = _at_marker_or_in_joint(SpatialForce, SpatialJointForce)
+SPATIAL_TORQUE = _at_marker_or_in_joint(SpatialTorque, SpatialJointTorque)
 
 
 def spatial_spring_table() -> DeclaredTable:
@@ -228,6 +244,8 @@ def spatial_specification_table() -> type[TomlTable]:
     return _spatial_specification_table(
         (
             (SpatialJoint, spatial_joint_table()),
+            (SpatialForce, SPATIAL_FORCE),
+            (SpatialTorque, SPATIAL_TORQUE),
             (SpatialSpring, spatial_spring_table()),
             (SceneOutput, spatial_output_table()),
             (Plot, PLOT),

@@ -238,6 +238,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.JOINT_PAIR: _pair(_name_of, ('"sun"', '"planet"'), "joints"),
     KeyType.DRIVE: _name_of,
     KeyType.SPRING: _name_of,
+    KeyType.JOINT_LOAD: _name_of,
     KeyType.BEAM: _name_of,
     KeyType.TEXT: _text,
     KeyType.UNIT: Unit,

@@ -17,7 +17,15 @@ from derive.mechanics.time_functions import Atan2
 from derive.registry import Registry
 from derive.spec.model.keys import Key, KeyType, value_keys
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.spatial_scene import SpatialAction, SpatialForce, SpatialSpring, SpatialTorque
+from derive.spec.model.spatial_scene import (
+    SpatialAction,
+    SpatialForce,
+    SpatialJointForce,
+    SpatialJointLoad,
+    SpatialJointTorque,
+    SpatialSpring,
+    SpatialTorque,
+)
 
 
 @dataclass(frozen=True)
@@ -33,14 +41,22 @@ class MarkerLoad:
 class ActionLoads:
     """The loads of a force, a torque or a spring, and the definitions in them.
 
-    `potential` (J) is the energy it stores, if any; `dissipation` (W, not positive) the power it takes away from it.
+    `value` (N or N m) is that of a load in a joint; `potential` (J) is the energy it stores, if any; `dissipation` (W,
+    not positive) the power it takes away from it.
     """
 
-    name: str
+    element: SpatialAction
     loads: tuple[MarkerLoad, ...]
     definitions: tuple[Intermediate, ...] = ()
     potential: sp.Expr = sp.S.Zero
     dissipation: sp.Expr = sp.S.Zero
+    value: sp.Expr = sp.S.Zero
+
+    @property
+    def name(self) -> str:
+        """The name of its terms."""
+        noun = "spring" if isinstance(self.element, SpatialSpring) else self.element.kind
+        return f"{noun} {self.element.name}"
 
     def terms(self, at: Callable[[MarkerRef], FrameMotion], rows: tuple[EquationOfMotion, ...]) -> tuple[Term, ...]:
         """The virtual work of the loads on the rows of a mechanism, on the left-hand side."""
@@ -53,6 +69,8 @@ class ActionLoads:
 
 
 Values = Mapping[str, Any]
+Markers = tuple[MarkerRef, ...]
+Frames = tuple[FrameMotion, ...]
 NONE = sp.zeros(3, 1)
 
 
@@ -82,7 +100,7 @@ def force_loads(force: SpatialForce, frames: tuple[FrameMotion, ...], values: Va
     given = name.vector("", values["force"], "component")
     vector = sp.Matrix(frames[0].axes) * given if force.frame == "body" else given
     load = MarkerLoad(force.at, name.vector("inertial", vector, "force"), NONE)
-    return ActionLoads(f"force {force.name}", (load,), tuple(name.made))
+    return ActionLoads(force, (load,), tuple(name.made))
 
 
 def torque_loads(torque: SpatialTorque, frames: tuple[FrameMotion, ...], values: Values) -> ActionLoads:
@@ -94,7 +112,18 @@ def torque_loads(torque: SpatialTorque, frames: tuple[FrameMotion, ...], values:
     loads = [MarkerLoad(torque.on, NONE, vector)]
     if torque.against is not None:
         loads.append(MarkerLoad(torque.against, NONE, -vector))
-    return ActionLoads(f"torque {torque.name}", tuple(loads), tuple(name.made))
+    return ActionLoads(torque, tuple(loads), tuple(name.made))
+
+
+def joint_load_loads(load: SpatialJointLoad, markers: Markers, frames: Frames, values: Values) -> ActionLoads:
+    """The force along, or the torque about, z of the first marker of a joint on the second one, and its reaction."""
+    name = _Definitions(load.name, f"{load.kind} {load.name}")
+    value = name("value", values["value"], "value")
+    vector = name.vector("inertial", frames[0].axes[:, 2] * value, load.kind)
+    pairs = [(vector, NONE) if isinstance(load, SpatialJointForce) else (NONE, vector)]
+    pairs.append((-pairs[0][0], -pairs[0][1]))
+    loads = tuple(MarkerLoad(marker, *pair) for marker, pair in zip(reversed(markers), pairs, strict=True))
+    return ActionLoads(load, loads, tuple(name.made), value=value)
 
 
 # ---- springs ----
@@ -119,7 +148,7 @@ def _linear(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: Valu
     pull = over_length * apart
     loads = (MarkerLoad(spring.second, -pull, NONE), MarkerLoad(spring.first, pull, NONE))
     potential = values["stiffness"] * extension**2 / 2
-    return ActionLoads(f"spring {spring.name}", loads, tuple(name.made), potential, dissipation)
+    return ActionLoads(spring, loads, tuple(name.made), potential, dissipation)
 
 
 _ACROSS, _ALONG = (
@@ -163,7 +192,7 @@ def _rotational(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: 
         MarkerLoad(spring.second, NONE, name.vector("m2", sp.Matrix(m2), "torque on the second marker")),
     )
     potential = values["stiffness"] * extension**2 / 2
-    return ActionLoads(f"spring {spring.name}", loads, tuple(name.made), potential, dissipation)
+    return ActionLoads(spring, loads, tuple(name.made), potential, dissipation)
 
 
 def _axial(i: int, j: int) -> sp.Expr:
@@ -207,7 +236,7 @@ def _bushing(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: Val
     f1, m1, f2, m2 = (name.vector(label, total, label) for label, total in zip(labels, totals, strict=True))
     loads = (MarkerLoad(spring.first, f1, m1), MarkerLoad(spring.second, f2, m2))
     potential, power = _quadratic(K, moved) / 2, _quadratic(C, rate)
-    return ActionLoads(f"spring {spring.name}", loads, tuple(name.made), potential, -power)
+    return ActionLoads(spring, loads, tuple(name.made), potential, -power)
 
 
 def _quadratic(matrix: sp.Matrix, x: Sequence[sp.Expr]) -> sp.Expr:
@@ -284,13 +313,15 @@ def specified(action: SpatialAction) -> Mapping[str, Any]:
             return {key.name: getattr(action, key.field) for key in value_keys(type(action))}
 
 
-def loads_of(action: SpatialAction, frames: tuple[FrameMotion, ...], values: Values) -> ActionLoads:
-    """The loads of a force, a torque or a spring, whose keys have these values as expressions."""
+def loads_of(action: SpatialAction, markers: Markers, frames: Frames, values: Values) -> ActionLoads:
+    """The loads of a force, a torque or a spring at markers, whose keys have these values as expressions."""
     match action:
         case SpatialForce():
             return force_loads(action, frames, values)
         case SpatialTorque():
             return torque_loads(action, frames, values)
+        case SpatialJointForce() | SpatialJointTorque():
+            return joint_load_loads(action, markers, frames, values)
         case SpatialSpring():
             return spring_type(action.kind).loads(action, frames, values)
 

@@ -93,8 +93,12 @@ class SpatialJointType:
 
     def couples(self, removed: tuple[str, ...]) -> Freedom | None:
         """The motion that a gear couples where these are removed: a rotation about z wherever z axes are parallel."""
-        turns = "rz" not in removed and {"rx", "ry"} <= {*removed}
-        return Freedom.ROTATION if turns else self.driven
+        return Freedom.ROTATION if self.leaves(removed, Freedom.ROTATION) else self.driven
+
+    def leaves(self, removed: tuple[str, ...], motion: Freedom) -> bool:
+        """Whether the bodies may move along, or turn about, a common z axis where these motions are removed."""
+        free, across = ("rz", {"rx", "ry"}) if motion is Freedom.ROTATION else ("z", {"x", "y"})
+        return free not in removed and across <= {*removed}
 
 
 _POINT = ("x", "y", "z")

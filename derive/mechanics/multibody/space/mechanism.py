@@ -35,9 +35,10 @@ from derive.spec.model.spatial_scene import SpatialAction, SpatialScene
 
 @dataclass(frozen=True)
 class SpatialActionInstance:
-    """A force, a torque or a spring, with the values of its keys as expressions."""
+    """A force, a torque or a spring, with the markers at which it acts and the values of its keys as expressions."""
 
     element: SpatialAction
+    markers: tuple[MarkerRef, ...]
     values: Mapping[str, Any]
 
 
@@ -91,7 +92,7 @@ class SpatialMechanism(InstancesOfKinds):
         known += [(c.symbol, c.value) for c in chain(*(i.coefficients for i in instances.values()), self.constants)]
         known += [(d.symbol, d.expr) for d in chain(self.definitions, *in_order)]
         refuse_idle(conditions, scene.redundant, known)
-        actions = tuple(loads_of(f.element, tuple(map(at, f.element.markers)), f.values) for f in self.forces)
+        actions = tuple(loads_of(f.element, f.markers, tuple(map(at, f.markers)), f.values) for f in self.forces)
         parts = SpatialParts(
             scene=scene,
             at=at,
@@ -99,6 +100,8 @@ class SpatialMechanism(InstancesOfKinds):
             actions=actions,
             joint_loads=_joint_loads(self, conditions, at),
             supports={j.joint.name: j.own for j in self.eliminated_joints},
+            joints=joints,
+            drive_multipliers={c.shown: c.multiplier for c in conditions if c.shown in {d.name for d in scene.drives}},
             motion=motion,
             gear_loads=tuple(
                 load
