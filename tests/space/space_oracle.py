@@ -64,7 +64,7 @@ class SpaceOracle(SpaceKinematics):
             np.concatenate([x.ravel() for x in points]) if points else zeros(0),
             np.array(list(self.constraints(t, state, poses).values()), dtype=object),
             np.concatenate(frames) if frames else zeros(0),
-            np.array(self.spring_motions(state, poses), dtype=object),
+            np.array(self.spring_motions(t, state, poses), dtype=object),
             np.concatenate([self.frame(m, state, poses)[0] for m in self.all_markers()] or [zeros(0)]),
         )
 

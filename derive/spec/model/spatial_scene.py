@@ -447,6 +447,10 @@ class SpatialScene:
     outputs: Annotated[tuple[SceneOutput, ...], _OF_SCENE["outputs"]] = ()
     lowering: Annotated[SceneLowering, _OF_SCENE["lowering"]] = "auto"
 
+    def joint_between(self, first: MarkerRef, second: MarkerRef) -> SpatialJoint | None:
+        """The joint between two markers, in either order, if there is one."""
+        return next((j for j in self.joints if (first, second) in ((j.first, j.second), (j.second, j.first))), None)
+
     def markers_of(self, action: SpatialAction) -> tuple[MarkerRef, ...]:
         """The markers at which an action acts: its own, or those of its joint."""
         if isinstance(action, SpatialJointLoad):

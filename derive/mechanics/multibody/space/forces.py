@@ -68,6 +68,18 @@ class ActionLoads:
         return tuple(Term(row, self.name, "(10)", -totals[row]) for row in kept)
 
 
+@dataclass(frozen=True)
+class CountedRotation:
+    """The rotation of the second of two markers about z of the first, with all turns, rad.
+
+    rate: its time derivative where z of both markers is one axis in every state. It is None of markers that a
+    constraint keeps on an axis; `angle` is then what whole turns add to the rotation from -pi to pi.
+    """
+
+    angle: sp.Expr
+    rate: sp.Expr | None
+
+
 Values = Mapping[str, Any]
 Markers = tuple[MarkerRef, ...]
 Frames = tuple[FrameMotion, ...]
@@ -129,7 +141,7 @@ def joint_load_loads(load: SpatialJointLoad, markers: Markers, frames: Frames, v
 # ---- springs ----
 
 
-def _linear(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: Values) -> ActionLoads:
+def _linear(spring: SpatialSpring, frames: Frames, values: Values, turns: CountedRotation | None) -> ActionLoads:
     """A tension along the line between the markers."""
     name = _Definitions(spring.name, f"spring {spring.name}")
     first, second = frames
@@ -158,18 +170,20 @@ _ACROSS, _ALONG = (
 """The components of x of the second marker along y and x of the first."""
 
 
-def _rotational(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: Values) -> ActionLoads:
-    """A torque for the rotation of x of the second marker about z of the first, from -pi to pi.
+def _rotational(spring: SpatialSpring, frames: Frames, values: Values, turns: CountedRotation | None) -> ActionLoads:
+    """A torque for the rotation of x of the second marker about z of the first: from -pi to pi, or with all turns.
 
     The torques on both markers are those of a potential, also where their z axes are not parallel.
     """
     name = _Definitions(spring.name, f"spring {spring.name}")
+    if turns is not None and turns.rate is not None:
+        return _about_axis(spring, frames, values, turns.angle, turns.rate)
     first, second = frames
     variables = FIRST.values(first) | SECOND.values(second)
     rows = derived(_ACROSS), derived(_ALONG)
     across = name("across", _ACROSS.g.xreplace(variables), "x of the second marker along y")
     along = name("along", _ALONG.g.xreplace(variables), "x of the second marker along x")
-    turn = name("turn", Atan2(across, along), "rotation")
+    turn = name("turn", Atan2(across, along) + (sp.S.Zero if turns is None else turns.angle), "rotation")
     extension = turn - values["rest"]
     torque, dissipation = values["stiffness"] * extension, sp.S.Zero
     square = name("square", across**2 + along**2, "square of x of the second marker in the plane")
@@ -195,6 +209,17 @@ def _rotational(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: 
     return ActionLoads(spring, loads, tuple(name.made), potential, dissipation)
 
 
+def _about_axis(spring: SpatialSpring, frames: Frames, values: Values, angle: sp.Expr, rate: sp.Expr) -> ActionLoads:
+    """A torque about the common z axis of two markers for a rotation that is known with its rate."""
+    name = _Definitions(spring.name, f"spring {spring.name}")
+    extension = angle - values["rest"]
+    torque = name("torque", values["stiffness"] * extension + values["damping"] * rate, "torque")
+    vector = name.vector("inertial", frames[0].axes[:, 2] * torque, "torque on the first marker")
+    loads = (MarkerLoad(spring.first, NONE, vector), MarkerLoad(spring.second, NONE, -vector))
+    potential, dissipation = values["stiffness"] * extension**2 / 2, -values["damping"] * rate**2
+    return ActionLoads(spring, loads, tuple(name.made), potential, dissipation)
+
+
 def _axial(i: int, j: int) -> sp.Expr:
     """Half the difference of two entries of A1^T A2: for small rotations the rotation about the third axis."""
     return (dot(FIRST.A[:, i], SECOND.A[:, j]) - dot(FIRST.A[:, j], SECOND.A[:, i])) / 2
@@ -210,7 +235,7 @@ BUSHING_ROWS = (
 """The displacements along the axes of the first marker, and the rotations about them, up to third order in these."""
 
 
-def _bushing(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: Values) -> ActionLoads:
+def _bushing(spring: SpatialSpring, frames: Frames, values: Values, turns: CountedRotation | None) -> ActionLoads:
     """Springs with dampers along and about the axes of the first marker; their forces are those of a potential."""
     name = _Definitions(spring.name, f"spring {spring.name}")
     first, second = frames
@@ -249,7 +274,7 @@ class SpatialSpringType:
 
     doc: str
     keys: tuple[Key, ...]
-    loads: Callable[[SpatialSpring, tuple[FrameMotion, ...], Values], ActionLoads]
+    loads: Callable[[SpatialSpring, Frames, Values, CountedRotation | None], ActionLoads]
 
 
 def _keys(force: str, length: str) -> tuple[Key, ...]:
@@ -274,7 +299,12 @@ SPATIAL_SPRINGS: Registry[SpatialSpringType] = Registry(
     "spring in space",
     {
         "linear": SpatialSpringType("along the line between the markers", _keys("N", "m"), _linear),
-        "rotational": SpatialSpringType("about z of the first marker", _keys("N m", "rad"), _rotational),
+        "rotational": SpatialSpringType(
+            "about z of the first marker, between the markers of a joint that counts turns with all of them, else from "
+            "-pi to pi",
+            _keys("N m", "rad"),
+            _rotational,
+        ),
     },
 )
 SPATIAL_BUSHINGS = {
@@ -313,8 +343,13 @@ def specified(action: SpatialAction) -> Mapping[str, Any]:
             return {key.name: getattr(action, key.field) for key in value_keys(type(action))}
 
 
-def loads_of(action: SpatialAction, markers: Markers, frames: Frames, values: Values) -> ActionLoads:
-    """The loads of a force, a torque or a spring at markers, whose keys have these values as expressions."""
+def loads_of(
+    action: SpatialAction, markers: Markers, frames: Frames, values: Values, turns: CountedRotation | None
+) -> ActionLoads:
+    """The loads of a force, a torque or a spring at markers, whose keys have these values as expressions.
+
+    turns: the rotation between the markers of a spring where these are those of a joint that counts turns.
+    """
     match action:
         case SpatialForce():
             return force_loads(action, frames, values)
@@ -323,7 +358,7 @@ def loads_of(action: SpatialAction, markers: Markers, frames: Frames, values: Va
         case SpatialJointForce() | SpatialJointTorque():
             return joint_load_loads(action, markers, frames, values)
         case SpatialSpring():
-            return spring_type(action.kind).loads(action, frames, values)
+            return spring_type(action.kind).loads(action, frames, values, turns)
 
 
 def moved_to(load: MarkerLoad, old: sp.Matrix, new: sp.Matrix) -> tuple[sp.Matrix, sp.Matrix]:
