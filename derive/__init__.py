@@ -20,7 +20,7 @@ The public interface, by stages:
                     Deflection, ReferenceCurve
                     in space: SpatialScene, SpatialRigidBody, FlexibleBody, FrameMarker, NodeFrame, SpatialJoint, Gear,
                     SpatialForce, SpatialTorque, SpatialJointForce, SpatialJointTorque,
-                    SpatialSpring, SpatialInitialValues
+                    SpatialSpring, SpatialInitialValues, SpatialJointInitialValues
                     all: Frame, Marker, Parameter, Simulation; SpatialStart of a body in space
                     registries: JOINTS, BODIES, FORCES, OUTPUTS; CustomJoint, CustomBody, CustomForce
     equations       derive, modal, derive_modal, parameters; ModalBody; Equations of a body, or for a scene a
@@ -116,6 +116,7 @@ if TYPE_CHECKING:
         SpatialInitialValues,
         SpatialJoint,
         SpatialJointForce,
+        SpatialJointInitialValues,
         SpatialJointTorque,
         SpatialRigidBody,
         SpatialScene,
@@ -260,6 +261,7 @@ _MODULES = {
         "SpatialInitialValues",
         "SpatialJoint",
         "SpatialJointForce",
+        "SpatialJointInitialValues",
         "SpatialJointTorque",
         "SpatialRigidBody",
         "SpatialScene",
@@ -348,6 +350,7 @@ __all__ = [
     "SpatialInitialValues",
     "SpatialJoint",
     "SpatialJointForce",
+    "SpatialJointInitialValues",
     "SpatialJointTorque",
     "SpatialRigidBody",
     "SpatialScene",

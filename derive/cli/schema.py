@@ -59,6 +59,7 @@ TITLES = {
     "StartTable": "Initial values of a body",
     "BeamStartTable": "Initial values of a beam",
     "JointStartTable": "Initial values of a joint or a drive",
+    "SpatialJointStartTable": "Initial values of a joint in space",
     "PlotTable": "`[plots.NAME]` of a deflection",
     "ColumnPlotTable": "`[plots.NAME]` of columns",
     "ParameterTable": "Parameter",

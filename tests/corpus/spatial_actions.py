@@ -72,6 +72,8 @@ def _drives(draft: SpatialDraft) -> None:
     draws, driven = draft.draws, False
     for name, joint in draft.tables.get("joints", {}).items():  # type: ignore[attr-defined]
         freedom = SPATIAL_JOINTS[joint["kind"]].driven
+        if freedom is None and not draft.looped:
+            _start(draft, joint)
         if freedom is None or (draft.looped and driven):
             continue
         size = 0.5 if freedom is Freedom.ROTATION else 0.1 * draft.size
@@ -87,6 +89,22 @@ def _drives(draft: SpatialDraft) -> None:
             joint["start"] = {"speed": rounded(size * draft.rate * draws.between(-1, 1), 2)}
             if draws.chance(0.5):
                 joint["start"]["angle" if freedom is Freedom.ROTATION else "displacement"] = 0
+
+
+def _start(draft: SpatialDraft, joint: Table) -> None:
+    """Initial values of a joint with several motions, of which none is driven; displacements vanish at the start."""
+    draws, of = draft.draws, SPATIAL_JOINTS[joint["kind"]]
+    start: Table = {}
+    for motion in of.starts(tuple(joint["removes"]) if of.removes is None else of.removes):
+        size = (0.5 if motion.freedom is Freedom.ROTATION else 0.1 * draft.size) * draft.rate
+        several = len(motion.axes) > 1
+        if draws.chance(0.3):
+            start[motion.key] = [0] * len(motion.axes) if several else 0
+        if draws.chance(0.5):
+            rates = [rounded(size * draws.between(-1, 1), 2) for _ in motion.axes]
+            start[motion.rate] = rates if several else rates[0]
+    if start:
+        joint["start"] = start | ({"guess": True} if draws.chance(0.2) else {})
 
 
 def _loads(draft: SpatialDraft, at: list[str]) -> None:

@@ -51,6 +51,7 @@ NOT_IN_SPACE = (
     "SpatialStartTable",
     "SpatialSceneTable.start",
     "SpatialInitialValuesTable.guess = false",
+    "SpatialJointStartTable.guess = false",
     "NodeFrameTable.motion",
     "FlexibleTable.loads",  # tests/space/test_nodal_loads.py
 )

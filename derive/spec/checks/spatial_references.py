@@ -12,9 +12,10 @@ from derive.spec.checks.cross_references import ground_faults, input_faults, mar
 from derive.spec.checks.name_clashes import name_faults
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.checks.scene_parameters import parameter_faults
-from derive.spec.model.keys import KeyType
+from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.scene import NAMED
+from derive.spec.model.scene import NAMED, JointInitialValues
+from derive.spec.model.spatial_scene import SpatialJointInitialValues
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
 
 
@@ -240,22 +241,27 @@ def _removed(joint_type: SpatialJointType, joint: Raw) -> tuple[str, ...]:
 def _starts(view: SceneData) -> Iterator[Fault]:
     """Faults of initial values of joints that have no such relative motion."""
     for name, joint in view.tables["joints"].items():
-        yield from _start(("joints", name, "start"), joint, joint.get("start"), name)
+        yield from _start(("joints", name, "start"), joint, joint.get("start"), name, SpatialJointInitialValues)
     for name, drive in view.tables["drives"].items():
         of = view.tables["joints"].get(str(drive.get("joint")), {})
-        yield from _start(("drives", name, "start"), of, drive.get("start"), str(drive.get("joint")))
+        yield from _start(
+            ("drives", name, "start"), of, drive.get("start"), str(drive.get("joint")), JointInitialValues
+        )
 
 
-def _start(path: KeyPath, joint: Raw, start: object, name: str) -> Iterator[Fault]:
+def _start(path: KeyPath, joint: Raw, start: object, name: str, of: type) -> Iterator[Fault]:
     joint_type = _type(joint)
     if not isinstance(start, Mapping) or joint_type is None:
         return
-    keys = {None: (), "rad": ("angle", "speed"), "m": ("displacement", "speed")}
-    allowed = keys[joint_type.driven.unit if joint_type.driven else None]
-    for key in ("angle", "displacement", "speed"):
+    allowed = [key for motion in joint_type.starts(_removed(joint_type, joint)) for key in (motion.key, motion.rate)]
+    allowed += ["speed"] * (joint_type.driven is not None)
+    for key in (key.name for key in declared_keys(of) if key.name != "guess"):
         if key in start and key not in allowed:
-            text = f"the {joint.get('kind')} joint {name} has no {key}; give initial values of its bodies instead"
-            yield Fault((*path, key), text)
+            own = f"it has {names_text(allowed)}" if allowed else "give initial values of its bodies instead"
+            yield Fault((*path, key), f"the {joint.get('kind')} joint {name} has no {key}; {own}")
+    for motion in joint_type.starts(_removed(joint_type, joint)):
+        if "speed" in start and motion.rate in start:
+            yield Fault((*path, "speed"), f"speed and {motion.rate} are the same here; leave one of them out")
 
 
 def _weightless(view: SceneData) -> Iterator[Fault]:

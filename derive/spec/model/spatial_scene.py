@@ -16,7 +16,6 @@ from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.scene import (
-    JOINT_START,
     NOT_NEEDED,
     Drive,
     JointInitialValues,
@@ -93,7 +92,34 @@ class SpatialInitialValues:
 SPATIAL_START = key(
     SpatialInitialValues, "Initial values; those that are not given adapt to the others and to the joints."
 )
-NO_JOINT_START = JointInitialValues()
+
+
+@dataclass(frozen=True)
+class SpatialJointInitialValues(JointInitialValues):
+    """Initial values of the relative motion of a joint in space: of body 2 relative to body 1."""
+
+    angle: Annotated[
+        float | None, key(KeyType.FLOAT, "Rotation about z of a joint whose bodies may turn about it, rad.")
+    ] = None
+    displacement: Annotated[
+        float | None, key(KeyType.FLOAT, "Displacement along z of a joint whose bodies may move along it, m.")
+    ] = None
+    speed: Annotated[
+        float | None,
+        key(KeyType.FLOAT, "Rate of the only motion of a revolute, screw or prismatic joint, rad/s or m/s."),
+    ] = None
+    displacements: Annotated[
+        tuple[float, float] | None,
+        key(KeyType.FLOAT_PAIR, "Displacements of a planar joint along x and y of the first marker, m."),
+    ] = None
+    angle_rate: Annotated[float | None, key(KeyType.FLOAT, "Rate of the angle, rad/s.")] = None
+    displacement_rate: Annotated[float | None, key(KeyType.FLOAT, "Rate of the displacement, m/s.")] = None
+    displacement_rates: Annotated[
+        tuple[float, float] | None, key(KeyType.FLOAT_PAIR, "Rates of the displacements of a planar joint, m/s.")
+    ] = None
+
+
+NO_JOINT_START = SpatialJointInitialValues()
 NOT_GIVEN_IN_SPACE = SpatialInitialValues()
 FRAMES = key(
     KeyType.FRAMES,
@@ -270,7 +296,9 @@ class SpatialJoint:
             example="0.005",
         ),
     ] = None
-    start: Annotated[JointInitialValues, JOINT_START] = NO_JOINT_START
+    start: Annotated[
+        SpatialJointInitialValues, key(SpatialJointInitialValues, "Initial values of the relative motion.")
+    ] = NO_JOINT_START
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ from derive.spec.model.spatial_scene import (
     SpatialInitialValues,
     SpatialJoint,
     SpatialJointForce,
+    SpatialJointInitialValues,
     SpatialJointTorque,
     SpatialRigidBody,
     SpatialScene,
@@ -47,6 +48,7 @@ from derive.spec.tables.specification import OTHER_SECTIONS, SCENE, Specificatio
 from derive.spec.tables.value_types import COORDINATE_TRIPLE, VALUE_TYPES, markers_type
 
 declare(SpatialInitialValues, "SpatialInitialValuesTable")
+declare(SpatialJointInitialValues, "SpatialJointStartTable")
 FRAME = declare(
     FrameMarker, "FrameMarkerTable", plain=COORDINATE_TRIPLE, doc="A marker frame: its point and its rotation."
 )
