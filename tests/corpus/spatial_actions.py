@@ -28,7 +28,8 @@ def act_in_space(draft: SpatialDraft) -> None:
     if draws.chance(0.15):
         treatments = [word for word in words(SpatialScene, "redundant") if word != "error" or not draft.looped]
         draft.section("scene")["redundant"] = draws.choice(treatments)
-    _drives(draft)
+    geared = _gears(draft) if not draft.looped else set()
+    _drives(draft, geared)
     at = [f"{name}.{marker}" for name, body in draft.section("bodies").items() for marker in body["markers"]]
     if at:
         _loads(draft, at)
@@ -67,11 +68,35 @@ def _input_or_function(draft: SpatialDraft, size: float, unit: str, vanishes: bo
     return {"input": name}
 
 
-def _drives(draft: SpatialDraft) -> None:
-    """Drive some joints, or give them a speed; in a loop at most the first one."""
+def _gears(draft: SpatialDraft) -> set[str]:
+    """A gear between two joints sometimes; the names of those whose motion follows, so that nothing else gives it."""
+    draws, joints = draft.draws, draft.tables.get("joints", {})
+    coupled = {name: motion for name in joints if (motion := _coupled(joints[name]))}  # type: ignore[index]
+    if len(coupled) < 2 or not draws.chance(0.6):
+        return set()
+    first, second = draws.shuffled([*coupled])[:2]
+    ratio: Any = f"{draws.sign() * draws.whole(1, 40)}/{draws.whole(1, 40)}"
+    if coupled[first] is not coupled[second]:  # of a rack
+        ratio = rounded(draft.size * draws.between(0.05, 0.3) * draws.sign(), 2)
+        ratio = ratio if coupled[second] is Freedom.DISPLACEMENT else rounded(1 / ratio, 2)
+    gear: Table = {"joints": [first, second], "ratio": ratio}
+    draft.section("gears")[draft.name("gears")] = gear | ({"offset": 0} if draws.chance(0.5) else {})
+    return {second}
+
+
+def _coupled(joint: Table) -> Freedom | None:
+    """The motion of a joint that a gear couples."""
+    of = SPATIAL_JOINTS[joint["kind"]]
+    return of.couples(tuple(joint["removes"]) if of.removes is None else of.removes)
+
+
+def _drives(draft: SpatialDraft, geared: set[str]) -> None:
+    """Drive some joints, or give them a speed, but for those that gears move; in a loop at most the first one."""
     draws, driven = draft.draws, False
     for name, joint in draft.tables.get("joints", {}).items():  # type: ignore[attr-defined]
         freedom = SPATIAL_JOINTS[joint["kind"]].driven
+        if name in geared:
+            continue
         if freedom is None and not draft.looped:
             _start(draft, joint)
         if freedom is None or (draft.looped and driven):

@@ -85,6 +85,7 @@ def test_scenes_in_space_use_every_key() -> None:
         "FlexibleTable",
         "FrameMarkerTable",
         "NodeFrameTable",
+        "GearTable",
         "AxesTable",
         "AnglesTable",
         "InputTable",

@@ -70,6 +70,7 @@ class KeyType(Enum):
     FRAMES = "marker frames by their names, with three coordinates each and a rotation"
     NODE_FRAMES = "markers of a finite-element body by their names: nodes, or sets of nodes"
     WEIGHTS = "weights, positive numbers"
+    LOADED_NODES = "numbers of nodes with forces"
     NODAL_FORCES = "forces at nodes, three numbers each"
     RELATIVE_MOTIONS = "relative motions of two marker frames, by their names"
     PLANAR_ACCELERATION = "two components, numbers or run-time parameters"

@@ -214,12 +214,23 @@ class NodalLoad:
     """Forces at nodes of a finite-element body, times a function of t."""
 
     name: str
-    nodes: Annotated[tuple[int, ...], key(KeyType.COUNTS, "The nodes, counted from 0.", example="[3, 4]")]
+    nodes: Annotated[
+        tuple[int, ...],
+        key(KeyType.LOADED_NODES, "The nodes, counted from 0.", default=(), example="[3, 4]"),
+        key(
+            KeyType.TEXT,
+            "CSV file with the columns node, x, y, z in place of nodes and forces, relative to the specification: the "
+            "number of a node, and the components of the force there, N.",
+            name="file",
+            example='"pressure.csv"',
+        ),
+    ]
     forces: Annotated[
         tuple[tuple[Fraction, Fraction, Fraction], ...],
         key(
             KeyType.NODAL_FORCES,
             "The force at each node, N: three components; a single force is that of all nodes.",
+            default=(),
             example="[[0, 0, -5], [0, 0, -10]]",
         ),
     ]

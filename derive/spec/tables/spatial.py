@@ -120,11 +120,16 @@ def _named_node_frame(name: str, at: Any) -> NodeFrame:
 VALUE_TYPES[KeyType.NODE_FRAMES] = markers_type(NODE_FRAME.value, "nodes", _named_node_frame)
 
 
+OR_A_FILE = 'or file = "forces.csv" with the columns node, x, y, z in place of both'
+
+
 def _nodal_load(**given: Any) -> NodalLoad:
     """A load on nodes. Raises WrongValueError for what does not go together."""
     nodes, forces = given["nodes"], given["forces"]
     if not nodes:
-        raise WrongValueError("a load acts on nodes; write their numbers, such as nodes = [3, 4]")
+        raise WrongValueError(f"a load acts on nodes; write their numbers, such as nodes = [3, 4], {OR_A_FILE}")
+    if not forces:
+        raise WrongValueError(f"a load has forces at its nodes; write forces = [[0, 0, -5]], {OR_A_FILE}")
     if len(set(nodes)) < len(nodes):
         raise WrongValueError("a node is named twice in `nodes`; name each once, with the sum of its forces")
     if len(forces) not in (1, len(nodes)):
