@@ -41,6 +41,7 @@ REFUSALS: dict[str, str] = {
     r"there is no beam here": "there is no flexible body whose models could differ",
     r"a simulation needs its value; write one, such as": "an input without a function can be exported, not simulated",
     r"the floating-frame body of Exudyn is one in space": "the interface is for bodies given by their nodes",
+    r"a floating-frame body of Exudyn is a single body": "likewise; the message names the one for scenes",
 }
 
 

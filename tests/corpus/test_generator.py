@@ -51,6 +51,7 @@ NOT_IN_SPACE = (
     "SpatialStartTable",
     "SpatialSceneTable.start",
     "SpatialInitialValuesTable.guess = false",
+    "SpatialJointStartTable.guess = false",
     "NodeFrameTable.motion",
     "FlexibleTable.loads",  # tests/space/test_nodal_loads.py
 )
@@ -84,6 +85,7 @@ def test_scenes_in_space_use_every_key() -> None:
         "FlexibleTable",
         "FrameMarkerTable",
         "NodeFrameTable",
+        "GearTable",
         "AxesTable",
         "AnglesTable",
         "InputTable",

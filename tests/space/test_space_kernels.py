@@ -29,6 +29,8 @@ def test_they_have_all_kinds_of_joints(tmp_path: Path) -> None:
     assert {joint["kind"] for scene in scenes for joint in scene["joints"].values()} >= {*KINDS} - {"fixed"}
     assert {d["joint"] for scene in scenes for d in scene.get("drives", {}).values()} >= {"joint0", "joint1"}
     assert any("nodes" in body for scene in scenes for body in scene["bodies"].values())
+    for section in ("forces", "torques"):
+        assert any("joint" in load for scene in scenes for load in scene.get(section, {}).values())
 
 
 @pytest.mark.parametrize("seed", [7, *random_cases(100, long=10, further=30)])
