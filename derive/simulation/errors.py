@@ -130,7 +130,7 @@ class TooNearDeadCentre(SingularConfiguration):
     def __init__(self, of: SingularConfiguration, tolerance: float) -> None:
         self.tolerance = tolerance
         advice = (
-            f"Near it accelerations have rounding errors that exceed the tolerance {tolerance:g} of a step; longer steps "
+            f"Near it the rounding errors of accelerations exceed the tolerance {tolerance:g} of a step. Longer steps "
             f"pass it: those of a larger tolerance, such as {10 * tolerance:g}, or of generalised-alpha."
         )
         super().__init__(of.t, of.smallest, of.multipliers, f"{advice} {AT_DEAD_CENTRE}")
