@@ -59,8 +59,9 @@ MODELS: dict[str, Callable[[], Any]] = {
 KEPT = SPATIAL.replace('"turning"', '"kept"')
 KEPT = KEPT.replace("mass = 0.12", "mass = 0.12\nkeep_coordinates = true")
 KEPT = KEPT.replace("mass = 2", "mass = 2\nkeep_coordinates = true")
+KEPT = KEPT.replace("[simulation]", '[outputs.at]\nkind = "acceleration"\nmarker = "rod.ball"\n[simulation]')
 KEPT = KEPT.replace("[simulation]", '[outputs.hub]\nkind = "reaction"\njoint = "bearing"\n[simulation]')
-"""The slider-crank in space with three quaternions, and the reaction of a joint as an output."""
+"""The slider-crank in space with three quaternions, and with an acceleration and the reaction of a joint as outputs."""
 
 
 @cache

@@ -97,9 +97,20 @@ def _no_rotation(marker: MarkerRef, acts: str, other: str) -> str:
 
 
 def _actions(view: SceneData) -> Iterator[Fault]:
-    """Faults of torques, bushings and rotational springs at nodes, whose rotation is not known."""
+    """Faults of loads and springs that have no effect, and of those on the rotation of a node, which is not known."""
+    for name in view.tables["springs"]:
+        markers = view.pair("springs", name)
+        if markers and markers[0] == markers[1]:
+            yield Fault(("springs", name, "between"), "a spring is between two markers, and these are the same")
     for ref in view.marker_refs():
         section, name = ref.path[0], str(ref.path[1])
+        alone = section == "forces" or (section == "torques" and "against" not in view.tables["torques"][name])
+        if alone and ref.marker.body == GROUND:
+            text = f"a {NAMED[str(section)]} on the ground moves nothing; name a marker of a body"
+            yield Fault(ref.path, text)
+        kind = str(view.tables["outputs"][name].get("kind")) if section == "outputs" else ""
+        if kind.startswith("angular_") and _is_node(view, ref.marker):
+            yield Fault(ref.path, _no_rotation(ref.marker, f"the output {kind} depends", "marker of another body"))
         if section == "torques" and _is_node(view, ref.marker):
             yield Fault(ref.path, _no_rotation(ref.marker, "a torque acts", "pair of forces"))
         if section == "springs" and _is_node(view, ref.marker):
