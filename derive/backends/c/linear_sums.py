@@ -124,12 +124,12 @@ class SumCall:
         return f"    {self.table.function_name}({', '.join([str(self.count), *addresses])});"
 
     def nodes(self) -> tuple[Node, ...]:
-        """What the call does, as plain statements."""
+        """The operations of the call, as plain statements."""
         views = (Alias(name, array, constant(first)) for name, array, first in self._places)
         return (*views, *self.table.nodes(constant(self.count)))
 
     def row_by_row(self) -> For:
-        """What the call does, with the operations of a row in one statement, as loops over states need them."""
+        """The operations of the call with one statement for each row, for loops over the states of a batch."""
         (rows, place), (x, first), (sums, start) = ((array, element) for _, array, element in self._places)
         row = ElementIndex(place, (IndexTerm(self.table.block, "i"), IndexTerm(1, "r")))
         total: Expr = Element(rows, row)
