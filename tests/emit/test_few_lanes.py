@@ -1,4 +1,4 @@
-"""Two or three bodies of a kind in the lanes of vectors: the same bits in every width; lanes that are left do not count."""
+"""Two or three bodies of a kind in the lanes of vectors: the same bits in every width, and idle lanes do not count."""
 
 from __future__ import annotations
 
