@@ -1,14 +1,14 @@
 """Cost model of mechanisms: predicts whether straight-line code or loops over instances are faster.
 
 The times are those of the accelerations, predicted from the numbers of bodies, coordinates, joints and constraints, for
-which neither lowering need be made. The constants are a fit to 43 scenes of 1 to 12 bodies whose straight-line code
-takes less than 0.46 us, measured with gcc 12 at -O3 -march=x86-64-v3 on an Intel Xeon processor (family 6, model 167);
-their errors are 12 % and 15 % (rms). bench/lowerings.py compares predictions with measurements. With n coordinates of
-a body, c constraints of its joints, a addends of its h and, if M is not diagonal, z non-zeros of M, and with e products
-in the elimination of the joints, in ns:
+which neither lowering need be made. The constants are fitted to 53 scenes of 1 to 12 bodies, measured with gcc 12 at
+-O3 -march=x86-64-v3 on an Intel Xeon processor (family 6, model 207). The ratio of the two times has an error of 16 %
+(rms), and the form that is chosen takes at most 1.17 of the time of the other one. bench/lowerings.py measures them
+again. With n coordinates of a body, c constraints of its joints, a addends of its h and, if M is not diagonal, z
+non-zeros of M, and with e products in the elimination of the joints, in ns:
 
     straight-line code   5.7 + 0.74 n c + 0.39 a + 0.13 z n of each body, and 0.21 e
-    loops                3.3 + 0.57 n c + 0.49 a + 0.18 z n of each body, 4.4 for each joint, and 0.41 e; from two
+    loops                3.3 + 0.57 n c + 0.49 a + 0.18 z n of each body, 4.4 for each joint, and 0.25 e; from two
                          bodies of a class on these are in the lanes of vectors: two or three take 0.6 of it, more 0.4;
                          along an open path, which is eliminated from both ends, 0.16 e
 
@@ -96,7 +96,7 @@ def estimate_mechanism_costs(mechanism: Mechanism) -> MechanismCosts:
         system = blocks(rows, handles)
         path = system.is_path and not system.closes_loops
         flat += 0.21 * _products(system, system.rows)
-        looped += 4.4 * len(rows) + (0.16 if path else 0.41) * _products(system, [system.size] * len(rows))
+        looped += 4.4 * len(rows) + (0.16 if path else 0.25) * _products(system, [system.size] * len(rows))
     varying = _varying_joints(mechanism, classes)
     flat += 6.0 * sum(varying)
     looped += 11.0 * sum(map(_passes, varying))
