@@ -258,11 +258,16 @@ class ModelTerm:
 
 @dataclass(frozen=True)
 class Kkt:
-    """The structure of a scene's KKT matrix [M, -G^T; -G, 0]: lower triangle, order of elimination, fill-in of L."""
+    """The structure of a scene's KKT matrix [M, -G^T; -G, 0]: lower triangle, order of elimination, fill-in of L.
+
+    relative: the rows of multipliers of joints along which rotations are relative to each other, in inertial
+    components, before the rest of the matrix is eliminated; without that change the order is that of a plain LDL^T.
+    """
 
     pattern: Pattern
     order: tuple[int, ...]
     fill: int
+    relative: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,9 @@ divides by numbers alone, and multipliers stay without a diagonal entry: what is
 matrix is that of the motions that meet the eliminated constraints, and which has full rank whenever the whole one has.
 
 In space a joint of two points has such factors for the translations of its bodies. Along a tree of bodies the pairs
-leave rotations alone, with the composite inertias behind each joint.
+leave rotations alone, with the composite inertias behind each joint. What the body of a pair has in the constraint
+besides its translation first changes the translation to that of the point of the joint, so that the constraint couples
+this point with the body before it, and the levers of both joints of a body enter as their difference.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ import casadi as ca
 
 from derive.ir.patterns import Pattern
 from derive.ir.patterns import pattern as pattern_of
+from derive.lowering.congruences import AddedRow, Columns, Entries, columns_of, lower_triangle
 from derive.lowering.elimination_orders import graph_of
 
 GROUND = -1
@@ -103,23 +106,39 @@ def left_by_pairs(pattern: Pattern, pairs: Sequence[Pair]) -> tuple[Pattern, int
 
 @dataclass
 class PairedElimination:
-    """The symbolic elimination of pairs from a KKT matrix: `entries` of its lower triangle, which it changes."""
+    """The symbolic elimination of pairs from a KKT matrix: `entries` of its lower triangle, which it changes.
 
-    entries: dict[tuple[int, int], ca.SX]
+    together: for the coordinate of a pair, the other ones of its body.
+    """
+
+    entries: Entries
     pairs: Sequence[Pair]
+    together: Mapping[int, Sequence[int]] = field(default_factory=dict)
+    _shifts: list[AddedRow] = field(default_factory=list)
     _steps: list[tuple[Pair, ca.SX, ca.SX, dict[int, ca.SX], dict[int, ca.SX]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        columns: dict[int, dict[int, ca.SX]] = {}
-        for (i, j), value in self.entries.items():
-            columns.setdefault(i, {})[j] = value
-            columns.setdefault(j, {})[i] = value
+        columns = columns_of(self.entries)
+        for pair in self.pairs:
+            self._shift(pair, columns)
         for pair in self.pairs:
             self._eliminate(pair, columns)
         self.entries.clear()
-        self.entries.update({(i, j): x for i, of in columns.items() for j, x in of.items() if i >= j})
+        self.entries.update(lower_triangle(columns))
 
-    def _eliminate(self, pair: Pair, columns: dict[int, dict[int, ca.SX]]) -> None:
+    def _shift(self, pair: Pair, columns: Columns) -> None:
+        """Change the coordinate of a pair to what the constraint has of its body."""
+        c, of = pair.coordinate, pair.multiplier
+        constraint = columns[of]
+        for j in self.together.get(c, ()):
+            if j in constraint:
+                shift = AddedRow(c, j, -constraint[j] / constraint[c])
+                shift.change(columns)
+                constraint.pop(j)
+                columns[j].pop(of)
+                self._shifts.append(shift)
+
+    def _eliminate(self, pair: Pair, columns: Columns) -> None:
         c, of = pair.coordinate, pair.multiplier
         row, constraint = columns.pop(c), columns.pop(of)
         g, m = constraint.pop(c), row.pop(c, ca.SX(0))
@@ -143,6 +162,8 @@ class PairedElimination:
     def forward(self, right: Sequence[ca.SX]) -> list[ca.SX]:
         """The right-hand side of the rows that are left."""
         b = list(right)
+        for shift in self._shifts:
+            shift.change_right(b)
         for pair, g, m, row, constraint in self._steps:
             acceleration = b[pair.multiplier] / g
             multiplier = (b[pair.coordinate] - m * acceleration) / g
@@ -162,4 +183,6 @@ class PairedElimination:
             x[c] = (eliminated[of] - sum((a * x[i] for i, a in constraint.items()), start=ca.SX(0))) / g
             others = sum((a * x[i] for i, a in row.items()), start=m * x[c])
             x[of] = (eliminated[c] - others) / g
+        for shift in reversed(self._shifts):
+            shift.recover(x)
         return x

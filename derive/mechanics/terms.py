@@ -194,13 +194,47 @@ class MarkerEquations:
 
 
 @dataclass(frozen=True)
+class FreeRotation:
+    """The rotation of a body in space that nothing else of it depends on: its rows and its rotation tensor Q.
+
+    The rows are those of the angular velocity in the body frame; no other row of the body turns it.
+    """
+
+    rows: tuple[str, str, str]
+    Q: sp.ImmutableMatrix
+
+
+@dataclass(frozen=True)
+class ConstrainedFrame:
+    """A frame on which a constraint in space acts, in inertial components.
+
+    `rotation` is that of its body if it is free, and `moment` what a unit multiplier exerts on the body about its
+    origin, so that the factors of its rows are Q^T moment. `turning` holds the factors of the other rows in the angular
+    velocity of the frame, by their names.
+    """
+
+    rotation: FreeRotation | None
+    moment: sp.ImmutableMatrix
+    turning: tuple[tuple[str, sp.ImmutableMatrix], ...]
+
+
+@dataclass(frozen=True)
+class FramePair:
+    """Both frames of a constraint in space, and `axis` if gdot is axis . (w2 - w1) with their angular velocities."""
+
+    first: ConstrainedFrame
+    second: ConstrainedFrame
+    axis: sp.ImmutableMatrix | None
+
+
+@dataclass(frozen=True)
 class Constraint:
     """A scalar constraint g = 0 with its multiplier, the constraint reaction on body 2 of the joint.
 
     `position` is g, `rate` is gdot, and `bias` is gddot with all accelerations set to zero. `jacobian` holds the factor
     of each generalised velocity in gdot, by the name of its row. `of` names the joint or the drive; `unit` is the unit
     of g, `force_unit` that of the multiplier. `shown` is the name for people; `section` is that of the specification
-    with the elements to which `of` belongs.
+    with the elements to which `of` belongs. `frames` are those of a joint in space.
     """
 
     name: str
@@ -214,6 +248,7 @@ class Constraint:
     bias: sp.Expr
     jacobian: tuple[tuple[str, sp.Expr], ...]
     section: str = "joints"
+    frames: FramePair | None = None
 
     @property
     def multiplier(self) -> sp.Symbol:

@@ -30,8 +30,10 @@ FLEXIBLE = {
     "constraint_jacobian": 214,
     "constraint_bias": 291,
 }
-RIGID = {"mass": 0, "mass_force": 15, "accel": 578, "constraint_jacobian": 105, "constraint_bias": 118}
+RIGID = {"mass": 0, "mass_force": 15, "accel": 485, "constraint_jacobian": 105, "constraint_bias": 118}
 SPHERICAL = {"mass": 0, "mass_force": 108, "accel": 1528, "constraint_jacobian": 315, "constraint_bias": 330}
+REVOLUTE = {"mass": 0, "mass_force": 108, "accel": 1693, "constraint_jacobian": 495, "constraint_bias": 453}
+WELDED = {"mass": 0, "mass_force": 108, "accel": 921, "constraint_jacobian": 585, "constraint_bias": 600}
 """Operations by function."""
 
 
@@ -68,8 +70,8 @@ def test_three_rigid_bodies_take_pairs(tmp_path: Path) -> None:
     assert counts(lowered(path), RIGID) == RIGID
 
 
-def test_a_chain_with_spherical_joints_takes_none(tmp_path: Path) -> None:
-    """Its rotations would be coupled with each other."""
+def chain(kind: str, path: Path) -> Model:
+    """A chain of three rigid bodies with joints of a kind."""
     bodies = "".join(
         f"[bodies.link{i}]\nmass = 1\ninertia = [0.1, 0.2, 0.25, 0.01, 0.02, 0.03]\nkeep_coordinates = true\n"
         "markers = { left = [-0.1, 0.2, 0.3], right = [0.3, 0.1, -0.2] }\n"
@@ -77,12 +79,22 @@ def test_a_chain_with_spherical_joints_takes_none(tmp_path: Path) -> None:
     )
     ends = ["ground.base", "link0.right", "link1.right"]
     joints = "".join(
-        f'[joints.joint{i}]\nkind = "spherical"\nbetween = ["{end}", "link{i}.left"]\n' for i, end in enumerate(ends)
+        f'[joints.joint{i}]\nkind = "{kind}"\nbetween = ["{end}", "link{i}.left"]\n' for i, end in enumerate(ends)
     )
     head = 'name = "chain"\n[scene]\ngravity = [0, 0, -9.81]\n[ground.markers]\nbase = [0, 0, 0]\n'
-    path = tmp_path / "chain.toml"
     path.write_text(head + bodies + joints)
-    assert counts(lowered(path), SPHERICAL) == SPHERICAL
+    return lowered(path)
+
+
+def test_a_chain_with_spherical_joints_takes_none(tmp_path: Path) -> None:
+    """Its rotations would be coupled with each other."""
+    assert counts(chain("spherical", tmp_path / "chain.toml"), SPHERICAL) == SPHERICAL
+
+
+@pytest.mark.parametrize(("kind", "expected"), [("revolute", REVOLUTE), ("fixed", WELDED)])
+def test_chains_whose_rotations_are_relative(kind: str, expected: dict[str, int], tmp_path: Path) -> None:
+    """One rotation is left of each hinge, and none of a weld."""
+    assert counts(chain(kind, tmp_path / "chain.toml"), expected) == expected
 
 
 def test_constraints_that_pairs_imply_are_redundant(tmp_path: Path) -> None:

@@ -19,12 +19,14 @@ from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.graph import LoweringError
+from derive.lowering.flat.joint_turns import axis_checks, joint_turns, rows_of_bodies, turn_text
 from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue, Step, StepItem
 from derive.lowering.ldlt import Factorisation, backward, factorise, forward, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.lowering.paired_elimination import Pair, PairedElimination, forest_of_pairs, left_by_pairs
 from derive.lowering.proximal import LEAST, PROXIMAL, REFINEMENTS
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
+from derive.lowering.relative_rotations import RelativeElimination
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, SpatialPose
 from derive.roles import Source
@@ -148,7 +150,9 @@ def kkt(context: Context) -> Kkt:
     pairs = kkt_pairs(context, shape)
     together = tuple(row for pair in pairs for row in (pair.coordinate, pair.multiplier))
     order = (*together, *kkt_order(context, left_by_pairs(shape, pairs)[0], together))
-    return Kkt(shape, order, fill_in(shape, order))
+    joints = joint_turns(context, context.symbols(context.t, context.q))
+    relative = tuple(m for turn in joints.turns for m in turn.multipliers) if joints else ()
+    return Kkt(shape, order, fill_in(shape, order), relative)
 
 
 def kkt_order(context: Context, shape: Pattern, without: Sequence[int] = ()) -> tuple[int, ...]:
@@ -189,11 +193,18 @@ def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
 
 
 def _factors(
-    context: Context, symbols: Symbols, shape: Pattern, entries: dict[tuple[int, int], ca.SX], pairs: Sequence[Pair]
+    context: Context,
+    symbols: Symbols,
+    shape: Pattern,
+    entries: dict[tuple[int, int], ca.SX],
+    pairs: Sequence[Pair],
+    turns: Sequence[int] = (),
 ) -> Factorisation:
-    """The factorisation of what pairs leave; entries: those that are left."""
+    """The factorisation of what pairs and the rows `turns` leave; entries: those that are left."""
     left = left_by_pairs(shape, pairs)[0] if pairs else shape
-    together = [row for pair in pairs for row in (pair.coordinate, pair.multiplier)]
+    if turns:
+        left = pattern(shape.rows, shape.cols, set(entries), symmetric=True)
+    together = [*turns, *(row for pair in pairs for row in (pair.coordinate, pair.multiplier))]
     terms = [symbols.number(x) if context.proximal else None for x in (PROXIMAL, LEAST)]
     return factorise(left, entries, kkt_order(context, left, together), len(context.rows), *terms)
 
@@ -280,15 +291,26 @@ def _with_pivots(
     checks come last, since compilers move nothing across their branches.
     """
     shape, entries, names = kkt_pattern(context), kkt_entries(context, symbols), (*context.rows, *context.multipliers)
-    pairs = PairedElimination(entries, kkt_pairs(context, shape))
-    factors = _factors(context, symbols, shape, entries, pairs.pairs)
-    eliminated = forward(factors, pairs.forward(right))
+    joints = joint_turns(context, symbols)
+    if joints:
+        joints.inertial.change(entries)
+        shape = pattern(shape.rows, shape.cols, set(entries), symmetric=True)
+        right = joints.inertial.forward(right)
+    pairs = PairedElimination(entries, kkt_pairs(context, shape), rows_of_bodies(context))
+    right = pairs.forward(right)
+    relative = RelativeElimination(entries, joints.turns if joints else ())
+    right = relative.forward(right)
+    factors = _factors(context, symbols, shape, entries, pairs.pairs, relative.gone)
+    eliminated = forward(factors, right)
     reduced = _refined(context, symbols, factors, right, backward(factors, eliminated))
-    solution = pairs.backward(eliminated, {row: reduced[row] for row in factors.order})
+    turned = relative.backward(eliminated, {row: reduced[row] for row in factors.order})
+    in_pairs = {row for pair in pairs.pairs for row in (pair.coordinate, pair.multiplier)}
+    solution = pairs.backward(eliminated, {row: x for row, x in enumerate(turned) if row not in in_pairs})
+    solution = joints.inertial.backward(solution) if joints else solution
     items: list[StepItem] = []
     for j, pivot in zip(factors.order, factors.pivots, strict=True):
         items += [NamedValue(f"pivot_{names[j]}", pivot), EarlyValue(eliminated[j])]
-    checks = pivot_checks(symbols, factors, names)
+    checks = (*pivot_checks(symbols, factors, names), *axis_checks(symbols, relative, names))
     results, start = [], 0
     for name, elements in outputs.items():
         results.append(stores(name, solution[start : start + len(elements.names)]))
@@ -298,6 +320,7 @@ def _with_pivots(
     order = ", ".join(
         [
             *(f"{names[p.coordinate]} with {names[p.multiplier]}" for p in pairs.pairs),
+            *(turn_text(step.turn, names) for step in relative.steps),
             *(names[j] for j in factors.order),
         ]
     )

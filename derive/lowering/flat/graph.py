@@ -6,6 +6,7 @@ The graph folds operations on numbers and moves expressions of model constants t
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -57,6 +58,10 @@ ZERO_DIVISOR = (
 )
 
 
+IN_SETUP, IN_TABLES = frozenset({"setup"}), frozenset({"tables"})
+"""The sources of constants: those that setup computes, and those in which instances differ."""
+
+
 class LoweringError(TisserandError):
     """A model cannot be evaluated with doubles: a number is out of their range, or a pivot always vanishes."""
 
@@ -64,8 +69,9 @@ class LoweringError(TisserandError):
 class Graph:
     """The nodes of a kernel, without duplicates; operands come before the operations that use them.
 
-    An operation on constants alone becomes a constant of setup as soon as another operation uses it. Without
-    `constants`, as in setup itself, all operations stay where they are.
+    An operation on constants alone becomes a constant of setup as soon as another operation uses it, or one of a table
+    of instances; it stays where it is if it has constants of both. Without `constants`, as in setup itself, all
+    operations stay where they are.
     """
 
     def __init__(self, constants: Constants | None = None) -> None:
@@ -73,6 +79,7 @@ class Graph:
         self.nodes: list[Node] = []
         self._index: dict[Node, int] = {}
         self._constant: list[bool] = []
+        self._sources: list[frozenset[str]] = []
         self._size: list[int] = []
         self._settled: dict[int, int] = {}
 
@@ -89,7 +96,7 @@ class Graph:
         folded = self._fold(kind, args)
         if folded is not None:
             return folded
-        if not all(self._constant[a] for a in args):
+        if not self._are_of_one_source(args):
             args = tuple(self.settled(a) for a in args)
         return self._intern(Node(None, kind, args))
 
@@ -122,6 +129,7 @@ class Graph:
         if node not in self._index:
             self._index[node] = len(self.nodes)
             self.nodes.append(node)
+            self._sources.append(self._sources_of(node))
             self._constant.append(self._depends_on_constants(node))
             self._size.append(1 + sum(self._size[a] for a in node.args))
         return self._index[node]
@@ -139,7 +147,18 @@ class Graph:
                 return known is not None and (name in known.coefficients or name in known.hoisted.values())
             case Element() | Ends() | LaneSum() | MatrixEntry() | TableValue():
                 return False
-        return all(self._constant[a] for a in node.args)
+        return self._are_of_one_source(node.args)
+
+    def _sources_of(self, node: Node) -> frozenset[str]:
+        """Where the constants are on which a node depends: in setup, or in tables of instances."""
+        if isinstance(node.leaf, ScalarRef) and self.constants is not None:
+            return IN_TABLES if node.leaf.name in self.constants.of_instances else IN_SETUP
+        return frozenset().union(*(self._sources[a] for a in node.args))
+
+    def _are_of_one_source(self, nodes: Sequence[int]) -> bool:
+        """Whether nodes are constant, and one of setup or of a table could hold an operation on them."""
+        sources = frozenset[str]().union(*(self._sources[node] for node in nodes))
+        return len(sources) < 2 and all(self._constant[node] for node in nodes)
 
     def _fold(self, kind: Operator, args: tuple[int, ...]) -> int | None:
         """The node of the result of a trivial operation; None if it is not trivial."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import count
 
-from derive.ir.expressions import BINARY_OPERATORS, Expr, Number, Operation, Operator, ScalarRef
+from derive.ir.expressions import BINARY_OPERATORS, Expr, Number, Operation, Operator, ScalarRef, walk
 from derive.ir.statements import Require, Requirement, ReturnCode
 
 WORDS = {
@@ -19,12 +19,14 @@ MAX_NAME = 60
 class Constants:
     """The constants and checks that setup computes for all kernels of a model.
 
-    coefficients: the names of the model constants that are not numbers. hoisted: expressions of these, by their names.
+    coefficients: the names of the model constants that are not numbers. of_instances: those that differ from instance
+    to instance, which tables hold, with their expressions. hoisted: expressions of coefficients, by their names.
     requirements: checks of values that depend on constants alone.
     """
 
     def __init__(self, coefficients: frozenset[str]) -> None:
         self.coefficients = coefficients
+        self.of_instances: frozenset[str] = frozenset()
         self.hoisted: dict[Expr, str] = {}
         self.requirements: list[Require] = []
         self._numbers = count(1)
@@ -37,7 +39,9 @@ class Constants:
     def name(self, expr: Expr) -> str:
         """The name of the constant whose value is an expression of coefficients."""
         if expr not in self.hoisted:
-            self.hoisted[expr] = self._describe(expr) or f"constant_{next(self._numbers)}"
+            name = self.hoisted[expr] = self._describe(expr) or f"constant_{next(self._numbers)}"
+            if any(isinstance(part, ScalarRef) and part.name in self.of_instances for part in walk(expr)):
+                self.of_instances |= {name}
         return self.hoisted[expr]
 
     def _describe(self, expr: Expr) -> str | None:

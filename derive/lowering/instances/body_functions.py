@@ -119,7 +119,7 @@ def _potentials(context: InstanceContext) -> list[ForEach]:
     for group in context.forces:
         of, ctx = group.code, group.code.context
         potential = ctx.equations.strain_energy
-        if potential != 0 and not potential.free_symbols & set(ctx.t.symbols + ctx.u.symbols + of.given.symbols):
+        if potential != 0:
             symbols = ctx.symbols(*given_inputs(of, "q", "v"))
             items, targets = _added("energy", [(1, symbols(potential))])
             inputs = group.state("q", "v")

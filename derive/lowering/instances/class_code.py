@@ -52,10 +52,11 @@ class LoopCode:
         self.context = Context(_with_differences(of, equations))
         constants.coefficients |= self.context.constants.coefficients
         self.context.constants = constants
+        self.differing = frozenset(str(c.symbol) for c in self.context.equations.coefficients if c.value == c.symbol)
+        constants.of_instances |= self.differing
         self.given = array_input("known", equations.given, "what is known")
         self.given_still = array_input("known", equations.given_still, "what is known, and does not depend on the time")
         self.count = len(of.members)
-        self.differing = frozenset(str(c.symbol) for c in self.context.equations.coefficients if c.value == c.symbol)
         self._values = [
             dict(zip((str(c.symbol) for c in equations.equations.coefficients), _values(m), strict=False))
             for m in of.members
@@ -96,7 +97,7 @@ class LoopCode:
             names = [(k, name) for k, name in enumerate(given.elements) if name in used]
             loads += [Let(name, Element(array, place.at(k))) for k, name in names]
             entries += _entries(place) if names else ()
-        loads += [Let(name, self._constant(name)) for name in sorted(used) if self._differs(name)]
+        loads += [Let(name, self._constant(name)) for name in sorted(used & self.context.constants.of_instances)]
         body: list[InstanceItem] = []
         for statement in statements:
             if isinstance(statement, Store):
@@ -113,13 +114,6 @@ class LoopCode:
         return ForEach(INSTANCE, start, stop, tuple(body), independent=in_lanes)
 
     # ---- numbers that differ from instance to instance ----
-
-    def _differs(self, name: str) -> bool:
-        """Whether a constant differs from instance to instance."""
-        if name in self.differing:
-            return True
-        expr = next((e for e, known in self.context.constants.hoisted.items() if known == name), None)
-        return expr is not None and any(isinstance(p, ScalarRef) and self._differs(p.name) for p in walk(expr))
 
     def _constant(self, name: str) -> Element:
         """The element of the constant array of the class that holds a constant."""

@@ -14,8 +14,8 @@ from types import MappingProxyType
 
 import sympy as sp
 
-from derive.lowering.instances.classes import BodyClass, Handle
-from derive.lowering.instances.known_motion import STILL, KnownMotion, canonical, moving_symbols
+from derive.lowering.instances.classes import BodyClass, Handle, Member
+from derive.lowering.instances.known_motion import STILL, KnownMotion, canonical
 from derive.lowering.instances.varying_joints import at_rest, varies
 from derive.lowering.instances.varying_parts import VaryingPart, varying_part
 from derive.mechanics.equations import Equations
@@ -23,12 +23,11 @@ from derive.mechanics.expansion import mass_matrix
 from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
-from derive.mechanics.multibody.kinds import ForceInstance, JointInstance
+from derive.mechanics.multibody.kinds import JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism, pose
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.ports import input_symbols
-from derive.mechanics.symbols import t
-from derive.mechanics.terms import Constraint, Eliminated, InputSymbol, Intermediate, MarkerEquations
+from derive.mechanics.terms import Constraint, Eliminated, Intermediate, MarkerEquations
 from derive.spec.model.markers import MarkerRef
 
 
@@ -39,8 +38,8 @@ class ClassEquations:
     Its `constraints` are what it contributes to those of its joints, one joint after the other; `rows` are their
     numbers for each of its handles, none for varying joints. system, system_rows: the same with varying joints, of
     which there are rows of G alone; varying: what it contributes to these by its handle. given: the symbols of what is
-    known that the equations contain, given_still: those that do not depend on the time; constants: those of the body
-    itself, whose values may differ from member to member, first among the coefficients.
+    known that the equations contain, given_still: those that do not depend on the time; constants: the number
+    of those whose values may differ from member to member, first among the coefficients.
     """
 
     equations: Equations
@@ -57,7 +56,7 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
     """The equations of the first member of a class, in its symbols."""
     instance = of.first.instance
     own = instance_equations(instance, mechanism.kinds[instance.kind], False)
-    forces = [_force(force, instance.name, own, known) for force in of.first.forces]
+    forces = _forces(of.first, own, known)
     definitions = [d for d in own.definitions if d.symbol not in known.symbols]
     definitions += [d for force in forces for d in force.definitions]
     parts, varying = list[tuple[Constraint, ...]](), dict[int, VaryingPart]()
@@ -73,15 +72,15 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
     terms = (*own.terms, *(term for force in forces for term in force.terms))
     number = {row.name: i for i, row in enumerate(own.rows)}
     inputs = input_symbols(mechanism.scene)
-    moving = _moving(tuple(definitions), inputs, known)
+    moving = known.moving_with(definitions)
 
     def still(expr: sp.Expr) -> sp.Expr:
         """An expression, or 0 if it depends on the time, which energies and momenta do not know."""
         return sp.S.Zero if expr.free_symbols & moving else expr
 
     energies = [still(e) for e in own.energies]
-    of_body = tuple(c for c in own.coefficients)
-    present = {c.symbol for c in of_body}
+    of_members = (*own.coefficients, *of.first.of_forces)
+    present = {c.symbol for c in of_members}
     more = tuple(c for c in known.context.equations.coefficients if c.symbol not in present)
     equations = Equations(
         name=mechanism.scene.name,
@@ -91,7 +90,7 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
         rows=own.rows,
         rates=tuple(row.v for row in own.rows),
         parameters=mechanism.parameters,
-        coefficients=canonical((*of_body, *more), mechanism),
+        coefficients=canonical((*of_members, *more), mechanism),
         definitions=tuple(definitions),
         terms=terms,
         vanished=own.vanished,
@@ -109,7 +108,7 @@ def class_equations(mechanism: Mechanism, of: BodyClass, known: KnownMotion) -> 
         eliminated=_carried(instance.name, own, moving),
         splines=known.context.equations.splines,
     )
-    return with_known(equations, known, len(of_body), parts, varying)
+    return with_known(equations, known, len(of_members), parts, varying)
 
 
 def with_known(
@@ -168,21 +167,16 @@ def _driven(joint: JointInstance, relative: RelativeMotion, own: InstanceEquatio
     return replace(conditions[-1], position=sp.expand(conditions[-1].position - offsets[-1].position))
 
 
-def _force(force: ForceInstance, body: str, own: InstanceEquations, known: KnownMotion) -> GeneralisedForce:
-    """The terms of a force on one body, whose other markers have a known motion."""
+def _forces(member: Member, own: InstanceEquations, known: KnownMotion) -> list[GeneralisedForce]:
+    """The terms of the forces on one body, whose other markers have a known motion."""
 
     def at(marker: MarkerRef) -> PointMotion:
-        return own.points[marker.marker] if marker.body == body else known.point(marker)
+        return own.points[marker.marker] if marker.body == member.instance.name else known.point(marker)
 
-    return force.type.generalised_force(force.element, tuple(map(at, force.markers)), force.values, own.rows)
-
-
-def _moving(
-    definitions: tuple[Intermediate, ...], inputs: tuple[InputSymbol, ...], known: KnownMotion
-) -> frozenset[sp.Symbol]:
-    """The symbols that depend on the time or on inputs."""
-    moving = {t, *(given.symbol for given in inputs), *known.moving}
-    return moving_symbols(definitions, moving)
+    result = []
+    for force, places in zip(member.forces, member.differing, strict=True):
+        result.append(force.generalised(places, at, own.rows))
+    return result
 
 
 def _depends_on(marker: MarkerEquations, moving: frozenset[sp.Symbol]) -> bool:

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import accumulate
 
 import sympy as sp
 
+from derive.lowering.instances.force_numbers import (
+    ForceForm,
+    Place,
+    differing_constants,
+    differing_places,
+    force_form,
+    moving_bodies,
+)
 from derive.mechanics.multibody.bodies.body_type import CrossSection
-from derive.mechanics.multibody.kinds import BodyInstance, ForceInstance, JointInstance
+from derive.mechanics.multibody.kinds import BodyInstance, JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.instances import identifier, instance_parts
@@ -27,19 +35,33 @@ class Handle:
 
 @dataclass(frozen=True)
 class Member:
-    """A body of a class: its number in the mechanism, its joints, the forces on it, and its first coordinate."""
+    """A body of a class: its number in the mechanism, its joints, the forces on it, and its first coordinate.
+
+    differing: for each force the places of the numbers in which the members of the class differ.
+    """
 
     number: int
     instance: BodyInstance
     handles: tuple[Handle, ...]
-    forces: tuple[ForceInstance, ...]
+    forces: tuple[ForceForm, ...]
     coordinate: int
+    differing: tuple[tuple[Place, ...], ...] = ()
 
     @property
-    def constants(self) -> tuple[ModelConstant, ...]:
+    def of_body(self) -> tuple[ModelConstant, ...]:
         """The constants of the body and of its cross-sections, in the same order for all members of a class."""
         component = self.instance.component
         return (*component.body.constants, *component.point_constants)
+
+    @property
+    def of_forces(self) -> tuple[ModelConstant, ...]:
+        """The numbers of the forces on the body in which the members of the class differ."""
+        return differing_constants(self.forces, self.differing)
+
+    @property
+    def constants(self) -> tuple[ModelConstant, ...]:
+        """All of its constants, in the same order for all members of a class."""
+        return (*self.of_body, *self.of_forces)
 
 
 @dataclass(frozen=True)
@@ -59,11 +81,6 @@ class BodyClass:
         return identifier(self.first.instance.name)
 
 
-def moving_bodies(mechanism: Mechanism, force: ForceInstance) -> tuple[str, ...]:
-    """The bodies with coordinates that a force acts on."""
-    return tuple({m.body: None for m in force.markers if m.body != GROUND and mechanism.instance(m.body).moves})
-
-
 def body_classes(mechanism: Mechanism) -> tuple[BodyClass, ...]:
     """The classes of the bodies that have coordinates, in the order of their first members."""
     handles: dict[str, list[Handle]] = {instance.name: [] for instance in mechanism.instances}
@@ -71,11 +88,11 @@ def body_classes(mechanism: Mechanism) -> tuple[BodyClass, ...]:
         for marker, is_first in ((joint.joint.first, True), (joint.joint.second, False)):
             if marker.body != GROUND:
                 handles[marker.body].append(Handle(number, is_first, marker.marker))
-    forces: dict[str, list[ForceInstance]] = {instance.name: [] for instance in mechanism.instances}
+    forces: dict[str, list[ForceForm]] = {instance.name: [] for instance in mechanism.instances}
     for force in mechanism.forces:
         bodies = moving_bodies(mechanism, force)
         if len(bodies) == 1:
-            forces[bodies[0]].append(force)
+            forces[bodies[0]].append(force_form(mechanism, force))
     firsts = accumulate((len(instance.coordinates.rows) for instance in mechanism.instances), initial=0)
     classes: dict[Hashable, list[Member]] = {}
     for number, (instance, first) in enumerate(zip(mechanism.instances, firsts, strict=False)):
@@ -83,7 +100,18 @@ def body_classes(mechanism: Mechanism) -> tuple[BodyClass, ...]:
             name = instance.name
             member = Member(number, instance, tuple(handles[name]), tuple(forces[name]), first)
             classes.setdefault(_key(member, mechanism), []).append(member)
-    return tuple(BodyClass(tuple(members)) for members in classes.values())
+    return tuple(BodyClass(_with_forces(members)) for members in classes.values())
+
+
+def _with_forces(members: list[Member]) -> tuple[Member, ...]:
+    """The members of a class with the places of the numbers of forces in which they differ.
+
+    Members have no forces where these have different forms: groups of forces then add them to the bodies.
+    """
+    if len({tuple(force.key for force in member.forces) for member in members}) > 1:
+        return tuple(replace(member, forces=()) for member in members)
+    differing = differing_places([member.forces for member in members])
+    return tuple(replace(member, differing=differing) for member in members)
 
 
 def marker_classes(mechanism: Mechanism) -> dict[str, BodyClass]:
@@ -108,7 +136,7 @@ def marker_classes(mechanism: Mechanism) -> dict[str, BodyClass]:
 
 
 def _key(member: Member, mechanism: Mechanism) -> Hashable:
-    """All that the code of a body depends on, besides numbers."""
+    """All that the code of a body depends on, besides numbers and the forces on it."""
     instance, joints = member.instance, mechanism.joints
     component, coordinates = instance.component, instance.coordinates
     if coordinates.reason:
@@ -116,28 +144,12 @@ def _key(member: Member, mechanism: Mechanism) -> Hashable:
     sections = tuple((name, _without_values(section)) for name, section in component.sections.items())
     of = ((h, joints[h.joint]) for h in member.handles)  # a drive adds a multiplier, and codes differ by it
     at = tuple((h.is_first, h.marker, joint.type, joint.multipliers, plain_joint(joint)) for h, joint in of)
-    forces = tuple(map(force_key, member.forces))
-    return instance.kind, component.markers, sections, at, forces, fixed_values(member.constants, mechanism)
+    return instance.kind, component.markers, sections, at, fixed_values(member.of_body)
 
 
-def fixed_values(constants: Iterable[ModelConstant], mechanism: Mechanism) -> tuple[sp.Expr | None, ...]:
-    """The values of constants that setup computes, in which the members of a class do not differ."""
-    in_setup = bool(mechanism.parameters)
-    return tuple(c.value if in_setup or not c.value.is_Rational else None for c in constants)
-
-
-def force_key(force: ForceInstance) -> Hashable:
-    """All that the code of a force depends on; the names of bodies with coordinates do not matter."""
-    markers = tuple((marker.body if marker.body == GROUND else "", marker.marker) for marker in force.markers)
-    values = tuple((k, v.as_immutable() if isinstance(v, sp.MatrixBase) else v) for k, v in force.values.items())
-    own = ((f.name, getattr(force.element, f.name)) for f in fields(force.element) if f.name not in force.values)
-    known = ("name", "values")  # those of a force of another package are in force.values
-    plain = tuple((name, value) for name, value in own if name not in known and not _is_marker(value))
-    return type(force.type), markers, values, plain
-
-
-def _is_marker(value: object) -> bool:
-    return isinstance(value, MarkerRef) or (isinstance(value, tuple) and any(map(_is_marker, value)))
+def fixed_values(constants: Iterable[ModelConstant]) -> tuple[sp.Expr | None, ...]:
+    """The values of constants that depend on parameters, in which the members of a class do not differ."""
+    return tuple(None if c.value.is_Rational else c.value for c in constants)
 
 
 def plain_joint(joint: JointInstance) -> Hashable:

@@ -24,9 +24,10 @@ from derive.lowering.instances.class_code import ClassCode, Loaded, LoopCode, Lo
 from derive.lowering.instances.class_equations import class_equations, with_known
 from derive.lowering.instances.classes import body_classes, marker_classes
 from derive.lowering.instances.group_code import GroupCode, JointCode, spread
-from derive.lowering.instances.groups import Bodies, Group, force_equations, force_groups, output_groups
+from derive.lowering.instances.groups import Bodies, Group, force_equations, force_groups
 from derive.lowering.instances.joint_groups import joint_equations, joint_groups
 from derive.lowering.instances.known_motion import KnownMotion, known_symbol
+from derive.lowering.instances.output_groups import names_of, output_groups, renamed
 from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.equations import Equations
@@ -91,7 +92,7 @@ class InstanceContext:
         return JointCode(self._code(group, equations), group.members, factors)
 
     def _code(self, group: Group, equations: Equations) -> LoopCode:
-        constants = sum(len(m.constants) for m in group.first.bodies)
+        constants = len(group.first.constants)
         return LoopCode(group, with_known(equations, self.known, constants), self.places, self.constants)
 
     def is_loaded(self, of: ClassCode) -> bool:
@@ -106,7 +107,7 @@ class InstanceContext:
 
     @property
     def output_components(self) -> tuple[OutputEquation, ...]:
-        """The components of all outputs in the order of the specification, with the text of the first of a group."""
+        """The components of all outputs in the order of the specification."""
         named: dict[int, OutputEquation] = {}
         for group in self.outputs:
             for element in group.elements:
@@ -115,7 +116,10 @@ class InstanceContext:
                     zip(own.type.labels, group.code.context.equations.outputs, strict=True)
                 ):
                     shown = joined(own.name, label)
-                    named[element.first + k] = replace(of, name=identifier(shown), shown=shown)
+                    doc = renamed(
+                        of.doc, names_of(group.elements[0], self.mechanism), names_of(element, self.mechanism)
+                    )
+                    named[element.first + k] = replace(of, name=identifier(shown), shown=shown, doc=doc)
         return tuple(named[k] for k in sorted(named))
 
     @property

@@ -127,8 +127,12 @@ class KnownMotion:
     @cached_property
     def moving(self) -> frozenset[sp.Symbol]:
         """The symbols that depend on the time or on inputs."""
+        return self.moving_with(self.definitions) & self.symbols
+
+    def moving_with(self, definitions: Iterable[Intermediate]) -> frozenset[sp.Symbol]:
+        """All symbols that depend on the time or on inputs, also through some definitions."""
         varying = {t, *(given.symbol for given in input_symbols(self.mechanism.scene))}
-        return moving_symbols(self.definitions, varying) & self.symbols
+        return moving_symbols((*self.definitions, *definitions), varying)
 
     @cached_property
     def context(self) -> Context:

@@ -130,13 +130,9 @@ def _setup(context: InstanceContext, kernels: tuple[Kernel, ...]) -> tuple[Kerne
 
 def _of_all(context: InstanceContext) -> Constants:
     """The constants and checks of setup; of numbers that differ, the checks for each instance. Raises LoweringError."""
-    differing = set().union(*(of.differing for of in context.codes))
+    differing = context.constants.of_instances
     result = Constants(context.constants.coefficients - differing)
-    for expr, name in context.constants.hoisted.items():
-        if _names(expr) & differing:
-            differing.add(name)
-        else:
-            result.hoisted[expr] = name
+    result.hoisted |= {e: name for e, name in context.constants.hoisted.items() if name not in differing}
     for requirement in context.constants.requirements:
         every = (code.of_members(requirement) for code in context.codes) if _names(requirement.expr) & differing else ()
         for of in chain((requirement,), *every):

@@ -23,7 +23,7 @@ from derive.mechanics.multibody.space.rows import (
     derived,
 )
 from derive.mechanics.quantity import rounded
-from derive.mechanics.terms import Constraint, EquationOfMotion
+from derive.mechanics.terms import Constraint, EquationOfMotion, FramePair
 from derive.spec.model.instances import identifier, joined
 from derive.spec.model.spatial_scene import SpatialJoint
 
@@ -118,6 +118,7 @@ def _constraint(
     rows: tuple[EquationOfMotion, ...],
 ) -> Constraint:
     motion = row_motion(joint, row, first, second, drive, rows)
+    f1, m1, f2, m2 = motion.loads
     return Constraint(
         name=identifier(shown),
         shown=shown,
@@ -129,6 +130,11 @@ def _constraint(
         rate=motion.rate,
         bias=motion.bias,
         jacobian=tuple((r.name, motion.factors[r.name]) for r in rows if motion.factors.get(r.name, 0) != 0),
+        frames=FramePair(
+            first.constrained(f1, m1),
+            second.constrained(f2, m2),
+            sp.ImmutableMatrix(m2) if derived(row).turns else None,
+        ),
     )
 
 

@@ -22,7 +22,7 @@ from derive.mechanics.motion.material_points import (
 from derive.mechanics.motion.rotations import RATE, SCALE, THETA, section_rotation
 from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.mechanics.symbols import Family, Identity, Symbol
-from derive.mechanics.terms import EquationOfMotion, Intermediate
+from derive.mechanics.terms import ConstrainedFrame, EquationOfMotion, FreeRotation, Intermediate
 
 AXES = (1, 2, 3)
 KEPT = 256
@@ -83,6 +83,25 @@ class FrameMotion:
             total = sp.Add(*(dot(a, b) for a, b in pairs))
             if total != 0:
                 yield v.row, total
+
+    def constrained(self, force: sp.Matrix, torque: sp.Matrix) -> ConstrainedFrame:
+        """The frame as a constraint acts on it, with the force and the torque of a unit multiplier."""
+        tangent = self.frame * self.tangent
+        turns = ((v.row, v.rotation + tangent * v.twist if any(v.twist) else v.rotation) for v in self.virtual)
+        turning = {row: sp.ImmutableMatrix(factor) for row, factor in turns if any(factor)}
+        rotation = self._free_rotation(tuple(turning))
+        others = tuple((row, factor) for row, factor in turning.items() if not rotation or row not in rotation.rows)
+        return ConstrainedFrame(rotation, sp.ImmutableMatrix(cross(self.lever, force) + sp.Matrix(torque)), others)
+
+    def _free_rotation(self, turning: tuple[str, ...]) -> FreeRotation | None:
+        """The rotation of the body, if three rows turn it alone, about the axes of the body and about its origin."""
+        own = [v for v in self.virtual if v.row in turning]
+        if len(own) != len(AXES):
+            return None
+        alone = not any(entry for v in own for of in (v.translation, v.deformation, v.twist) for entry in of)
+        along = all(v.rotation == self.frame[:, k] for k, v in enumerate(own))
+        first, second, third = (v.row for v in own)
+        return FreeRotation((first, second, third), self.frame) if alone and along else None
 
     def replaced(
         self, change: Callable[[sp.Expr], sp.Expr], weights: Sequence[tuple[str, Mapping[str, sp.Expr]]]

@@ -14,7 +14,7 @@ from itertools import pairwise
 import sympy as sp
 
 from derive.mechanics.motion.spatial import skew
-from derive.mechanics.multibody.space.frame_motion import FrameMotion, dot
+from derive.mechanics.multibody.space.frame_motion import FrameMotion, cross, dot
 from derive.mechanics.time_functions import Atan2, Wrapped
 
 
@@ -92,6 +92,12 @@ class Derived:
     rate: sp.Expr
     bias: sp.Expr
 
+    @property
+    def turns(self) -> bool:
+        """Whether gdot depends on the difference of the angular velocities alone."""
+        forces, torques = (*self.f1, *self.f2), (sp.expand(a + b) for a, b in zip(self.m1, self.m2, strict=True))
+        return not any(forces) and not any(torques)
+
 
 @lru_cache(256)
 def derived(row: RelativeFunction) -> Derived:
@@ -99,7 +105,30 @@ def derived(row: RelativeFunction) -> Derived:
     rate = _rate(row.g)
     velocities = (FIRST.v, FIRST.w, SECOND.v, SECOND.w)
     f1, m1, f2, m2 = (sp.Matrix([sp.factor_terms(rate.diff(s)) for s in of]) for of in velocities)
-    return Derived(f1, m1, f2, m2, rate, _rate(rate))
+    bias = _bias_of_rotation(row.g)
+    return Derived(f1, m1, f2, m2, rate, _rate(rate) if bias is None else bias)
+
+
+def _bias_of_rotation(g: sp.Expr) -> sp.Expr | None:
+    """The second derivative, without accelerations, of a sum of products p . a with axes a of the second frame.
+
+    p moves with the first frame, from which a has the relative angular velocity w = w2 - w1 and, since that has no
+    derivative but the one that turning gives it, the acceleration w x (w x a) - (w1 x w) x a, which rows share. None of
+    other functions.
+    """
+    factors = [sp.Matrix([g.diff(x) for x in SECOND.A[:, k]]) for k in range(3)]
+    present = set().union(*(x.free_symbols for p in factors for x in p))
+    products = (p_k * a_k for k, p in enumerate(factors) for p_k, a_k in zip(p, SECOND.A[:, k], strict=True))
+    if not present <= FIRST.A.free_symbols or sp.expand(g - sp.Add(*products)) != 0:
+        return None
+    w = SECOND.w - FIRST.w
+    turning = cross(FIRST.w, w)
+    total = sp.S.Zero
+    for k, p in enumerate(factors):
+        if any(p):
+            a = SECOND.A[:, k]
+            total += dot(p, cross(w, cross(w, a)) - cross(turning, a))
+    return total
 
 
 def _rate(of: sp.Expr) -> sp.Expr:
