@@ -1,5 +1,6 @@
 """The parser of polynomials: what it reads exactly, and what it refuses with a reason."""
 
+import math
 from fractions import Fraction
 
 import pytest
@@ -35,6 +36,7 @@ from derive.spec.parsing.values import load_polynomial
         ("0*xi", ()),
         ("(5*xi^3 - 3*xi)/2", (0, Fraction(-3, 2), 0, Fraction(5, 2))),
         ("xi\n+ 1", (1, 1)),
+        ("1 - pi*xi^2/4", (1, 0, -Fraction(math.pi) / 4)),
     ],
 )
 def test_a_polynomial_is_read_exactly(text, coefficients):
@@ -43,7 +45,7 @@ def test_a_polynomial_is_read_exactly(text, coefficients):
     assert all(isinstance(c, Fraction) for c in read)
 
 
-POLYNOMIAL = "a polynomial is made of numbers, xi, + - * / ^ and parentheses"
+POLYNOMIAL = "a polynomial is made of numbers, xi, pi, + - * / ^ and parentheses"
 
 
 @pytest.mark.parametrize(

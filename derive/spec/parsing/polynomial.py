@@ -1,10 +1,11 @@
 """Polynomials in xi, and exact numbers, read from text by a parser that accepts nothing else.
 
-Coefficients are exact: 0.1 is 1/10. Only a number may stand after a /.
+Coefficients are exact: 0.1 is 1/10, and pi is the double next to it. Only a number may stand after a /.
 """
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from functools import lru_cache
 from typing import ClassVar, NoReturn
@@ -22,6 +23,7 @@ KEPT = 256
 ZERO: Polynomial = ()
 ONE: Polynomial = (Fraction(1),)
 XI: Polynomial = (Fraction(0), Fraction(1))
+PI = Fraction(math.pi)
 
 
 @lru_cache(KEPT)
@@ -42,7 +44,7 @@ def parse_number(text: str) -> Fraction:
 
 
 class _Polynomials(Parser[Polynomial]):
-    made_of = "a polynomial is made of numbers, xi, + - * / ^ and parentheses"
+    made_of = "a polynomial is made of numbers, xi, pi, + - * / ^ and parentheses"
     names: ClassVar[tuple[str, ...]] = ("xi",)
 
     def constant(self, value: Fraction, at: Token) -> Polynomial:
@@ -50,6 +52,10 @@ class _Polynomials(Parser[Polynomial]):
 
     def named(self, name: str, at: Token) -> Polynomial:
         return XI
+
+    def _name(self, token: Token) -> Polynomial:
+        """A name; pi is none of `names`, which are examples of names that have powers."""
+        return (PI,) if token.text == "pi" and self.names else super()._name(token)
 
     def added(self, a: Polynomial, b: Polynomial, at: Token) -> Polynomial:
         return self._limited(_add(a, b), at)
