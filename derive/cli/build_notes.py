@@ -11,6 +11,7 @@ from derive.mechanics.multibody.mechanism import Mechanism
 from derive.notes.body_notes import body_notes
 from derive.notes.model_notes import limits
 from derive.pipeline import Built
+from derive.report.sections.instance_rows import merged_rows
 from derive.spec.model.body import NodalBody
 from derive.spec.toml.read import warnings
 
@@ -40,10 +41,10 @@ def _lowering(built: Built) -> Iterator[str]:
 
 def _elimination(model: Model) -> Iterator[str]:
     """Yield which coordinates of a scene are eliminated and why, and the size of its KKT matrix."""
+    for what, reason in merged_rows([(out.what, out.reason) for out in model.eliminated]):
+        yield f"eliminated: {what}: {reason}"
     if model.kkt is None:
         return
-    for out in model.eliminated:
-        yield f"eliminated: {out.what}: {out.reason}"
     size, entries = model.kkt.pattern.rows, model.kkt.pattern.full_nnz
     yield (
         f"KKT matrix: {size} x {size}, {entries} non-zeros, fill-in of {model.kkt.fill}; accelerations and multipliers "

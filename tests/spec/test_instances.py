@@ -14,6 +14,7 @@ import pytest
 import derive
 from conftest import QUICK
 from derive.backends.model_files import emit
+from derive.cli.main import main
 from derive.cli.specifications import read_changed
 from derive.errors import SpecError
 from derive.spec.as_tables import specification_tables
@@ -567,3 +568,32 @@ def test_hash_seed_does_not_matter():
         for seed in ("0", "1")
     }
     assert len(results) == 1
+
+
+def test_build_names_alike_instances_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "stands.toml"
+    path.write_text(
+        """
+name = "stands"
+[ground.markers]
+foot = [0, 0]
+[bodies.stand]
+count = 3
+markers = { foot = [0, 0], top = ["i", 1] }
+[joints.stand]
+count = 3
+kind = "weld"
+between = ["ground.foot", "stand[i].foot"]
+[bodies.weight]
+mass = 1
+inertia = 1
+markers = { hook = [0, 0] }
+[springs.rope]
+count = 3
+between = ["stand[i].top", "weight.hook"]
+stiffness = 10
+"""
+    )
+    assert main(["build", str(path), "--out", str(tmp_path)]) == 0
+    stands = [line for line in capsys.readouterr().out.splitlines() if "stand[" in line]
+    assert len(stands) == 1 and "stand[i], i = 0 to 2: joint stand[i] fixes it to the ground" in stands[0]
