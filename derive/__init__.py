@@ -19,7 +19,8 @@ The public interface, by stages:
                     Joint, Drive, Force, Torque, Spring, Bushing, DistributedLoad, TimeFunction, time_function, Plot,
                     Deflection, ReferenceCurve
                     in space: SpatialScene, SpatialRigidBody, FlexibleBody, FrameMarker, NodeFrame, SpatialJoint, Gear,
-                    SpatialForce, SpatialTorque, SpatialSpring, SpatialInitialValues
+                    SpatialForce, SpatialTorque, SpatialJointForce, SpatialJointTorque,
+                    SpatialSpring, SpatialInitialValues, SpatialJointInitialValues
                     all: Frame, Marker, Parameter, Simulation; SpatialStart of a body in space
                     registries: JOINTS, BODIES, FORCES, OUTPUTS; CustomJoint, CustomBody, CustomForce
     equations       derive, modal, derive_modal, parameters; ModalBody; Equations of a body, or for a scene a
@@ -114,6 +115,9 @@ if TYPE_CHECKING:
         SpatialForce,
         SpatialInitialValues,
         SpatialJoint,
+        SpatialJointForce,
+        SpatialJointInitialValues,
+        SpatialJointTorque,
         SpatialRigidBody,
         SpatialScene,
         SpatialSpring,
@@ -256,6 +260,9 @@ _MODULES = {
         "SpatialForce",
         "SpatialInitialValues",
         "SpatialJoint",
+        "SpatialJointForce",
+        "SpatialJointInitialValues",
+        "SpatialJointTorque",
         "SpatialRigidBody",
         "SpatialScene",
         "SpatialSpring",
@@ -342,6 +349,9 @@ __all__ = [
     "SpatialForce",
     "SpatialInitialValues",
     "SpatialJoint",
+    "SpatialJointForce",
+    "SpatialJointInitialValues",
+    "SpatialJointTorque",
     "SpatialRigidBody",
     "SpatialScene",
     "SpatialSpring",

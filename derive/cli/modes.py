@@ -15,6 +15,7 @@ from derive.notes.conditioning import condition_warnings
 from derive.simulation.linear.eigenmodes import ComplexVector, Mode
 from derive.simulation.linear.mode_files import mode_files, modes_data
 from derive.simulation.linear.modes import Modes, modes
+from derive.simulation.linear.whirl import whirls
 from derive.spec.model.body import SymbolicBody
 from derive.spec.model.scene import Scene
 from derive.spec.model.spatial_scene import SpatialScene
@@ -84,15 +85,22 @@ def _text(result: Modes, count: int) -> list[str]:
         lines += wrapped([f"{text}; --at T linearises about the motion at another time"], "  ")
     if shown:
         rows = [["mode", "frequency, Hz", "damping ratio", "eigenvalue, 1/s"]]
-        lines += table([*rows, *([str(i), *_mode(mode)] for i, mode in enumerate(shown, 1))])
+        rows += [[str(i), *_mode(mode)] for i, mode in enumerate(shown, 1)]
+        circling = (whirls(result) or ())[: len(shown)]
+        if any(whirl is not None for whirl in circling):
+            rows[0].append("whirl, Hz")
+            for row, whirl in zip(rows[1:], circling, strict=True):
+                row.append("" if whirl is None else f"{'forward' if whirl > 0 else 'backward'} {abs(whirl):.6g}")
+        lines += table(rows)
     else:
         lines.append("  no coordinate is independent: constraints and drives determine the motion")
     if result.zero_eigenvalues:
         lines.append(f"  {result.zero_eigenvalues} eigenvalues are zero: motions without stiffness")
     if growing := [str(i) for i, mode in enumerate(result.modes, 1) if _grows(mode)]:
-        state = "the coefficients of this instant let" if result.speed else "warning: the state is unstable;"
+        passing = bool(result.speed) and result.steady is None
+        state = "the coefficients of this instant let" if passing else "warning: the state is unstable;"
         several = len(growing) > 1
-        verb = "grow" if several or result.speed else "grows"
+        verb = "grow" if several or passing else "grows"
         lines.append(f"  {state} mode{'s' if several else ''} {', '.join(growing)} {verb}")
     if len(shown) < len(result.modes):
         lines.append(f"  ... the first {len(shown)} of {len(result.modes)} modes; --count N or --json prints more")
@@ -114,6 +122,9 @@ def _state(result: Modes) -> str:
     if (balance := result.equilibrium) is not None:
         loads = f"; out-of-balance force {magnitude(balance.residual)} of loads up to {balance.load:.3g}"
         return f"the static equilibrium, {balance.stability.value}{loads if balance.load else ''}"
+    if result.steady is not None:
+        axes = ", in axes that rotate with it" if result.steady.spin else ""
+        return f"the {result.steady}{axes}"
     at = f"the state at t = {result.linear.t:g} s"
     if not result.speed and not result.acceleration:
         return f"{at}, at rest"
@@ -126,18 +137,20 @@ def _state(result: Modes) -> str:
 def _state_space(result: Modes) -> Iterator[str]:
     """The sizes of the state space and its inputs and outputs, in words."""
     linear, native = result.linear, result.native
+    rotating = result.steady is not None and bool(result.steady.spin)
+    frame = "axes that rotate with the scene" if rotating else "the inertial frame"
     yield f"state space: {len(linear.states)} states, {len(linear.inputs)} inputs, {len(linear.outputs)} outputs"
     if native.inputs:
         values = zip(native.inputs, result.k[native.nk - len(native.inputs) :], strict=True)
         yield f"inputs, with their values in this state: {', '.join(f'{name} = {value:.6g}' for name, value in values)}"
     elif linear.inputs:
-        yield "inputs: forces at the markers, in the inertial frame"
+        yield f"inputs: forces at the markers, in {frame}"
     elif linear.outputs:
         yield "inputs: none, as the scene has outputs of its own; declare forces on which they depend in [inputs]"
     if native.outputs:
         yield f"outputs: {', '.join(native.outputs)}"
     elif linear.outputs:
-        yield "outputs: positions of the markers, in the inertial frame"
+        yield f"outputs: positions of the markers, in {frame}"
 
 
 def _grows(mode: Mode) -> bool:

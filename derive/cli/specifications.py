@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from derive.errors import Problem, SpecError
+from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.simulate import with_simulation
 from derive.simulation.simulated_scene import simulated
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
-from derive.spec.model.spatial_scene import SpatialScene
+from derive.spec.model.spatial_scene import FlexibleBody, SpatialScene
 from derive.spec.model.specification import AnyScene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.spec.toml.key_lines import lines
@@ -40,11 +41,23 @@ def read_changed_scene(path: Path, assignments: Sequence[tuple[str, str]]) -> tu
 
 def _scene(spec: Specification, path: Path) -> Scene:
     if not isinstance(spec, Scene):
-        what = "a scene in space" if isinstance(spec, SpatialScene) else "a single body"
-        needed = "a planar scene is needed" if isinstance(spec, SpatialScene) else "a scene is needed"
-        raise SpecError((Problem("", f"{needed}, and this is {what}"),), str(path))
+        text = "a scene is needed, and this is a single body"
+        raise SpecError((Problem("", _in_space(spec, path) if isinstance(spec, SpatialScene) else text),), str(path))
     with _file(path):
         return with_simulation(spec)
+
+
+def _in_space(spec: SpatialScene, path: Path) -> str:
+    """The message that a scene in space has no planar models to compare, with the commands that compare its runs."""
+    flexible = [body.name for body in spec.bodies if isinstance(body, FlexibleBody)]
+    column = "final:COLUMN" if not spec.outputs else f"final:{output_columns(spec.outputs[0], True)[0]}"
+    commands = [f"tisserand simulate {path} --integrator rk4", f"tisserand modes {path}"]
+    if flexible:
+        commands.insert(0, f"tisserand sweep {path} --set bodies.{flexible[0]}.modes=1,2,3 --output {column}")
+    return (
+        "a planar scene is needed, and this is a scene in space: models of planar beams are what this command compares"
+        f". What compares runs in space: {'; '.join(commands)}"
+    )
 
 
 def read_changed(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Specification, tuple[SetValue, ...]]:

@@ -76,10 +76,11 @@ def state_views(kernel: Kernel) -> list[tuple[str, View]]:
     return [(a.name, view) for a in state_arguments(kernel) for view in a.parts if view.name in kernel.used]
 
 
-def batch(kernel: Kernel) -> Batch:
-    """A kernel for many states."""
+def batch(kernel: Kernel, instead: Iterable[Node] | None = None) -> Batch:
+    """A kernel for many states; instead: plain statements in place of its own."""
     nodes = [node for argument, view in state_views(kernel) for node in _gathered(argument, view)]
-    nodes += [node for statement in kernel.statements for node in expand_in_tiles(statement)]
+    own = (node for statement in kernel.statements for node in expand_in_tiles(statement))
+    nodes += own if instead is None else instead
     nodes = [*_initialised(_in_records(fused(_one_by_one(nodes))))]
     arguments = frozenset(argument.name for argument in state_arguments(kernel))
     nodes = _in_loops(nodes, frozenset(state_elements(kernel)), arguments)

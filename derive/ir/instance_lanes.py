@@ -1,5 +1,7 @@
 """Independent loops over instances in the lanes of vectors: blocks of four instances, of which the last may overlap.
 
+Two or three instances are one block, in which lanes are left.
+
 A block loads what lies at equal distances as vectors. What constant arrays of integers place is copied to local arrays
 before, and from local arrays afterwards. Sines are computed for all lanes at once, between two loops over lanes.
 """
@@ -40,13 +42,15 @@ from derive.ir.statements import Let, Require, Requirement
 
 IN_LANE = variable(LANE)
 """The index of the element of a lane in an array with an element for each."""
+LEAST = 2
+"""The number of instances from which on a block is faster than one instance after the other."""
 COPIES, RESULTS = "copies", "results"
 """The local arrays of elements that integers place, before and after the loop over the lanes."""
 CIRCULAR = (Operator.SIN, Operator.COS)
 
 
 def instances_in_lanes(loop: For) -> tuple[Node, ...]:
-    """A loop over instances in blocks of four, if there are as many and vectors have its operations."""
+    """A loop over instances in blocks of four, if there are several and vectors have its operations."""
     if any(ends_of(loop)):
         return (replace(loop, kind=LoopKind.ENDS, overlaps=False),)
     made = _Block(loop)
@@ -55,7 +59,7 @@ def instances_in_lanes(loop: For) -> tuple[Node, ...]:
     body = tuple(made.body())
     arrays = [Local(array, LANES) for array in (*made.angles, *made.sines.values())]
     rows = [Local(_array(name, placed), LANES * len(placed)) for name, placed in made.placed.items() if placed]
-    return (*arrays, *rows, replace(loop, body=body, kind=LoopKind.ORDERED, step=LANES))
+    return (*arrays, *rows, replace(loop, body=body, kind=LoopKind.ORDERED, step=made.lanes))
 
 
 @dataclass
@@ -77,7 +81,7 @@ class _Block:
         written = {node.target.array for node in lines if isinstance(node, Assign) and isinstance(node.target, Element)}
         early = needed(lines, [Let("", part) for part in self._parts(lines) if _is_circular(part)])
         return (
-            (loop.count or 0) >= LANES
+            (loop.count or 0) >= LEAST
             and all(isinstance(node, Let | Require | Assign) for node in lines)
             and all(node.kind is Requirement.POSITIVE for node in lines if isinstance(node, Require))
             and all(node.operator in (None, Operator.NEG) for node in lines if isinstance(node, Assign))
@@ -85,6 +89,11 @@ class _Block:
             and not any(_is_circular(part) for part in self._parts(early))
             and written.isdisjoint(names_read(lines))
         )
+
+    @property
+    def lanes(self) -> int:
+        """The number of instances of a block."""
+        return min(LANES, self.loop.count or 0)
 
     @property
     def lines(self) -> list[Node]:
@@ -170,7 +179,7 @@ class _Block:
 
     def _sines(self, array: str) -> Sines:
         number = list(self.angles).index(array) + 1
-        return Sines(Element(array, None), f"sine_{number}", f"cosine_{number}", LANES)
+        return Sines(Element(array, None), f"sine_{number}", f"cosine_{number}", self.lanes)
 
     # ---- loops over lanes ----
 
@@ -179,7 +188,8 @@ class _Block:
         return tuple(reindexed(node, lambda index: index.split(name, LANE)) for node in nodes)
 
     def _lanes(self, nodes: Iterable[Node]) -> For:
-        return For(LANE, START, constant(LANES), self._split(nodes), LoopKind.LANES)
+        kind = LoopKind.LANES if self.lanes == LANES else LoopKind.FEW
+        return For(LANE, START, constant(self.lanes), self._split(nodes), kind)
 
     def _in_order(self, copies: Sequence[Assign]) -> list[For]:
         """A loop over lanes one after the other, which copies elements that integers place."""
@@ -188,7 +198,7 @@ class _Block:
         elements = [e for node in copies for e in (node.target, node.expr) if isinstance(e, Element) and e.index]
         used = {term.variable for e in elements if e.index for term in e.index.terms}
         integers = [node for name, node in self.integers.items() if name in used]
-        return [For(LANE, START, constant(LANES), self._split([*integers, *copies]))]
+        return [For(LANE, START, constant(self.lanes), self._split([*integers, *copies]))]
 
 
 def _array(name: str, placed: Sequence[Element]) -> str:

@@ -180,7 +180,7 @@ class _Run:
             case BlockProduct():
                 self._block_product(node)
             case Sines():
-                angles = self._row(node.angle)
+                angles = self._row(node.angle)[: node.count]
                 for k, (name, operator) in enumerate(((node.sine, Operator.SIN), (node.cosine, Operator.COS))):
                     values = [self.call[operator](angle) for angle in angles]
                     if node.rows:

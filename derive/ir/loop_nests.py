@@ -90,6 +90,8 @@ class LoopKind(Enum):
     """The iterations run in any order if additions to an element keep theirs; such a loop may run in lanes."""
     LANES = "lanes"
     """Several iterations run at once, in vectors: all additions are to variables of the iteration."""
+    FEW = "few"
+    """Fewer iterations than vectors have lanes run at once. The lanes that are left repeat the last iteration."""
     ENDS = "ends"
     """The two iterations run at once, in vectors of two."""
     STATES = "states"

@@ -6,14 +6,12 @@ from collections.abc import Iterator
 
 from derive.mechanics.multibody.outputs.prescribed_inertia import inertia_notes
 from derive.spec.model.markers import GROUND
-from derive.spec.model.scene import Scene
 from derive.spec.model.specification import AnyScene
 
 
 def scene_notes(scene: AnyScene) -> tuple[str, ...]:
     """A line on each body without mass or inertia that an output counts, and on bodies that are unconstrained."""
-    inertia = inertia_notes(scene) if isinstance(scene, Scene) else ()
-    return *inertia, *_connection_notes(scene)
+    return *inertia_notes(scene), *_connection_notes(scene)
 
 
 def _connection_notes(scene: AnyScene) -> Iterator[str]:

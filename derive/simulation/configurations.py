@@ -33,8 +33,8 @@ class Named(Configured, Protocol):
     velocities: tuple[str, ...]
 
 
-QUATERNION, ROTATION = 4, 3
-"""The numbers of coordinates and of velocities of a rotation in space."""
+QUATERNION, ROTATION, COMPONENTS = 4, 3, 3
+"""The numbers of coordinates and of velocities of a rotation in space, and of components of a position."""
 
 
 def velocity_roles(native: Configured) -> tuple[Role, ...]:
@@ -42,7 +42,7 @@ def velocity_roles(native: Configured) -> tuple[Role, ...]:
     if native.nq == native.nv:
         return native.roles
     result: list[Role] = []
-    for _, _, role in _blocks(native):
+    for _, _, role in blocks(native):
         result += [Role.ROTATION] * ROTATION if role is Role.QUATERNION else [role]
     return tuple(result)
 
@@ -57,7 +57,7 @@ def displaced(native: Configured, q: Vector, change: Vector) -> Vector:
     if native.nq == native.nv:
         return np.asarray(q + change)
     result = np.array(q, dtype=np.float64)
-    for i, j, role in _blocks(native):
+    for i, j, role in blocks(native):
         if role is Role.QUATERNION:
             result[i : i + QUATERNION] = turned(q[i : i + QUATERNION], change[j : j + ROTATION])
         else:
@@ -70,7 +70,7 @@ def difference(native: Configured, first: Vector, second: Vector) -> Vector:
     if native.nq == native.nv:
         return np.asarray(second - first)
     result = np.zeros(native.nv)
-    for i, j, role in _blocks(native):
+    for i, j, role in blocks(native):
         if role is Role.QUATERNION:
             result[j : j + ROTATION] = rotation_vector(
                 quaternion_product(conjugate(first[i : i + QUATERNION]), second[i : i + QUATERNION])
@@ -85,7 +85,7 @@ def normalised(native: Configured, q: Vector) -> Vector:
     if native.nq == native.nv:
         return q
     result = np.array(q, dtype=np.float64)
-    for i, _, role in _blocks(native):
+    for i, _, role in blocks(native):
         if role is Role.QUATERNION:
             result[i : i + QUATERNION] /= np.linalg.norm(result[i : i + QUATERNION])
     return result
@@ -105,12 +105,23 @@ def rate_matrix(native: Moving, q: Vector, k: Vector) -> Matrix:
     return np.column_stack([native.rates(q, unit, k) for unit in np.eye(native.nv)])
 
 
+def origins(native: Configured) -> tuple[tuple[int, int], ...]:
+    """The first coordinate and the first velocity of each origin of a body in space."""
+    found = [(i, j) for i, j, role in blocks(native) if role is Role.TRANSLATION]
+    return tuple(found[::COMPONENTS])
+
+
+def attitudes(native: Configured) -> tuple[tuple[int, int], ...]:
+    """The first coordinate and the first velocity of each quaternion."""
+    return tuple((i, j) for i, j, role in blocks(native) if role is Role.QUATERNION)
+
+
 def velocity_names(native: Named) -> tuple[str, ...]:
     """The names of the elements of a change: in the plane those of the coordinates, in space those of velocities."""
     return native.coordinates if native.nq == native.nv else native.velocities
 
 
-def _blocks(native: Configured) -> Iterator[tuple[int, int, Role]]:
+def blocks(native: Configured) -> Iterator[tuple[int, int, Role]]:
     """The first coordinate and the first velocity of each coordinate, or quaternion, with its role."""
     i, j = 0, 0
     while i < native.nq:

@@ -121,6 +121,21 @@ class SingularConfiguration(SimulationError):
         )
 
 
+class TooNearDeadCentre(SingularConfiguration):
+    """Steps of the tolerance become so short that they do not pass a dead centre, which longer ones might pass.
+
+    tolerance: that of the integrator.
+    """
+
+    def __init__(self, of: SingularConfiguration, tolerance: float) -> None:
+        self.tolerance = tolerance
+        advice = (
+            f"Near it the rounding errors of accelerations exceed the tolerance {tolerance:g} of a step. Longer steps "
+            f"pass it: those of a larger tolerance, such as {10 * tolerance:g}, or of generalised-alpha."
+        )
+        super().__init__(of.t, of.smallest, of.multipliers, f"{advice} {AT_DEAD_CENTRE}")
+
+
 class DriveCannotBeFollowed(SingularConfiguration):
     """A drive has moved the mechanism to a dead centre that it cannot pass.
 

@@ -27,6 +27,7 @@ from derive.simulation.output_times import output_times
 from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.scene_start import size_of, state_of
 from derive.simulation.simulated_scene import surroundings
+from derive.simulation.space.half_turns import half_turn_notes
 from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import RunSettings, Trajectory, column_units, column_values
 from derive.simulation.validity.measure import validity
@@ -148,6 +149,7 @@ class PreparedRun:
             watch=watched.watch if watched.beams else None,
         )
         solution = integrator.integrate(k, q, v, times, settings)
+        foreseen += half_turn_notes(self.scene, native, k, solution.t, solution.q, solution.v)
         if earlier is not None:
             solution = earlier.continued(self.model, solution)
         solution = replace(solution, notes=(*foreseen, *solution.notes))

@@ -14,6 +14,7 @@ from derive.simulation.errors import (
     IntegrationStopped,
     RedundantConstraints,
     SingularConfiguration,
+    TooNearDeadCentre,
 )
 from derive.simulation.scene_start import state_of
 from derive.spec.model.specification import AnyScene
@@ -50,5 +51,7 @@ def with_redundant_joints(scene: S, action: Callable[[S], Result]) -> Result:
         try:
             changed: Any = scene
             return action(replace(changed, redundant="resolve"))
+        except TooNearDeadCentre:
+            raise
         except (*DEPENDENT, DriftTooLarge, IntegrationStopped):
             raise error from None

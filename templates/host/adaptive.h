@@ -36,7 +36,8 @@ enum {
 typedef struct {
     double rtol;        /* relative tolerance of a step; 2.3e-14 replaces smaller values */
     const double *atol; /* nq + nv absolute tolerances of q and v, greater than 0 */
-    double consistent;  /* a state is projected until |g| and |gdot| are at most this, or rounding errors; 0: it is not */
+    double consistent;  /* a state is projected until |g| and |gdot| are at most this, or rounding errors; 0: it is not.
+                           A motion through singular positions needs 2e-15 */
     double drift;       /* the largest |g| and |gdot| that are accepted, beside rounding errors; 0: no limit */
     double step_max;    /* the longest step; 0: no limit */
     long steps_max;     /* the largest number of steps; 0: no limit */

@@ -9,6 +9,7 @@
 #endif
 
 #include "generalised_alpha.h"
+#include "rotations.h"
 
 #include <klu.h>
 
@@ -24,6 +25,10 @@ enum { ITERATIONS = 4, JACOBIANS = 4 };
    coordinates, and of what follows from it for v times the step. */
 #define TISSERAND_ROUNDING (16.0 * DBL_EPSILON)
 
+/* The least part of the compliance that a constraint has if each of its factors is 1 m or 1 rad. A constraint that
+   others imply entirely may have factors of rounding errors, which must not count as much as any other. */
+static const double LEAST = 1.0 / 1024.0;
+
 /* The coefficients of the method for a step length h. */
 typedef struct {
     double alpha_m, alpha_f, beta, gamma;
@@ -34,12 +39,15 @@ typedef struct {
 typedef struct {
     tisserand_dae form;
     scheme method;
-    int nq;
-    double *y, *ydot; /* [q; v; lambda], [v; vdot; 0] */
+    int nq, nv;
+    double *y, *ydot; /* [q; v; lambda], [0; vdot; 0] */
     double *a;        /* the auxiliary accelerations of the method */
+    double *x;        /* of rotations: the rotation vectors of a step (rad) */
+    double *first;    /* q at the beginning of a step */
     double *r, *jac, *work;
     double proximal; /* the term of the diagonal of multipliers, relative to their compliance; 0: none */
     int *colptr, *rowidx;
+    tisserand_places places;
     klu_common common;
     klu_symbolic *symbolic;
     klu_numeric *numeric;
@@ -63,7 +71,7 @@ static scheme make_scheme(double rho, double h)
 static int find_form(const tisserand_model *model, tisserand_dae *form)
 {
     for (int i = 0; model->scene != NULL && i < model->scene->nforms; i++) {
-        if (strcmp(model->scene->forms[i].name, "index3") == 0 && model->nq == model->nv) {
+        if (strcmp(model->scene->forms[i].name, "index3") == 0) {
             *form = model->scene->forms[i];
             return 0;
         }
@@ -73,20 +81,23 @@ static int find_form(const tisserand_model *model, tisserand_dae *form)
 
 static int allocate(const tisserand_model *model, machine *own)
 {
-    const int n = own->form.size, nnz = own->form.pattern->nnz;
-    const size_t doubles = (size_t) (3 * n + own->nq + nnz + tisserand_fixed_work(model));
+    const int n = own->form.size, nq = own->nq, nv = own->nv, nnz = own->form.pattern->nnz;
+    const size_t doubles = (size_t) (3 * n + nq + 2 * nv + nnz + tisserand_fixed_work(model));
 
     own->y = (double *) calloc(doubles, sizeof(double));
-    own->colptr = (int *) calloc((size_t) (n + 1 + nnz), sizeof(int));
+    own->colptr = (int *) calloc((size_t) (n + 1 + nnz + tisserand_places_size(model)), sizeof(int));
     if (own->y == NULL || own->colptr == NULL) {
         return TISSERAND_NO_MEMORY;
     }
     own->ydot = own->y + n;
     own->r = own->ydot + n;
     own->a = own->r + n;
-    own->jac = own->a + own->nq;
+    own->x = own->a + nv;
+    own->first = own->x + nv;
+    own->jac = own->first + nq;
     own->work = own->jac + nnz;
     own->rowidx = own->colptr + n + 1;
+    own->places = tisserand_find_places(model, own->rowidx + nnz);
     /* KLU takes pointers to non-const arrays although it does not change them: hence a copy of the model's tables. */
     if (own->form.pattern->colptr == NULL) {
         own->form.pattern->fill(own->colptr, own->rowidx);
@@ -109,21 +120,51 @@ static double *entry(const machine *own, int row, int column)
     return own->jac + i;
 }
 
+/* The rows of quaternions in the iteration matrix, which have cj dq - Z dv at first: with dq = Z T dx for the change dx
+   of the rotation vector of the step, where Z is the matrix of qdot = Z v. */
+static void turn_rows(machine *own)
+{
+    for (int i = 0; i < own->places.nrotations; i++) {
+        const int q = own->places.rotations[i].q, v = own->places.rotations[i].v, column = own->nq + v;
+        double T[3][3];
+        tisserand_tangent(own->x + v, T);
+        for (int row = q; row < q + 4; row++) {
+            double Z[3];
+            for (int k = 0; k < 3; k++) {
+                Z[k] = *entry(own, row, column + k);
+            }
+            for (int k = 0; k < 3; k++) {
+                *entry(own, row, column + k) = Z[0] * T[0][k] + Z[1] * T[1][k] + Z[2] * T[2][k];
+            }
+        }
+        for (int j = q; j < q + 4; j++) {
+            for (int e = own->colptr[j]; e < own->colptr[j + 1]; e++) {
+                if (own->rowidx[e] >= q && own->rowidx[e] < q + 4) {
+                    own->jac[e] = own->rowidx[e] == j ? own->method.cj : 0.0;
+                }
+            }
+        }
+    }
+}
+
 /* Add the proximal term to the diagonal of the multipliers: a part of the compliance G A^-1 G^T of the constraint,
    estimated by the diagonal of A, the matrix of the rows of vdot. A solution is off by this part of itself, which the
    next iteration of Newton's method corrects; reactions of redundant joints that balance each other are finite. */
 static void add_proximal(machine *own)
 {
-    const int nq = own->nq, n = own->form.size;
+    const int nq = own->nq, of_joints = nq + own->nv, n = own->form.size;
 
-    for (int j = 2 * nq; j < n; j++) {
-        double compliance = 0.0;
+    for (int j = of_joints; j < n; j++) {
+        double compliance = 0.0, full = 0.0;
         for (int i = own->colptr[j]; i < own->colptr[j + 1]; i++) {
             const int row = own->rowidx[i];
-            if (row >= nq && row < 2 * nq) {
-                compliance += own->jac[i] * own->jac[i] / fabs(*entry(own, row, row));
+            if (row >= nq && row < of_joints) {
+                const double inverse = 1.0 / fabs(*entry(own, row, row));
+                compliance += own->jac[i] * own->jac[i] * inverse;
+                full += inverse;
             }
         }
+        compliance = full > 0.0 ? fmax(compliance, LEAST * full) : 1.0;
         *entry(own, j, j) += own->proximal * own->method.scale / own->method.cj * compliance;
     }
 }
@@ -137,6 +178,7 @@ static int factorise(double t, const double *k, machine *own)
     if (code != 0) {
         return code;
     }
+    turn_rows(own);
     for (int i = 0; i < own->colptr[own->nq]; i++) {
         if (own->rowidx[i] >= own->nq) {
             own->jac[i] *= own->method.scale;
@@ -163,16 +205,22 @@ static int factorise(double t, const double *k, machine *own)
 static int start(const tisserand_model *model, const tisserand_alpha_options *options, double t, const double *k,
                  double *q, double *v, machine *own)
 {
-    const int nq = own->nq;
+    const int nq = own->nq, nv = own->nv;
     tisserand_fixed_counts ignored = {0, 0, 0, 0};
-    int code = options->start > 0.0 ? tisserand_project(model, t, k, options->start, q, v, own->work, &ignored) : 0;
+    int code = tisserand_normalise(model, q);
 
+    if (code == 0 && options->start > 0.0) {
+        code = tisserand_project(model, t, k, options->start, q, v, own->work, &ignored);
+    }
     if (code == 0) {
-        code = model->scene->solve(t, q, v, k, own->a, own->y + 2 * nq);
+        code = tisserand_normalise(model, q);
+    }
+    if (code == 0) {
+        code = model->scene->solve(t, q, v, k, own->a, own->y + nq + nv);
     }
     memcpy(own->y, q, (size_t) nq * sizeof(double));
-    memcpy(own->y + nq, v, (size_t) nq * sizeof(double));
-    memcpy(own->ydot + nq, own->a, (size_t) nq * sizeof(double));
+    memcpy(own->y + nq, v, (size_t) nv * sizeof(double));
+    memcpy(own->ydot + nq, own->a, (size_t) nv * sizeof(double));
     return code;
 }
 
@@ -182,12 +230,19 @@ static void predict(double h, machine *own)
     const scheme *s = &own->method;
     double *q = own->y, *v = q + own->nq;
     const double *vdot = own->ydot + own->nq;
-    for (int i = 0; i < own->nq; i++) {
+    memcpy(own->first, q, (size_t) own->nq * sizeof(double));
+    for (int i = 0; i < own->nv; i++) {
         const double before = own->a[i], after = (vdot[i] - s->alpha_m * before) / (1.0 - s->alpha_m);
-        q[i] += h * v[i] + h * h * ((0.5 - s->beta) * before + s->beta * after);
+        const double dq = h * v[i] + h * h * ((0.5 - s->beta) * before + s->beta * after);
+        if (own->places.coordinate[i] >= 0) {
+            q[own->places.coordinate[i]] += dq;
+        } else {
+            own->x[i] = dq;
+        }
         v[i] += h * ((1.0 - s->gamma) * before + s->gamma * after);
         own->a[i] = after;
     }
+    tisserand_rotate(&own->places, own->first, own->x, q);
 }
 
 /* Newton's method from the prediction; t is the time at the end of the step. `valid`: whether the present Jacobian can
@@ -196,7 +251,7 @@ static int correct(double t, double h, double tolerance, const double *k, machin
                    tisserand_alpha_counts *counts)
 {
     const scheme *s = &own->method;
-    const int nq = own->nq, n = own->form.size;
+    const int nq = own->nq, nv = own->nv, n = own->form.size;
     const double to_a = s->cj * (1.0 - s->alpha_f) / (1.0 - s->alpha_m);
     double *y = own->y, *ydot = own->ydot, *r = own->r;
 
@@ -207,7 +262,6 @@ static int correct(double t, double h, double tolerance, const double *k, machin
             code = factorise(t, k, own);
             counts->jacobians++;
         }
-        memcpy(ydot, y + nq, (size_t) nq * sizeof(double));
         if (code == 0) {
             code = own->form.residual(t, y, ydot, k, r);
             counts->residuals++;
@@ -215,22 +269,30 @@ static int correct(double t, double h, double tolerance, const double *k, machin
         if (code != 0) {
             return code;
         }
+        memset(r, 0, (size_t) nq * sizeof(double)); /* q follows from the increments of the step */
         if (!klu_solve(own->symbolic, own->numeric, n, 1, r, &own->common)) {
             return TISSERAND_SINGULAR;
         }
-        for (int j = 0; j < nq; j++) {
-            const double dq = -s->scale * r[j], dv = -r[nq + j], moved = fabs(dq) + h * fabs(dv);
-            y[j] += dq;
+        for (int j = 0; j < nv; j++) {
+            const int c = own->places.coordinate[j];
+            const double dv = -r[nq + j], dq = c >= 0 ? -s->scale * r[c] : s->scale / s->cj * dv;
+            const double moved = fabs(dq) + h * fabs(dv);
+            if (c >= 0) {
+                y[c] += dq;
+                size = fabs(y[c]) <= size ? size : fabs(y[c]);
+            } else {
+                own->x[j] += dq;
+            }
             y[nq + j] += dv;
             ydot[nq + j] += s->cj * dv;
             own->a[j] += to_a * dv;
             largest = moved <= largest ? largest : moved;
-            size = fabs(y[j]) <= size ? size : fabs(y[j]);
             if (!(moved < HUGE_VAL)) {
                 return TISSERAND_NOT_FINITE;
             }
         }
-        for (int j = 2 * nq; j < n; j++) {
+        tisserand_rotate(&own->places, own->first, own->x, y);
+        for (int j = nq + nv; j < n; j++) {
             y[j] -= r[j];
         }
         *valid = (i + 1) % ITERATIONS; /* a new Jacobian after ITERATIONS iterations */
@@ -286,6 +348,7 @@ int tisserand_alpha(const tisserand_model *model, const tisserand_alpha_options 
     memset(&own, 0, sizeof own);
     own.method = make_scheme(options->rho, step);
     own.nq = model->nq;
+    own.nv = model->nv;
     own.proximal = options->proximal;
     code = find_form(model, &own.form);
     if (code == 0) {
@@ -297,7 +360,7 @@ int tisserand_alpha(const tisserand_model *model, const tisserand_alpha_options 
     if (code == 0) {
         code = integrate(t0, step, steps, every, options->tolerance, k, rows, observer, &reached, &own, counts);
         memcpy(q, own.y, (size_t) own.nq * sizeof(double));
-        memcpy(v, own.y + own.nq, (size_t) own.nq * sizeof(double));
+        memcpy(v, own.y + own.nq, (size_t) own.nv * sizeof(double));
     }
     for (long i = reached * width; i < (steps / every + 1) * width; i++) {
         rows[i] = (double) NAN;

@@ -1,15 +1,20 @@
 /*
  * SPDX-License-Identifier: 0BSD
  *
- * The generalised-alpha method with fixed steps for a planar scene in its form of index 3: every step meets g = 0, and
- * gdot = 0 to the second order. The method has order 2 in q, v and lambda, is stable for any step, and damps vibrations
- * that the step does not resolve, by the factor rho per step in the limit. See M. Arnold & O. Bruels, Convergence of
- * the generalized-alpha scheme for constrained mechanical systems, Multibody System Dynamics 18 (2007) 185-202.
+ * The generalised-alpha method with fixed steps for a scene in its form of index 3: every step meets g = 0, and gdot = 0
+ * to the second order. The method has order 2 in q, v and lambda, is stable for any step, and damps vibrations that the
+ * step does not resolve, by the factor rho per step in the limit. See M. Arnold & O. Bruels, Convergence of the
+ * generalized-alpha scheme for constrained mechanical systems, Multibody System Dynamics 18 (2007) 185-202.
+ *
+ * In space a step changes a rotation by a rotation vector x, e = e0 * exp(x), whose formula is that of a coordinate with
+ * the angular velocity in the frame of the body in place of its rate; see O. Bruels & A. Cardona, On the use of Lie group
+ * time integrators in multibody dynamics, Journal of Computational and Nonlinear Dynamics 5 (2010) 031002. Quaternions
+ * have length 1 after every step.
  *
  * Linear equations are solved by KLU of SuiteSparse. With Debian or Ubuntu: apt-get install libsuitesparse-dev, then
  *
  *     cc -std=c99 -isystem /usr/include/suitesparse -DTISSERAND_HEADER='"my_scene.h"' generalised_alpha.c \
- *        fixed_step.c my_scene.c my_program.c -lklu -lm
+ *        rotations.c fixed_step.c my_scene.c my_program.c -lklu -lm
  */
 
 #ifndef TISSERAND_GENERALISED_ALPHA_H
@@ -27,7 +32,7 @@ extern "C" {
 
 /* Return codes of tisserand_alpha in addition to those of fixed_step.h. */
 enum {
-    TISSERAND_NO_INDEX3 = 5, /* no form of index 3, or a spatial model, whose q and v have different sizes */
+    TISSERAND_NO_INDEX3 = 5, /* no form of index 3, as a body without a scene */
     TISSERAND_NO_MEMORY = 6,
     TISSERAND_SINGULAR = 7,      /* the iteration matrix is singular */
     TISSERAND_NO_CONVERGENCE = 8 /* Newton's method does not converge: the step is too long */

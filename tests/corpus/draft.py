@@ -33,6 +33,7 @@ NAMES = {
         "M",
         "x1",
     ],
+    "gears": ["mesh", "train", "belt"],
     "joints": [
         "hinge",
         "pin",

@@ -26,7 +26,6 @@ REFUSALS: dict[str, str] = {
     r"Their multipliers have no unique value": "the message names what computes reactions of least norm",
     r"a pivot vanishes in every order": "a study of pivots compares none where joints are redundant",
     r"solves for reactions, which have to be unique": "redundant joints in implicit methods; the message names others",
-    r"generalised-alpha is for planar scenes": "the message names integrators for those in space",
     r"all motion is prescribed; nothing is left to be computed": "there is no motion to compute",
     r"is not that of a rigid rotation of the whole scene": "the stability is that of steady motions",
     r"no model has a steady motion": "likewise",
@@ -42,6 +41,7 @@ REFUSALS: dict[str, str] = {
     r"there is no beam here": "there is no flexible body whose models could differ",
     r"a simulation needs its value; write one, such as": "an input without a function can be exported, not simulated",
     r"the floating-frame body of Exudyn is one in space": "the interface is for bodies given by their nodes",
+    r"a floating-frame body of Exudyn is a single body": "likewise; the message names the one for scenes",
 }
 
 

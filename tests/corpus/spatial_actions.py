@@ -28,7 +28,8 @@ def act_in_space(draft: SpatialDraft) -> None:
     if draws.chance(0.15):
         treatments = [word for word in words(SpatialScene, "redundant") if word != "error" or not draft.looped]
         draft.section("scene")["redundant"] = draws.choice(treatments)
-    _drives(draft)
+    geared = _gears(draft) if not draft.looped else set()
+    _drives(draft, geared)
     at = [f"{name}.{marker}" for name, body in draft.section("bodies").items() for marker in body["markers"]]
     if at:
         _loads(draft, at)
@@ -67,11 +68,37 @@ def _input_or_function(draft: SpatialDraft, size: float, unit: str, vanishes: bo
     return {"input": name}
 
 
-def _drives(draft: SpatialDraft) -> None:
-    """Drive some joints, or give them a speed; in a loop at most the first one."""
+def _gears(draft: SpatialDraft) -> set[str]:
+    """A gear between two joints sometimes; the names of those whose motion follows, so that nothing else gives it."""
+    draws, joints = draft.draws, draft.tables.get("joints", {})
+    coupled = {name: motion for name in joints if (motion := _coupled(joints[name]))}  # type: ignore[index]
+    if len(coupled) < 2 or not draws.chance(0.6):
+        return set()
+    first, second = draws.shuffled([*coupled])[:2]
+    ratio: Any = f"{draws.sign() * draws.whole(1, 40)}/{draws.whole(1, 40)}"
+    if coupled[first] is not coupled[second]:  # of a rack
+        ratio = rounded(draft.size * draws.between(0.05, 0.3) * draws.sign(), 2)
+        ratio = ratio if coupled[second] is Freedom.DISPLACEMENT else rounded(1 / ratio, 2)
+    gear: Table = {"joints": [first, second], "ratio": ratio}
+    draft.section("gears")[draft.name("gears")] = gear | ({"offset": 0} if draws.chance(0.5) else {})
+    return {second}
+
+
+def _coupled(joint: Table) -> Freedom | None:
+    """The motion of a joint that a gear couples."""
+    of = SPATIAL_JOINTS[joint["kind"]]
+    return of.couples(tuple(joint["removes"]) if of.removes is None else of.removes)
+
+
+def _drives(draft: SpatialDraft, geared: set[str]) -> None:
+    """Drive some joints, or give them a speed, but for those that gears move; in a loop at most the first one."""
     draws, driven = draft.draws, False
     for name, joint in draft.tables.get("joints", {}).items():  # type: ignore[attr-defined]
         freedom = SPATIAL_JOINTS[joint["kind"]].driven
+        if name in geared:
+            continue
+        if freedom is None and not draft.looped:
+            _start(draft, joint)
         if freedom is None or (draft.looped and driven):
             continue
         size = 0.5 if freedom is Freedom.ROTATION else 0.1 * draft.size
@@ -87,6 +114,22 @@ def _drives(draft: SpatialDraft) -> None:
             joint["start"] = {"speed": rounded(size * draft.rate * draws.between(-1, 1), 2)}
             if draws.chance(0.5):
                 joint["start"]["angle" if freedom is Freedom.ROTATION else "displacement"] = 0
+
+
+def _start(draft: SpatialDraft, joint: Table) -> None:
+    """Initial values of a joint with several motions, of which none is driven; displacements vanish at the start."""
+    draws, of = draft.draws, SPATIAL_JOINTS[joint["kind"]]
+    start: Table = {}
+    for motion in of.starts(tuple(joint["removes"]) if of.removes is None else of.removes):
+        size = (0.5 if motion.freedom is Freedom.ROTATION else 0.1 * draft.size) * draft.rate
+        several = len(motion.axes) > 1
+        if draws.chance(0.3):
+            start[motion.key] = [0] * len(motion.axes) if several else 0
+        if draws.chance(0.5):
+            rates = [rounded(size * draws.between(-1, 1), 2) for _ in motion.axes]
+            start[motion.rate] = rates if several else rates[0]
+    if start:
+        joint["start"] = start | ({"guess": True} if draws.chance(0.2) else {})
 
 
 def _loads(draft: SpatialDraft, at: list[str]) -> None:
@@ -105,8 +148,25 @@ def _loads(draft: SpatialDraft, at: list[str]) -> None:
         if others and draws.chance(0.5):
             table["against"] = draws.choice(others)
         draft.section("torques")[draft.name("torques")] = table
+    _in_joints(draft, force)
     for _ in range(draws.choice([0, 1, 1, 2])):
         _spring(draft, at, force)
+
+
+def _in_joints(draft: SpatialDraft, force: float) -> None:
+    """A force or a torque along or about the axis of a joint, or of several."""
+    sections = (("forces", Freedom.DISPLACEMENT, force, "N"), ("torques", Freedom.ROTATION, 0.1 * force, "N m"))
+    for section, motion, size, unit in sections:
+        for name, joint in draft.tables.get("joints", {}).items():  # type: ignore[attr-defined]
+            if _leaves(joint, motion) and draft.draws.chance(0.2):
+                load = {"joint": name, "value": _input_or_function(draft, size, unit)}
+                draft.section(section)[draft.name(section)] = load
+
+
+def _leaves(joint: Table, motion: Freedom) -> bool:
+    """Whether the bodies of a joint may move along, or turn about, its z axis."""
+    of = SPATIAL_JOINTS[joint["kind"]]
+    return of.leaves(tuple(joint["removes"]) if of.removes is None else of.removes, motion)
 
 
 def _spring(draft: SpatialDraft, at: list[str], force: float) -> None:
@@ -146,8 +206,19 @@ def _outputs(draft: SpatialDraft, at: list[str]) -> None:
         table: Table = {"kind": kind}
         for key in SPATIAL_OUTPUTS[kind].keys:
             free = [name for name in joints if kind == "reaction" or _has_coordinate(joints[name])]  # type: ignore[index]
-            turning = [marker for marker in at if _turns(draft, marker) or kind != "angular_velocity"]
-            options = {KeyType.MARKER: turning, KeyType.JOINT: free, KeyType.MARKER_PAIR: at}[key.type]
+            turning = [marker for marker in at if _turns(draft, marker) or not kind.startswith("angular_")]
+            sections = {
+                KeyType.DRIVE: ("drives",),
+                KeyType.SPRING: ("springs",),
+                KeyType.JOINT_LOAD: ("forces", "torques"),
+            }
+            named = [
+                name
+                for section in sections.get(key.type, ())
+                for name, of in draft.tables.get(section, {}).items()  # type: ignore[attr-defined]
+                if key.type is not KeyType.JOINT_LOAD or "joint" in of
+            ]
+            options = {KeyType.MARKER: turning, KeyType.JOINT: free, KeyType.MARKER_PAIR: at}.get(key.type, named)
             if key.type is KeyType.MARKER_PAIR:
                 bodies = {marker.split(".")[0]: marker for marker in at}
                 options = [[*bodies.values()][:2]] if len(bodies) > 1 else []

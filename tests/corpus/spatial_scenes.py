@@ -26,6 +26,8 @@ FACE = (0, 1, 2, 3, 4, 5, 6, 7)
 """Nodes of the block that do not lie on a line, at one of its ends."""
 
 Vector = np.ndarray
+GEARED = ("revolute", "screw", "prismatic", "cylindrical", "planar")
+"""Kinds of joints that gears couple."""
 LOOPS = {
     "slider_crank": ("revolute", "spherical", "universal", "prismatic"),
     "four_bar_in_space": ("revolute", "spherical", "spherical", "revolute"),
@@ -199,7 +201,7 @@ def listed(values: Vector) -> list[float]:
 def spatial_scene(draws: Draws, name: str) -> tuple[Table, dict[str, str | Path], str]:
     """The tables of a scene, the files beside it, and its linkage."""
     draft = SpatialDraft(draws, name)
-    linkage = draws.choice(["tree", "tree", "flexible", "free", "door", *LOOPS])
+    linkage = draws.choice(["tree", "tree", "gears", "flexible", "free", "door", *LOOPS])
     if linkage in LOOPS:
         _loop(draft, LOOPS[linkage], parallel=linkage == "four_parallel_axes")
     elif linkage == "door":
@@ -210,6 +212,8 @@ def spatial_scene(draws: Draws, name: str) -> tuple[Table, dict[str, str | Path]
             if body.flexible and draws.chance(0.7):
                 markers = {"face": {"nodes": [*FACE], "rotation": draft.written_rotation(draft.rotation())}}
                 draft.section("bodies")[body.name]["markers"] = markers | {"corner": {"node": FACE[0]}}
+    elif linkage == "gears":
+        _tree(draft, flexible=False, kinds=GEARED)
     else:
         _tree(draft, flexible=linkage == "flexible")
     act_in_space(draft)
@@ -222,16 +226,19 @@ def spatial_scene(draws: Draws, name: str) -> tuple[Table, dict[str, str | Path]
     return draft.tables, files, f"spatial {linkage}"
 
 
-def _tree(draft: SpatialDraft, flexible: bool) -> None:
-    """Bodies that hang on each other or on the ground; a flexible one has a rigid one at its other end."""
+def _tree(draft: SpatialDraft, flexible: bool, kinds: tuple[str, ...] = tuple(SPATIAL_JOINTS)) -> None:
+    """Bodies that hang on each other or on the ground; a flexible one has a rigid one at its other end.
+
+    kinds: those of the joints; if all of them may be in gears, there are two at least.
+    """
     draws = draft.draws
     if flexible:
         _flexible_arm(draft)
         return
     before = [draft.ground]
-    for _ in range(draws.whole(1, 3)):
+    for _ in range(draws.whole(2 if kinds == GEARED else 1, 3)):
         body = draft.body(flexible=False)
-        kind = draws.choice([*SPATIAL_JOINTS])
+        kind = draws.choice([*kinds])
         base = draws.choice(before)
         at = base.x + draft.vector(draft.size)
         first, second = (base, body) if draws.chance(0.7) else (body, base)

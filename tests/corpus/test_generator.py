@@ -29,6 +29,7 @@ CORPUS = 2000
 EVERY = all_features(schema_of(specification_table()))
 NOT_USED = {
     "NodalTable.nodes as object": "MatrixMarket files: tests/spec/test_node_files.py",
+    "SceneTable.start = steady": "few scenes have a steady motion: tests/space/test_steady_rotation.py",
     **dict.fromkeys(
         (
             name
@@ -51,6 +52,7 @@ NOT_IN_SPACE = (
     "SpatialStartTable",
     "SpatialSceneTable.start",
     "SpatialInitialValuesTable.guess = false",
+    "SpatialJointStartTable.guess = false",
     "NodeFrameTable.motion",
     "FlexibleTable.loads",  # tests/space/test_nodal_loads.py
 )
@@ -84,6 +86,7 @@ def test_scenes_in_space_use_every_key() -> None:
         "FlexibleTable",
         "FrameMarkerTable",
         "NodeFrameTable",
+        "GearTable",
         "AxesTable",
         "AnglesTable",
         "InputTable",

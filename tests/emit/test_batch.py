@@ -6,6 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -327,9 +328,9 @@ def test_a_block_is_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
     model, made = derive.lower(derive.derive(derive.symbolic_body("b", 2, lowering="flat"))), list[str]()
 
     class Counted(StateBlock):
-        def __init__(self, kernel: Kernel, name: str, width: int) -> None:
+        def __init__(self, kernel: Kernel, *others: Any) -> None:
             made.append(kernel.name)
-            super().__init__(kernel, name, width)
+            super().__init__(kernel, *others)
 
     monkeypatch.setattr(c_batch, "StateBlock", Counted)
     CBackend().files(model, "")

@@ -64,7 +64,7 @@ def test_fast_mathematics_are_refused_unless_a_macro_permits_them(flag: str, tmp
 
 def test_fast_mathematics_are_refused_by_integrators(tmp_path: Path) -> None:
     hosts = {"fixed_step": (), "ida": sundials()[0], "generalised_alpha": klu()[0]}
-    name, _ = write_sources(scene("four_bar").files, list(hosts), tmp_path)
+    name, _ = write_sources(scene("four_bar").files, ["rotations", *hosts], tmp_path)
     for host, flags in hosts.items():
         given = (*flags, *header_flags(name, tmp_path))
         with pytest.raises(AssertionError, match="remove the run-time checks"):

@@ -14,7 +14,7 @@ from derive.runtime.integrators.compilation import header_flags, program, sundia
 CPP14 = ("-x", "c++", "-std=c++14", *WARNINGS)  # headers of SUNDIALS 6 need it
 ADAPTIVE = ("dormand_prince", "adaptive", "adaptive_rows", "watch")
 PLAIN = [
-    *((host, ()) for host in ("fixed_step", *ADAPTIVE, "simulate")),
+    *((host, ()) for host in ("fixed_step", "rotations", *ADAPTIVE, "simulate")),
     ("simulate", ("-DTISSERAND_IDA", "-DTISSERAND_ALPHA")),
 ]
 
@@ -22,7 +22,9 @@ PLAIN = [
 @pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP11), ("clang", *C99)], ids=["C", "C++", "clang"])
 @pytest.mark.parametrize(("host", "flags"), PLAIN)
 def test_no_warnings(host: str, flags: tuple[str, ...], language: tuple[str, ...], tmp_path: Path) -> None:
-    name, _ = write_sources(FILES, ["fixed_step", *ADAPTIVE, "generalised_alpha", "ida", "simulate"], tmp_path)
+    name, _ = write_sources(
+        FILES, ["fixed_step", *ADAPTIVE, "rotations", "generalised_alpha", "ida", "simulate"], tmp_path
+    )
     flags = (*flags, *header_flags(name, tmp_path), f"-DTISSERAND_MODEL={name}_model")
     run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / f"{host}.c", "-o", tmp_path / "host.o")
 
@@ -31,7 +33,7 @@ def test_no_warnings(host: str, flags: tuple[str, ...], language: tuple[str, ...
 @pytest.mark.parametrize("host", ["ida", "generalised_alpha"])
 def test_no_warnings_with_libraries(host: str, language: tuple[str, ...], tmp_path: Path) -> None:
     ida()
-    name, _ = write_sources(FILES, ["fixed_step", host], tmp_path)
+    name, _ = write_sources(FILES, ["fixed_step", "rotations", host], tmp_path)
     flags = (*sundials()[0], *header_flags(name, tmp_path))
     run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / f"{host}.c", "-o", tmp_path / "host.o")
 

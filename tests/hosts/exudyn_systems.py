@@ -10,7 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from host_models import CHAINS, PUSHED, STEERED
+from host_models import EVERYWHERE, PUSHED, SPATIAL, STEERED
 from programs import program, run
 
 import derive
@@ -52,9 +52,16 @@ MODELS: dict[str, Callable[[], Any]] = {
     "double_pendulum": lambda: derive.read(ROOT / "scenes/double_pendulum.toml"),
     "crank_slider_3": lambda: derive.read(ROOT / "scenes/crank_slider_3.toml"),
     "block": tumbling,
-    **{name: partial(parse, text) for name, text in CHAINS.items()},
+    **{name: partial(parse, text) for name, text in EVERYWHERE.items()},
+    "kept": lambda: parse(KEPT),
 }
-"""A force and a prescribed motion as inputs, scenes without ports, a soft body that tumbles in space."""
+"""A force and a prescribed motion as inputs, scenes without ports, a soft body that tumbles in space, scenes there."""
+KEPT = SPATIAL.replace('"turning"', '"kept"')
+KEPT = KEPT.replace("mass = 0.12", "mass = 0.12\nkeep_coordinates = true")
+KEPT = KEPT.replace("mass = 2", "mass = 2\nkeep_coordinates = true")
+KEPT = KEPT.replace("[simulation]", '[outputs.at]\nkind = "acceleration"\nmarker = "rod.ball"\n[simulation]')
+KEPT = KEPT.replace("[simulation]", '[outputs.hub]\nkind = "reaction"\njoint = "bearing"\n[simulation]')
+"""The slider-crank in space with three quaternions, and with an acceleration and the reaction of a joint as outputs."""
 
 
 @cache

@@ -251,7 +251,7 @@ output = 0.01
 """A slider-crank in space, with a quaternion among its coordinates, a parameter, an input and an output."""
 
 EVERYWHERE = CHAINS | {"turning": SPATIAL}
-"""The scenes that all interfaces take, but that in space Exudyn."""
+"""The scenes that all interfaces take."""
 
 TABLE = """
 [tables]

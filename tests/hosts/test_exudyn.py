@@ -52,9 +52,14 @@ def state(name: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
     host, rng = host_of(name), np.random.default_rng(seed)
     q, v = (np.array([x.start for x in part]) for part in (host.coordinates, host.velocities))
     q, v = q + 0.05 * rng.standard_normal(q.size), v + rng.standard_normal(v.size)
-    if name == "block":
-        q[3:7] /= np.linalg.norm(q[3:7])
+    for i in quaternions(name):
+        q[i : i + 4] /= np.linalg.norm(q[i : i + 4])
     return q, v
+
+
+def quaternions(name: str) -> list[int]:
+    """The positions of quaternions in q."""
+    return [i for i, x in enumerate(host_of(name).coordinates) if x.name.endswith("e0")]
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -82,7 +87,7 @@ def test_user_functions_are_the_equations_of_the_model(name: str, exu: ModuleTyp
     second = (rates(h) - rates(-h)) / (2 * h)
     assert np.max(np.abs(second)) < 1e-6 * np.max(np.abs(G)) * np.max(np.abs(xddot))
     direct = native.accel(t, q, v, k)
-    if name == "block":  # the accelerations in space, through those of the quaternion
+    if quaternions(name):  # the accelerations in space, through those of the quaternion
         ends = [body_velocities(body, q + s * h * xdot, xdot + s * h * xddot) for s in (-1, 1)]
         assert np.allclose((ends[1] - ends[0]) / (2 * h), direct, rtol=1e-7, atol=1e-5 * np.max(np.abs(direct)))
     else:
@@ -213,6 +218,23 @@ def test_the_page_states_the_version_that_is_tried() -> None:
     assert f"Tried with Exudyn {version('exudyn')}" in (ROOT / "docs/hosts.md").read_text()
 
 
-def test_scenes_in_space_are_refused() -> None:
-    with pytest.raises(SpecError, match=r"takes planar scenes and single bodies.*--to fmu3"):
-        exported_files(prepared(SPATIAL), "exudyn", INTERFACES["exudyn"])
+def test_outputs_in_space(exu: ModuleType, folder: Path) -> None:
+    """Positions and reactions; the latter have the multipliers of Exudyn: those of joints, before those of lengths."""
+    duration = 0.04
+    mbs, body = added(exu, "kept", folder)
+    mbs.Assemble()
+    body.set_initial_accelerations(mbs)
+    solved(exu, mbs, duration, 2000, keep_accelerations=True)
+    own = derive.simulate(MODELS["kept"](), duration=duration, tolerance=1e-10)
+    assert len(quaternions("kept")) == 3 and own.motion.native.nlambda == 17
+    names = exported("kept", folder)[0].OUTPUTS
+    expected = np.array([own[name][-1] for name in names])
+    assert names[-1] == "hub_torque3"
+    assert np.allclose(body.outputs(mbs), expected, rtol=0, atol=2e-3 * max(abs(expected)))
+
+
+def test_the_body_of_exudyn_takes_no_scene() -> None:
+    with pytest.raises(
+        SpecError, match=r"is a single body, without the joints.*export the whole scene with --to exudyn"
+    ):
+        exported_files(prepared(SPATIAL), "exudyn-ffrf", INTERFACES["exudyn-ffrf"])

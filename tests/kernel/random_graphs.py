@@ -236,8 +236,8 @@ def _with_ports(tables: dict[str, Any]) -> dict[str, Any]:
     }
     ground = tables["ground"] | {"at_0": [parameter("x", 0.5), 0.25]}
     first, *_, last = [*bodies, *bodies]
-    joint, *_ = tables["joints"]
-    unit = {"revolute": "rad", "translational": "m"}.get(tables["joints"][joint]["kind"], "")
+    joint = next(iter(tables["joints"]), "")  # none where those that close loops are all
+    unit = {"revolute": "rad", "translational": "m"}.get(tables["joints"][joint]["kind"], "") if joint else ""
     driven = bool(unit)
     pushed = {"push": {"at": f"{last}.left", "components": [{"input": "push"}, "sin(2*t)"]}}
     return tables | {
@@ -254,7 +254,7 @@ def _with_ports(tables: dict[str, Any]) -> dict[str, Any]:
         | ({"motor": {"joint": joint, "motion": {"input": "turn"}}} if driven else {}),
         "outputs": {
             "place": {"kind": "position", "marker": f"{last}.right"},
-            "pull": {"kind": "reaction", "joint": joint},
+            **({"pull": {"kind": "reaction", "joint": joint}} if joint else {}),
         },
     }
 

@@ -125,10 +125,12 @@ def test_batches_keep_the_bits(graph: str) -> None:
 
 
 def test_which_loops_run_in_lanes() -> None:
-    """Loops over four bodies or more run in lanes, and so does that over the ends of a path."""
+    """Loops over several bodies run in lanes, and so does that over the ends of a path."""
     kinds = [node.kind for node in every(nodes_in_lanes(looped("chain_9").kernel("accel"))) if isinstance(node, For)]
     assert kinds.count(LoopKind.ENDS) == 2
-    assert kinds.count(LoopKind.LANES) == 3
+    assert kinds.count(LoopKind.LANES) == 3 and LoopKind.FEW not in kinds
+    kinds = [node.kind for node in every(nodes_in_lanes(looped("chain_4").kernel("accel"))) if isinstance(node, For)]
+    assert kinds.count(LoopKind.FEW) == 3 and LoopKind.LANES not in kinds
     assert all(
         node.kind is LoopKind.ORDERED
         for node in every(nodes_in_lanes(looped("star").kernel("project_velocity")))
@@ -164,14 +166,18 @@ def placed_items(place: str = "place") -> Sequence[Any]:
     )
 
 
-@pytest.mark.parametrize("count", [3, 4, 6, 7, 8, 9, 11])
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 6, 7, 8, 9, 11])
 def test_elements_that_integers_place(count: int) -> None:
-    """Such elements are copied before and after a block; the last block overlaps the one before if some are left."""
+    """Such elements are copied before and after a block; the last block overlaps the one before if some are left.
+
+    Two or three instances are one block, and a single one is none.
+    """
     kernel = own_kernel(count, *placed_items())
     given = {"x": np.random.default_rng(0).uniform(-1, 1, 3 * count).tolist()}
     nodes = tuple(nodes_in_lanes(kernel))
     assert interpret(kernel, given, nodes=nodes) == interpret(kernel, given)
-    assert any(isinstance(n, For) and n.kind is LoopKind.LANES for n in every(nodes)) == (count >= 4)
+    kinds = {n.kind for n in every(nodes) if isinstance(n, For)} - {LoopKind.ORDERED}
+    assert kinds == (set() if count == 1 else {LoopKind.FEW} if count < 4 else {LoopKind.LANES})
 
 
 def test_loops_that_read_what_they_write_stay_in_order() -> None:

@@ -182,7 +182,7 @@ def values(model: Model, seed: int) -> Iterator[Array]:
 
 
 def test_the_joints_are_a_forest(tmp_path: Path) -> None:
-    """Joints that remove most come first; one that closes a loop stays, and a joint of points turns nothing."""
+    """Joints that remove more come first; one that closes a loop stays, and one of points turns nothing."""
     joints = {
         "a": ("universal", "ground.base", "one.near"),
         "b": ("revolute", "two.near", "one.far"),

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import mpmath
 import numpy as np
 from kinematics import DIGITS, Kinematics, Piece, Real, pose
+from scipy.linalg import lu_factor, lu_solve
 from shapes import at, gauss
 
 from derive.spec.model.markers import GROUND
@@ -272,13 +273,21 @@ class Oracle(Kinematics):
 
 
 def _solved(M: np.ndarray, h: np.ndarray, G: np.ndarray, gamma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """vdot and lambda of M vdot + h = G^T lambda, G vdot = gamma."""
-    n, m = len(h), len(gamma)
-    A = mpmath.matrix(n + m, n + m)
-    for i in range(n):
-        for j in range(n):
-            A[i, j] = M[i, j]
-        for j in range(m):
-            A[i, n + j], A[n + j, i] = -G[j, i], G[j, i]
-    x = mpmath.lu_solve(A, mpmath.matrix([*(-h), *gamma]))
-    return np.array(x[:n], dtype=object), np.array(x[n:], dtype=object)
+    """vdot and lambda of M vdot + h = G^T lambda, G vdot = gamma, whose equations they meet to 40 digits."""
+    n, m = M.shape[0], G.shape[0]
+    A, b = np.zeros((n + m, n + m), dtype=object), np.concatenate([-h, gamma])
+    A[:n, :n], A[:n, n:], A[n:, :n] = M, -G.T, G
+    return tuple(np.split(refined(A, b), [n]))  # type: ignore[return-value]
+
+
+def refined(A: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The solution of A x = b in many digits: by doubles, and then for what is left of b, again and again."""
+    lu, x, rest = lu_factor(A.astype(float)), b * mpmath.mpf(0), b
+    limit = mpmath.mpf(10) ** -40 * max(map(abs, b), default=0)
+    for _ in range(20):
+        size = max(map(abs, rest), default=mpmath.mpf(0))
+        if size <= limit:
+            return x
+        x = x + lu_solve(lu, (rest / size).astype(float)) * size
+        rest = b - A @ x
+    raise ArithmeticError("the equations are too badly conditioned for doubles")

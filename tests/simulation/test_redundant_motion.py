@@ -112,11 +112,12 @@ def test_ida_refuses_reactions_that_are_not_unique() -> None:
         simulated(parsed(ARM + TWIN), "c_ida")
 
 
-def test_a_joint_that_no_coordinate_can_meet_has_no_reaction() -> None:
+@pytest.mark.parametrize("integrator", ["adaptive", "generalised-alpha"])
+def test_a_joint_that_no_coordinate_can_meet_has_no_reaction(integrator: str) -> None:
     """The bearing leaves the arm its rotation alone."""
     text = ARM.replace("keep_coordinates = true\n", "")
     again = '[joints.again]\nkind = "revolute"\nbetween = ["ground.o", "arm.left"]\n'
-    one, two = simulated(parsed(text)), simulated(parsed(text + again))
+    one, two = (simulated(parsed(of), integrator) for of in (text, text + again))
     assert two.q == pytest.approx(one.q, abs=1e-11)
     assert two.lam[:, -2:] == pytest.approx(0, abs=1e-12)
 
@@ -301,3 +302,23 @@ def test_a_beam_that_its_joints_would_keep_straight_is_refused() -> None:
     for redundant in ("auto", "resolve"):
         with pytest.raises(InextensibleBeam):
             simulated(replace(parsed(HELD.replace("FRAME", shapes) + PINNED), redundant=redundant))
+
+
+ALMOST = """[joints.almost]
+kind = "revolute"
+between = ["ground.beside", "arm.beside"]
+"""
+
+
+@pytest.mark.parametrize(
+    ("lowering", "integrator"), [("flat", "adaptive"), ("instances", "adaptive"), ("flat", "generalised-alpha")]
+)
+def test_a_second_bearing_a_rounding_error_away_counts_as_redundant(lowering: str, integrator: str) -> None:
+    """Its factors are 1e-16 m, and would stop the arm if constraints were compared with their own sizes alone."""
+    text = ARM.replace("keep_coordinates = true\n", "").replace("[scene]", f'[scene]\nlowering = "{lowering}"')
+    text = text.replace("o = [0, 0]", 'o = [0, 0]\nbeside = ["1e-16", 0]')
+    text = text.replace("left = [-0.5, 0]", 'left = [-0.5, 0], beside = ["-0.5 + 1e-16", 0]')
+    one, two = (simulated(parsed(of), integrator) for of in (text, text + ALMOST))
+    assert two.model.proximal and np.ptp(one["arm_phi"]) > 0.5
+    assert two.q == pytest.approx(one.q, abs=1e-9)
+    assert two.lam[:, -2:] == pytest.approx(0, abs=1e-2)

@@ -43,6 +43,9 @@ class Writer:
         """Whether anything moves that nothing prescribes."""
         self.coupled: list[str] = []
         """The joints whose motions gears may couple."""
+        self.guiding: list[str] = []
+        self.hinging: list[str] = []
+        """The joints with a displacement along z, and those with a rotation about z."""
         self.files: dict[str, dict[str, np.ndarray]] = {}
 
     def number(self, size: float = 1.0) -> float:
@@ -180,6 +183,8 @@ class Writer:
             self.lines.append(f"pitch = {more.choice([-1, 1]) * round(more.uniform(0.2, 2), 2)}")
         if kind in ("revolute", "prismatic", "cylindrical", "screw", "planar"):
             self.coupled.append(name)
+        self.guiding += [name] * (kind in ("prismatic", "cylindrical", "screw", "point_on_line"))
+        self.hinging += [name] * (kind in ("revolute", "cylindrical", "screw", "planar"))
         driven = kind in ("revolute", "prismatic") and "drives" in self.parts and self.chance(0.4)
         self.moves |= not driven and kind != "fixed"
         if driven:
@@ -222,6 +227,7 @@ class Writer:
             self.lines.append(f'frame = "{self.random.choice(["inertial", "body"])}"')
             if self.chance(0.5):
                 self.lines.append(f'against = "{self.random.choice(others)}"')
+        self.in_joints()
         if "springs" in self.parts:
             pair = self.pair(self.markers)
             kinds = ("linear", "rotational", "bushing") if {*pair} <= self.turning else ("linear",)
@@ -233,6 +239,15 @@ class Writer:
             else:
                 self.lines.append(f"stiffness = {self.positive(1, 20)}\ndamping = {self.positive()}")
                 self.lines.append(f"rest = {self.positive()}")
+
+    def in_joints(self) -> None:
+        """Forces along and torques about the axes of joints; the rest of the scene does not depend on them."""
+        rest, self.random = self.random, Random(f"in joints {self.seed}")
+        for section, joints in (("forces", self.guiding), ("torques", self.hinging)):
+            if section in self.parts and joints:
+                joint = self.random.choice(joints)
+                self.lines += [f"[{section}.own_{section[:-1]}]", f'joint = "{joint}"', f"value = {self.function()}"]
+        self.random = rest
 
     def write(self, folder: Path) -> Path:
         """The scene and its files in a folder; the path of the scene."""

@@ -35,6 +35,7 @@ from relative_motion import (
     joint_rows,
     relative,
     relative_angle,
+    removed,
     without_turns,
 )
 from written_scene import Numbers, Table
@@ -268,12 +269,41 @@ class SpaceKinematics:
 
     def acted_on(self) -> list[str]:
         """The markers at which forces and torques act, with repetitions, in the order of `frames`."""
-        forces = [table["at"] for table in self.scene.get("forces", {}).values()]
+        forces = [table["at"] for table in self.scene.get("forces", {}).values() if "joint" not in table]
         for table in self.scene.get("torques", {}).values():
             forces += [table[key] for key in ("at", "on", "against") if key in table]
+        for _, table in self.in_joints():
+            forces += self.joints[table["joint"]]["between"]
         return forces
 
-    def spring_motions(self, state: SpaceState, poses: Mapping[str, Pose]) -> list[Decimal]:
+    def in_joints(self) -> list[tuple[str, Table]]:
+        """The forces and torques in joints, with their sections."""
+        sections = ("forces", "torques")
+        every = [(section, table) for section in sections for table in self.scene.get(section, {}).values()]
+        return [(section, table) for section, table in every if "joint" in table]
+
+    def spring_rotation(
+        self, table: Table, t: Decimal, state: SpaceState, poses: Mapping[str, Pose], R: Array
+    ) -> Decimal:
+        """The rotation of a spring, with all turns between the markers of a joint whose body counts them."""
+        for name, joint in self.joints.items():
+            if (
+                {*joint["between"]} == {*table["between"]}
+                and {"rx", "ry"} <= {*removed(joint)}
+                and "rz" not in removed(joint)
+            ):
+                sign = 1 if joint["between"] == table["between"] else -1
+                if any(placing == name for _, placing in self.held):
+                    return sign * self.coupled_motion(name, t, state, poses)[0]
+                if joint["kind"] == "screw":
+                    (x1, A1), (x2, A2) = (self.frame(end, state, poses) for end in joint["between"])
+                    turn = self.value(joint["pitch"]) / WHOLE_TURN
+                    d = (A1.T @ (x2 - x1))[2]
+                    less = d - turn * relative_angle(A1.T @ A2)
+                    return relative_angle(R) + sign * (less - without_turns(less, turn)) / turn
+        return relative_angle(R)
+
+    def spring_motions(self, t: Decimal, state: SpaceState, poses: Mapping[str, Pose]) -> list[Decimal]:
         """Lengths, rotations, and relative displacements along which springs act, in the order of `elements`."""
         result: list[Decimal] = []
         for table in self.springs.values():
@@ -283,7 +313,7 @@ class SpaceKinematics:
                 case "linear":
                     result.append(length(x2 - x1))
                 case "rotational":
-                    result.append(relative_angle(R))
+                    result.append(self.spring_rotation(table, t, state, poses, R))
                 case "bushing":
                     result += [*(A1.T @ (x2 - x1)), *axial(R)]
         return result

@@ -64,7 +64,7 @@ class SpaceOracle(SpaceKinematics):
             np.concatenate([x.ravel() for x in points]) if points else zeros(0),
             np.array(list(self.constraints(t, state, poses).values()), dtype=object),
             np.concatenate(frames) if frames else zeros(0),
-            np.array(self.spring_motions(state, poses), dtype=object),
+            np.array(self.spring_motions(t, state, poses), dtype=object),
             np.concatenate([self.frame(m, state, poses)[0] for m in self.all_markers()] or [zeros(0)]),
         )
 
@@ -173,19 +173,25 @@ class SpaceOracle(SpaceKinematics):
         """Less the virtual work of forces and torques."""
         result, row, n = [], 0, J.shape[1]
         frames, by = now.reshape(-1, 12), J.reshape(-1, 12, n)
-        for table in self.scene.get("forces", {}).values():
+        for table in (of for of in self.scene.get("forces", {}).values() if "joint" not in of):
             force = np.array([self.value.at(f, t) for f in table["force"]], dtype=object)
             if table.get("frame", "inertial") == "body":
                 force = self._body_axes(table["at"], frames[row]) @ force
             result += [-force[k] * by[row, k] for k in range(3)]
             row += 1
-        for table in self.scene.get("torques", {}).values():
+        for table in (of for of in self.scene.get("torques", {}).values() if "joint" not in of):
             torque = np.array([self.value.at(f, t) for f in table["torque"]], dtype=object)
             if table.get("frame", "inertial") == "body":
                 torque = self._body_axes(table["on"], frames[row]) @ torque
             for sign in (1, -1) if "against" in table else (1,):
                 turned = virtual_rotations(frames[row, 3:], by[row, 3:])
                 result += [-sign * torque[k] * turned[k] for k in range(3)]
+                row += 1
+        for section, table in self.in_joints():
+            load = self._body_axes(table["joint"], frames[row])[:, 2] * self.value.at(table["value"], t)
+            for sign in (-1, 1):  # on the first marker, then on the second one
+                moved = by[row, :3] if section == "forces" else virtual_rotations(frames[row, 3:], by[row, 3:])
+                result += [-sign * load[k] * moved[k] for k in range(3)]
                 row += 1
         return result
 

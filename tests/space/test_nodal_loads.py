@@ -11,6 +11,7 @@ import pytest
 import derive
 from conftest import QUICK
 from derive.generated_models import generated
+from derive.report.sections.mechanism import joint_blocks
 from derive.runtime.loading import load_scene
 from derive.spec.toml.read import parse
 
@@ -97,6 +98,53 @@ def test_faults(load: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(derive.SpecError, match=message) as caught:
         parse(text)
     assert len(str(caught.value).splitlines()) == 1
+
+
+FORCES = "node, x, y, z\n# a comment\n0, 3, 0, -1.25e0\n2, -2, 4, 0\n"
+
+
+def test_forces_of_a_file_are_those_of_lists(tmp_path: Path) -> None:
+    (tmp_path / "forces.csv").write_text(FORCES)
+    listed = parse(scene(tmp_path, LOAD.replace("-1]", '"-5/4"]')))
+    read = parse(scene(tmp_path, f'file = "{tmp_path}/forces.csv", time = {{ input = "pull" }}, frame = "body"'))
+    assert read.bodies[0].loads == listed.bodies[0].loads
+    assert derive.validated(replace(read, plots=())).bodies[0].loads == listed.bodies[0].loads
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("node, x, y\n0, 1, 2\n", 'has no column "z"; its columns are "node", "x", "y"'),
+        ("node, x, y, z\n", "has no forces: a line with the names of the columns and a row is needed"),
+        ("node, x, y, z\n0, 1, 2, nan\n", 'line 2 of ".*": "nan" is no finite number'),
+        ("node, x, y, z\n1.5, 1, 2, 3\n", 'line 2 of ".*": 1.5 is no number of a node'),
+        ("node, x, y, z\n-1, 1, 2, 3\n", "-1 is no number of a node; nodes count from 0"),
+        ("node, x, y, z\n7, 1, 2, 3\n", "there is no node 7: the nodes are 0 to 4"),
+        ("node, x, y, z\n1, 1, 2, 3\n1, 1, 2, 3\n", "a node is named twice"),
+        ("node, x, y, z\n" + 20_001 * "1, 1, 2, 3\n", "has 20001 nodes, and at most 20000 are read"),
+        (None, "cannot be read: no such file or directory"),
+    ],
+)
+def test_faults_of_files(content: str | None, message: str, tmp_path: Path) -> None:
+    if content is not None:
+        (tmp_path / "forces.csv").write_text(content)
+    text = scene(tmp_path, f'file = "{tmp_path}/forces.csv"').replace('[inputs.pull]\nvalue = "2*t"\n', "")
+    with pytest.raises(derive.SpecError, match=message) as caught:
+        parse(text)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_file_stands_in_place_of_lists(tmp_path: Path) -> None:
+    (tmp_path / "forces.csv").write_text(FORCES)
+    with pytest.raises(derive.SpecError, match=r"loads\.push\.file: the file has the nodes and the forces; leave"):
+        parse(scene(tmp_path, f'{LOAD}, file = "{tmp_path}/forces.csv"'))
+
+
+def test_the_report_lists_them(tmp_path: Path) -> None:
+    spec = parse(scene(tmp_path))
+    text = repr(joint_blocks(spec, derive.derive(spec).expanded()))
+    for cell in ("push", "nodal forces", "2 nodes of truss, in sum [1, 4, -1] N in the body frame"):
+        assert f"text=({cell!r},)" in text
 
 
 def test_a_point_of_a_load_has_the_name_of_a_marker(tmp_path: Path) -> None:

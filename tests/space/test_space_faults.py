@@ -33,6 +33,34 @@ def test_faults_have_a_line(old: str, new: str, message: str) -> None:
         parse(TEXT.replace(old, new))
 
 
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        (
+            '[springs.s]\nbetween = ["rod.ball", "rod.ball"]\nstiffness = 1',
+            "springs.s.between: a spring is between two",
+        ),
+        ('[forces.f]\nat = "GROUND"\nforce = [0, 0, 1]', "forces.f.at: a force on the ground moves nothing"),
+        ('[torques.m]\non = "GROUND"\ntorque = [0, 0, 1]', "torques.m.on: a torque on the ground moves nothing"),
+    ],
+)
+def test_loads_that_move_nothing(more: str, message: str) -> None:
+    ground = f"ground.{parse(TEXT).ground[0].name}"
+    with pytest.raises(derive.SpecError) as error:
+        parse(TEXT.replace("[simulation]", f"{more.replace('GROUND', ground)}\n[simulation]"))
+    assert message in str(error.value)
+
+
+@pytest.mark.parametrize("kind", ["angular_velocity", "angular_acceleration"])
+def test_outputs_of_the_rotation_of_a_node(kind: str) -> None:
+    text = (
+        f'name = "node"\n[bodies.block]\nnodes = "{ROOT / "scenes/block.npz"}"\nunits = "SI"\nmodes = 1\n'
+        f'markers = {{ n = 3 }}\n[outputs.w]\nkind = "{kind}"\nmarker = "block.n"\n'
+    )
+    with pytest.raises(derive.SpecError, match=rf"outputs\.w\.marker: the marker block\.n is a node.*output {kind}"):
+        parse(text)
+
+
 def test_drives_are_those_of_revolute_screw_and_prismatic_joints() -> None:
     drive = '[drives.motor]\njoint = "ball"\nspeed = 1\n'
     with pytest.raises(derive.SpecError, match="drive a revolute, a screw or a prismatic one"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from random_scenes import KINDS, random_scene
 from space_kernels import disagreements, space_model
@@ -28,6 +29,8 @@ def test_they_have_all_kinds_of_joints(tmp_path: Path) -> None:
     assert {joint["kind"] for scene in scenes for joint in scene["joints"].values()} >= {*KINDS} - {"fixed"}
     assert {d["joint"] for scene in scenes for d in scene.get("drives", {}).values()} >= {"joint0", "joint1"}
     assert any("nodes" in body for scene in scenes for body in scene["bodies"].values())
+    for section in ("forces", "torques"):
+        assert any("joint" in load for scene in scenes for load in scene.get(section, {}).values())
 
 
 @pytest.mark.parametrize("seed", [7, *random_cases(100, long=10, further=30)])
@@ -86,3 +89,24 @@ def test_a_body_on_a_body_that_a_drive_carries(kind: str, ends: str, tmp_path: P
     model = space_model(path, complete=False)
     assert (model.native.nv, model.native.nlambda) == ((2, 0) if kind == "universal" else (6, 4))
     assert disagreements(model, 1) == [] and disagreements(model, 2) == []
+
+
+def test_dense_bodies_of_one_file(tmp_path: Path) -> None:
+    """Five modes whose integrals do not vanish: their sums are rows of a table that both bodies read."""
+    rng = np.random.default_rng(3)
+    np.savez(
+        tmp_path / "cloud.npz",
+        positions=rng.uniform(-0.3, 0.3, (8, 3)),
+        mass=rng.uniform(0.5, 1.5, 8),
+        modes=rng.uniform(-1, 1, (5, 8, 3)),
+        modal_stiffness=np.diag(rng.uniform(50, 100, 5)),
+    )
+    keys = 'nodes = "cloud.npz"\nunits = "SI"\nframe = "given"\northonormal = false\n'
+    body = f"[bodies.{{}}]\n{keys}markers = {{{{ left = 0, right = 7 }}}}\n"
+    joint = '[joints.ball]\nkind = "spherical"\nbetween = ["one.right", "two.left"]\n'
+    head = 'name = "dense"\n[scene]\ngravity = [1, 2, -9]\n'
+    path = tmp_path / "dense.toml"
+    path.write_text(head + body.format("one") + body.format("two") + joint)
+    model = space_model(path, complete=False)
+    assert disagreements(model, 1) == []
+    assert disagreements(model, 2) == []

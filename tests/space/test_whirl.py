@@ -1,4 +1,4 @@
-"""A rotor: a flexible shaft in two bearings, with a disk in its middle, whirls as the closed form says.
+"""The modes of a rotor that rotates steadily: a flexible shaft in two bearings, with a disk, whirls as is known.
 
 The shaft deflects in its two lowest sines, in both planes. In the first one the disk moves sideways, and the rotation W
 has no influence. In the second one it tilts: with its amplitude q (complex, y + i z, in inertial axes)
@@ -11,19 +11,25 @@ disk across and along the shaft, times the square of the slope. Forward whirl is
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import derive
+from derive.cli.main import main
+from derive.simulation.linear.modes import modes
+from derive.simulation.linear.whirl import whirls
+from derive.visual.mode_pages import modes_picture
 
 LENGTH, SHAFT_MASS, SIDE, STIFFNESS = 1.0, 2.0, 0.02, 200.0
 """m, kg, half of the side of a section (m), and the bending stiffness (N m^2)."""
 CORNER = 2e-4
 """The share of the mass of a section at a corner, which makes it a little more than a point."""
 DISK_MASS, DISK_ACROSS, DISK_ALONG = 5.0, 0.05, 0.09
-SPIN, TILTING, MOVING = 150.0, 0.1, 0.01
-"""The rotation (rad/s), the rate at which the disk begins to tilt (rad/s), and its velocity sideways (m/s)."""
+SPIN = 150.0
+"""The rotation, rad/s."""
 SECTIONS, CORNERS = 9, ((1, 1), (1, -1), (-1, -1), (-1, 1))
 WAVES = np.pi * np.array([1, 2]) / LENGTH
 
@@ -61,6 +67,8 @@ def section(i: int) -> str:
 
 SCENE = f"""
 name = "rotor"
+[scene]
+start = "steady"
 [ground.markers]
 left = [0, 0, 0]
 right = {{ at = [{LENGTH}, 0, 0], rotation = {{ z = [1, 0, 0], x = [0, 1, 0] }} }}
@@ -77,8 +85,7 @@ markers = {{ hub = [0, 0, 0] }}
 [bodies.disk.start]
 position = [{LENGTH / 2}, 0, 0]
 rotation = [1, 0, 0, 0]
-velocity = [0, 0, {MOVING}]
-angular_velocity = [{SPIN}, 0, {TILTING}]
+angular_velocity = [{SPIN}, 0, 0]
 [joints.ball]
 kind = "spherical"
 between = ["ground.left", "shaft.left"]
@@ -88,10 +95,6 @@ between = ["ground.right", "shaft.right"]
 [joints.fit]
 kind = "fixed"
 between = ["shaft.middle", "disk.hub"]
-[simulation]
-duration = 0.06
-output = 0.006
-tolerance = 1e-11
 """
 
 
@@ -103,16 +106,32 @@ def whirl(spin: float) -> tuple[float, float]:
 
 
 def test_the_whirl_of_a_rotor(tmp_path: Path) -> None:
+    """In axes that rotate along the rotation shifts the frequencies of circles; `whirls` are those in inertial axes."""
     shaft(tmp_path / "shaft.npz")
     (tmp_path / "rotor.toml").write_text(SCENE)
-    found = derive.simulate(derive.read(tmp_path / "rotor.toml"))
-    e0, e1, e2, e3 = (found[f"disk_e{i}"] for i in range(4))
-    tilt = 2 * (e1 * e2 + e0 * e3) + 2j * (e1 * e3 - e0 * e2)  # the axis of the disk, along y and z
+    result = modes(derive.read(tmp_path / "rotor.toml"))
+    assert result.steady is not None
+    assert result.steady.text == "rotation with 150 rad/s about [1, 0, 0] through [0, 0, 0] m"
     forward, backward = whirl(SPIN)
     assert forward > 300 and backward < -150  # far from the frequency without rotation, either way
-    waves = np.exp(1j * forward * found.t) - np.exp(1j * backward * found.t)
-    expected = TILTING * waves / (1j * (forward - backward))
-    frequency = np.sqrt(STIFFNESS * WAVES[0] ** 4 * LENGTH / 2 / (SHAFT_MASS / 2 + DISK_MASS))
-    moved, sideways = MOVING / frequency * np.sin(frequency * found.t), found["disk_c2"] + 1j * found["disk_c3"]
-    assert np.abs(tilt - expected).max() < 3e-5 * np.abs(expected).max()
-    assert np.abs(sideways - 1j * moved).max() < 3e-5 * np.abs(moved).max()
+    sideways = np.sqrt(STIFFNESS * WAVES[0] ** 4 * LENGTH / 2 / (SHAFT_MASS / 2 + DISK_MASS))
+    found = whirls(result)
+    assert found is not None and found[0] is None and not result.modes[0].eigenvalue  # the rotation itself
+    frequencies = 2 * np.pi * np.sort(np.array(found[1:], dtype=float))
+    assert frequencies == pytest.approx([backward, -sideways, sideways, forward], rel=1e-5)
+    in_rotating_axes = np.sort(2 * np.pi * result.frequencies[1:])
+    assert in_rotating_axes == pytest.approx(np.sort(np.abs(frequencies - SPIN)), rel=1e-9)
+    assert modes_picture(result, 4).count('<path class="there"') == 4
+
+
+def test_the_command_prints_the_whirl(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shaft(tmp_path / "shaft.npz")
+    (tmp_path / "rotor.toml").write_text(SCENE)
+    assert main(["modes", str(tmp_path / "rotor.toml"), "--out", str(tmp_path)]) == 0
+    text = capsys.readouterr().out
+    assert "modes about the steady rotation with 150 rad/s about [1, 0, 0]" in text
+    assert "forward 53.3874" in text and "backward 24.865" in text
+    assert "positions of the markers, in axes that rotate with the scene" in text
+    record = json.loads((tmp_path / "rotor" / "rotor.modes.json").read_text())
+    assert record["steady"]["spin"] == pytest.approx(150)
+    assert record["modes"][2]["whirl"] == pytest.approx(whirl(SPIN)[0] / (2 * np.pi), rel=1e-5)

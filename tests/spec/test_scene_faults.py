@@ -403,7 +403,7 @@ SLIDE = "[joints.slide]\nkind = 'translational'\nbetween = ['rod.left', 'bar.b']
         ),
         (
             '[scene]\nstart = "rest"',
-            '15: scene.start: the start of a scene is one of "equilibrium", not "rest"',
+            '15: scene.start: the start of a scene is one of "equilibrium", "steady", not "rest"',
         ),
         (
             f"{D}speed = 1\nstart = {{ displacement = 1 }}",

@@ -144,7 +144,7 @@ def test_a_mass_on_a_rotating_guide_leaves_where_its_spring_yields() -> None:
     steady = steady_motion(native, k, start.q, start.v)
     radius = np.hypot(*native.poses(0.0, steady.q, k)[list(native.bodies).index("bead"), :2])
     assert radius == pytest.approx(50 / (50 - 18), rel=1e-9)
-    linear = linearise(native, k, 0.0, steady.q, steady.v, steady.spin)
+    linear = linearise(native, k, 0.0, steady.q, steady.v, steady.axes)
     assert eigenvalues(linear.A, steady.spin).values.imag.max() == pytest.approx(4, rel=1e-9)  # sqrt(25 - 9)
 
 
@@ -174,7 +174,7 @@ def test_positions_are_those_in_axes_that_rotate() -> None:
     """A mass at 5 rad/s in space vibrates at 5 - 3 and 5 + 3 rad/s; with two stiffnesses it is not steady."""
     native, q, v = whirling(50)
     steady = steady_motion(native, native.setup(), q, v)
-    linear = linearise(native, native.setup(), 0.0, steady.q, steady.v, steady.spin)
+    linear = linearise(native, native.setup(), 0.0, steady.q, steady.v, steady.axes)
     assert eigenvalues(linear.A, steady.spin).frequencies == pytest.approx([2, 8], rel=1e-9)
     native, q, v = whirling(51)
     with pytest.raises(NoSteadyMotion, match="is not the same in axes that move with the scene"):

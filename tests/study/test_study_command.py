@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -95,3 +96,42 @@ def test_wrong_arguments(wrong: list[str], capsys: pytest.CaptureFixture[str]) -
     with pytest.raises(SystemExit) as stopped:
         main(["study", "frames", SCENE, *wrong])
     assert stopped.value.code == 2 and wrong[0] in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [["study", "frames"], ["study", "methods"], ["choose"]])
+def test_scenes_in_space_are_refused_with_what_compares_their_runs(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The commands that the message names run as they are written."""
+    scene = tmp_path / "space.toml"
+    shutil.copy(ROOT / "scenes/block.npz", tmp_path)
+    scene.write_text(IN_SPACE)
+    assert main([*command, str(scene)]) == 2
+    error = capsys.readouterr().err
+    assert f"space.toml: {NEEDED}: tisserand sweep {scene} --set bodies.block.modes=1,2,3 --output final:e_kin" in error
+    (line,) = error.splitlines()
+    commands = [text.split()[1:] for text in line.split("runs in space: ")[1].split("; ")]
+    assert [words[0] for words in commands] == ["sweep", "simulate", "modes"]
+    if command == ["choose"]:
+        commands[0][3] = "bodies.block.modes=1,2"  # fewer, for a test
+        for words in commands[:2]:
+            assert main([*words, "--out", str(tmp_path)]) == 0
+
+
+NEEDED = (
+    "a planar scene is needed, and this is a scene in space: models of planar beams are what this command compares. "
+    "What compares runs in space"
+)
+IN_SPACE = """
+name = "space"
+[bodies.block]
+nodes = "block.npz"
+units = "SI"
+modes = 1
+start = { velocity = [1, 0, 0] }
+[outputs.e]
+kind = "energy"
+[simulation]
+duration = 1e-4
+output = 1e-4
+"""

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from derive.backends.c.batch_block import StateBlock
+from derive.backends.c.linear_sums import NO_SUMS, KernelSums, LinearSums
 from derive.backends.c.loop_text import declarations
 from derive.backends.c.signatures import names, parameters, signature
 from derive.ir.batches import state_arguments
@@ -45,13 +46,13 @@ SPACINGS = (64, 128, 256, 512)
 """Numbers of states which may be unfavourable, with their multiples, as `_spacing` explains."""
 
 
-def batch_blocks(model: Model) -> dict[str, StateBlock]:
+def batch_blocks(model: Model, sums: LinearSums = NO_SUMS) -> dict[str, StateBlock]:
     """The function of a block of states of each kernel that has batches, by the name of the kernel."""
-    return {name: _block(model, model.kernel(name)) for name in KERNELS}
+    return {name: _block(model, model.kernel(name), sums.kernels.get(name)) for name in KERNELS}
 
 
-def _block(model: Model, kernel: Kernel) -> StateBlock:
-    straight = StateBlock(kernel, model.name, STRAIGHT)
+def _block(model: Model, kernel: Kernel, sums: KernelSums | None) -> StateBlock:
+    straight = StateBlock(kernel, model.name, STRAIGHT, sums)
     if straight.is_straight:
         return straight
     widths, size = (REPEATED, _own_stack) if straight.repeats else (WIDTHS, stack)

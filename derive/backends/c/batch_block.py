@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from copy import copy
 
+from derive.backends.c.linear_sums import KernelSums
 from derive.backends.c.loop_text import declarations
 from derive.backends.c.nests import CNests
 from derive.ir.batches import SHARED, batch, state_arguments, state_elements, state_views
@@ -15,11 +16,14 @@ Lines = list[str]
 
 
 class StateBlock:
-    """The function of a kernel for a block of at most `width` states."""
+    """The function of a kernel for a block of at most `width` states.
 
-    def __init__(self, kernel: Kernel, model: str, width: int) -> None:
-        self.kernel, self.model, self.width = kernel, model, width
-        self.batch = batch(kernel)
+    sums: what the kernel becomes if it has sums of a table.
+    """
+
+    def __init__(self, kernel: Kernel, model: str, width: int, sums: KernelSums | None = None) -> None:
+        self.kernel, self.model, self.width, self.sums = kernel, model, width, sums
+        self.batch = batch(sums.kernel, sums.nodes(row_by_row=True)) if sums else batch(kernel)
         self.checked = kernel.checked
         self.repeats = kernel.repeats
         self.multiplies = any(isinstance(node, BlockProduct) for node in every(self.batch.nodes))
@@ -32,8 +36,10 @@ class StateBlock:
 
     @property
     def is_straight(self) -> bool:
-        """Whether the kernel has no loop over the modes."""
-        return all(node.kind is LoopKind.STATES for node in self.batch.nodes if isinstance(node, For))
+        """Whether the kernel has no loop over the modes, besides sums at its beginning."""
+        return bool(self.sums) or all(
+            node.kind is LoopKind.STATES for node in self.batch.nodes if isinstance(node, For)
+        )
 
     @property
     def rows(self) -> int:

@@ -35,6 +35,7 @@ from derive.ir.loop_nests import (
 )
 from derive.ir.statements import Let, Require, Requirement, ReturnCode
 
+IN_LANES = (LoopKind.LANES, LoopKind.FEW)
 OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "="}
 
 
@@ -67,6 +68,10 @@ class CNests:
     """The names that differ from lane to lane, in a loop over lanes."""
     _lane: str = LANE
     """The variable of that loop, which is that of the ends in a loop over the ends of a path."""
+    _few: int = 0
+    """The number of iterations of that loop, if vectors have more lanes; 0 otherwise."""
+    _filled: Collection[str] = ()
+    """The arrays that have a number for each lane: angles, sines and cosines."""
     _checks: dict[ReturnCode, str] | None = None
     """The names of what a loop with lanes inside finds out about its requirements, by their codes."""
     _names: Iterator[int] = field(default_factory=lambda: count(1))
@@ -116,7 +121,9 @@ class CNests:
             case Sines():
                 rows = [f"[{index_text(index)}]" for index in node.rows] if node.rows else ["", ""]
                 results = f"{node.sine}{rows[0]}, {node.cosine}{rows[1]}"
-                return plain(f"    tisserand_sines({node.count or 'count'}, {self._row(node.angle)}, {results});")
+                number = "count" if node.count is None else str(node.count)
+                number = f"TISSERAND_FILLED({number})" if node.count and node.count % LANES else number
+                return plain(f"    tisserand_sines({number}, {self._row(node.angle)}, {results});")
             case _:
                 assert_never(node)
 
@@ -142,6 +149,8 @@ class CNests:
             return BreakableText((self._of_state(leaf),))
         if self._vectors is not None and leaf.index and leaf.index.stride(self._lane):
             address, stride = address_text(leaf.array, leaf.index), leaf.index.stride(self._lane)
+            if self._has_few(leaf.array):
+                return BreakableText((f"TISSERAND_GATHER_FEW({address}, {stride}, {self._left})",))
             return BreakableText(
                 (f"{self._macro('GATHER')}({address}, {stride})",)
                 if stride != 1
@@ -156,6 +165,15 @@ class CNests:
 
     def _macro(self, what: str) -> str:
         return f"TISSERAND_{what}" if self._lane == LANE else f"TISSERAND_{what}_ENDS"
+
+    def _has_few(self, array: str) -> bool:
+        """Whether an array has no elements for the lanes that are left."""
+        return self._few > 0 and array not in self._filled
+
+    @property
+    def _left(self) -> str:
+        """The number of iterations from the first lane of a vector on."""
+        return f"{self._few} - {LANE}"
 
     @staticmethod
     def _of_ends(what: str, ends: Ends) -> str:
@@ -227,9 +245,11 @@ class CNests:
         address, stride = address_text(target.array, target.index), target.index.stride(self._lane)
         if not self._differs(node.expr):
             index = index_text(ElementIndex(target.index.offset, (*target.index.terms, IndexTerm(stride, "m"))))
-            code = statement(
-                "    ", f"for (int m = 0; m < TISSERAND_WIDTH; m++) {target.array}[{index}] = ", value, ";"
-            )
+            width = f"TISSERAND_LEFT({self._left})" if self._has_few(target.array) else "TISSERAND_WIDTH"
+            code = statement("    ", f"for (int m = 0; m < {width}; m++) {target.array}[{index}] = ", value, ";")
+        elif self._has_few(target.array):
+            few = join(f"TISSERAND_SCATTER_FEW({address}, {stride}, {self._left}, ", value, ")")
+            code = statement("    ", "", few, ";")
         elif stride == 1:
             code = statement("    ", "", join(f"{self._macro('STORE')}({address}, ", value, ")"), ";")
         else:
@@ -292,7 +312,9 @@ class CNests:
 
     def _checked_once(self, node: For) -> Lines:
         """A loop with lanes inside whose requirements are tested behind it, since a branch in each block takes time."""
-        lanes = (item for item in every([node]) if isinstance(item, For) and item.kind is LoopKind.LANES)
+        sines = (item for item in every([node]) if isinstance(item, Sines))
+        self._filled = {array for item in sines for array in (item.angle.array, item.sine, item.cosine)}
+        lanes = (item for item in every([node]) if isinstance(item, For) and item.kind in IN_LANES)
         codes = dict.fromkeys(item.code for loop in lanes for item in loop.body if isinstance(item, Require))
         self._checks = {code: f"holds_{next(self._names)}" for code in codes}
         lines = plain(*(f"    tisserand_holds {name} = TISSERAND_HOLDS;" for name in self._checks.values()))
@@ -309,7 +331,8 @@ class CNests:
             case LoopKind.ENDS:
                 body = self._in_lanes(node)
                 head = f"for (int {node.variable} = 0; {node.variable} < 2; {node.variable} += TISSERAND_ENDS) {{"
-            case LoopKind.LANES:
+            case LoopKind.LANES | LoopKind.FEW:
+                self._few = node.stop.offset if node.kind is LoopKind.FEW else 0
                 body = self._in_lanes(node)
                 head = f"for (int l = 0; l < {node.stop.offset}; l += TISSERAND_WIDTH) {{"
             case LoopKind.STATES:
@@ -325,5 +348,5 @@ class CNests:
     def _in_lanes(self, node: For) -> Lines:
         self._vectors, self._lane = set(), node.variable
         lines = self.lines(node.body)
-        self._vectors, self._lane = None, LANE
+        self._vectors, self._lane, self._few = None, LANE, 0
         return lines

@@ -11,6 +11,7 @@ from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_blocks, batch_function, batch_helpers, stack
 from derive.backends.c.beginnings import beginnings, calling, shared_signature, without_last
 from derive.backends.c.composed_names import ComposedNames, composed_names
+from derive.backends.c.linear_sums import KernelSums, LinearSums, linear_sums
 from derive.backends.c.loop_text import vector_starts
 from derive.backends.c.nests import CNests
 from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
@@ -57,13 +58,16 @@ class CBackend:
     def files(self, model: Model, fingerprint: str) -> tuple[File, ...]:
         """`NAME.h`, and `NAME.c` with its source map; `fingerprint` is that of the specification."""
         header, source = self.file_names(model.name)
-        values = _template_values(model, fingerprint)
+        sums = linear_sums(model)
+        values = _template_values(model, fingerprint, sums)
         builder = SourceBuilder(model)
         builder.text(render("c/prologue.c.jinja", values))
         shared = {first: model.kernel(whole) for first, whole in beginnings(model).items()}
         sections = shared_sections(model, [kernel for kernel in model.kernels if kernel.name not in shared])
         for section in sections.values():
             builder.text("".join(f"{line.text}\n" for line in [*section.function(), *plain("")]))
+        for table in sums.tables:
+            builder.text("".join(f"{line.text}\n" for line in table.function()))
         for part, kernels in groupby(model.kernels, lambda kernel: optional_part(kernel.name)):
             builder.text(f"#ifndef {part.value}\n\n" if part else "")
             for kernel in kernels:
@@ -74,7 +78,8 @@ class CBackend:
                 elif kernel in shared.values():
                     builder.text("".join(f"{line.text}\n" for line in calling(model, kernel, kernel)))
                 else:
-                    builder.function(kernel, _function(kernel, _signature_of(model, kernel), sections))
+                    head, own = _signature_of(model, kernel), sums.kernels.get(kernel.name)
+                    builder.function(kernel, _function(kernel, head, sections, sums=own))
                 builder.text("\n")
             builder.text("#endif\n\n" if part else "")
         builder.text(render("c/epilogue.c.jinja", values))
@@ -89,7 +94,7 @@ class Declaration:
     signature: str
 
 
-def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
+def _template_values(model: Model, fingerprint: str, sums: LinearSums) -> dict[str, object]:
     text_of_model = model_text(model)
     tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.velocities)]
     tables += [("lambda", model.multipliers)] if model.bodies else []
@@ -97,7 +102,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
     names = composed_names(model) if model.lowering == "instances" else None
-    blocks = batch_blocks(model)
+    blocks = batch_blocks(model, sums)
     checked = [f"{name}_batch" for name in blocks if model.kernel(name).checked]
     return {
         "model": model,
@@ -108,7 +113,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "roles": Role,
         "title": "\n".join(comment((*mark, f"{text_of_model.title}; see {model.name}.h."))),
         "description": "\n".join(comment((*mark, *description(text_of_model)))),
-        "helpers": _helpers(model),
+        "helpers": _helpers(model, sums),
         "defaults": defaults_text(model),
         "start": _start_text(model),
         "declarations": [
@@ -161,13 +166,14 @@ def enumerated(names: Sequence[str]) -> str:
     return f"{', '.join(others)} and {last}" if others else last
 
 
-def _helpers(model: Model) -> str:
+def _helpers(model: Model, sums: LinearSums) -> str:
     """The macros and static functions that the functions of a model call."""
     every = [s for kernel in model.kernels for s in kernel.statements]
-    parts = ["lanes"] if model.lowering != "flat" else []
+    parts = ["lanes"] if model.lowering != "flat" or sums.tables else []
     parts += ["instances"] if model.lowering == "instances" else []
     parts += ["states", *(["sine"] if any(map(_has_sine, every)) else [])]
-    arrays = (line for array in model.constant_arrays for line in _constant_array(array))
+    constants = (*model.constant_arrays, *(table.array for table in sums.tables))
+    arrays = (line for array in constants for line in _constant_array(array))
     return "\n".join([*(render(f"c/{part}.c.jinja", {}) for part in parts), *spline_lines(model), *arrays])
 
 
@@ -184,27 +190,42 @@ def _shared_function(model: Model, kernel: Kernel, whole: Kernel, shared: Shared
 
 
 def _function(
-    kernel: Kernel, head: Sequence[str], shared: SharedSections, before: Mapping[int, Sequence[str]] | None = None
+    kernel: Kernel,
+    head: Sequence[str],
+    shared: SharedSections,
+    before: Mapping[int, Sequence[str]] | None = None,
+    sums: KernelSums | None = None,
 ) -> list[SourceLine]:
     """The function of a kernel. Elements of arguments are loaded where they are needed first.
 
     head: its signature; shared: the sections that have a function; before: lines before its sections, by the numbers of
-    these. Compilers keep values in the order of the text: what is loaded before a call, such as that of a sine far from
+    these; sums: what it becomes if it has sums of a table.
+
+    Compilers keep values in the order of the text: what is loaded before a call, such as that of a sine far from
     0, or long before its use, goes to the stack in between.
     """
     named = _arguments(kernel)
-    lines = plain(*head, "{", *named)
-    sections = [list(section_in_lanes(section.body)) for section in kernel.sections]
+    lines = [*plain(*head, "{", *named), *(sums.lines if sums else ())]
+    statements = sums.parts.sections if sums else (tuple(enumerate(section.body)) for section in kernel.sections)
+    sections = [_in_lanes(body) for body in statements]
     starts = vector_starts(node for section in sections for _, nodes in section for node in nodes)
     counter = "ptrdiff_t" if kernel.repeats else "int"
     nests = CNests({o.name for o in kernel.outputs}, starts=starts, counter=counter)
     loads = _element_loads(kernel)
     for k, (section, body) in enumerate(zip(kernel.sections, sections, strict=True)):
         lines += plain(*(before or {}).get(k, ()))
-        lines += plain(*([""] if k or named else []), *comment([section_text(section)], "    "))
+        if not body:
+            continue
+        lines += plain(*([""] if k or named or sums else []), *comment([section_text(section)], "    "))
         call = shared.get(section.body)
         lines += [line.of(k, 0) for line in call.call()] if call else _section(body, k, nests, loads)
     return [*lines, *plain("    return 0;", "}")]
+
+
+def _in_lanes(body: Sequence[tuple[int, Statement]]) -> list[tuple[int, tuple[Node, ...]]]:
+    """The statements of a section as plain statements, with their numbers."""
+    numbers = [number for number, _ in body]
+    return [(numbers[n], nodes) for n, nodes in section_in_lanes([statement for _, statement in body])]
 
 
 def _section(

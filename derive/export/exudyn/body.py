@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE
-from derive.errors import Problem, SpecError
 from derive.export.host_model import HostModel
 from derive.export.interface import Interface
 from derive.export.reference_motion import ACCEPTED, reference_motion
@@ -14,30 +13,19 @@ from derive.export.straight_line import require_straight_line
 from derive.ir.model import Model
 from derive.rendering import render
 from derive.roles import Role
-from derive.spec.model.spatial_scene import SpatialScene
 
 MANY = 100
 """Coordinates from which on the sample takes sparse matrices of Exudyn."""
 
 
-NO_SCENES_IN_SPACE = (
-    "the interface to Exudyn takes planar scenes and single bodies: its objects have second-order equations in their "
-    "coordinates, which quaternions in a scene with joints do not give; export finite-element bodies with --to "
-    "exudyn-ffrf and connect them by joints of Exudyn, or make a functional mock-up unit with --to fmu3"
-)
-
-
 def exudyn_files(host: HostModel) -> tuple[File, ...]:
     """The C of a model and of its user functions, the module that adds them to a system, and a sample program.
 
-    Raises SpecError for a model with loops and for a scene in space, and what the integration of the reference motion
-    raises.
+    Raises SpecError for a model with loops, and what the integration of the reference motion raises.
     """
     model, name = host.model, host.name
-    if isinstance(host.spec, SpatialScene):
-        raise SpecError((Problem("", NO_SCENES_IN_SPACE),), name)
     require_straight_line(model)
-    motion, quaternion = reference_motion(host), _quaternion(model)
+    motion, quaternions = reference_motion(host), tuple(_quaternions(model))
     multipliers = len(host.multipliers)
     values = {
         "mark": MARK,
@@ -47,9 +35,9 @@ def exudyn_files(host: HostModel) -> tuple[File, ...]:
         "title": model.doc,
         "host": host,
         "scene": host.is_scene,
-        "quaternion": quaternion,
-        "constraints": multipliers if quaternion is None else 1,
-        "dimension": 2 if quaternion is None else 3,
+        "quaternions": quaternions,
+        "constraints": multipliers + len(quaternions),
+        "dimension": 3 if quaternions or model.in_space else 2,
         "points": bool(model.markers),
         "inputs": list(_inputs(host)),
         "sizes": {
@@ -76,14 +64,19 @@ def exudyn_files(host: HostModel) -> tuple[File, ...]:
     )
 
 
-def _quaternion(model: Model) -> int | None:
-    """The position of the quaternion in q, of a body in space."""
-    first = 0
+def _quaternions(model: Model) -> Iterator[int]:
+    """The positions of the first elements of quaternions in q."""
+    place, within = 0, 0
     for coordinate in model.coordinates:
-        if coordinate.role is Role.QUATERNION:
-            return first
-        first += coordinate.size
-    return None
+        for _ in range(coordinate.size):
+            if coordinate.role is Role.QUATERNION:
+                if within % QUATERNION_SIZE == 0:
+                    yield place
+                within += 1
+            place += 1
+
+
+QUATERNION_SIZE = 4
 
 
 def _values(model: Model) -> Iterator[int]:

@@ -17,8 +17,13 @@ from derive.reduction.body import reduce
 from derive.rendering import render
 from derive.spec.model.body import NodalBody
 from derive.spec.model.quantity import Parameter, Quantity
+from derive.spec.model.scene import Scene
 
 IN_SPACE = "the floating-frame body of Exudyn is one in space: give the body by its nodes, or use --to exudyn"
+ALONE = (
+    "a floating-frame body of Exudyn is a single body, without the joints and forces of a scene: write the "
+    "finite-element body as [body] in a specification of its own, or export the whole scene with --to exudyn"
+)
 NO_MODES = "the floating-frame body of Exudyn has modes and nodes: give the body a mode and a marker at least"
 FIRST_ORDER = "the floating-frame body of Exudyn has displacements of first order: order = 1, or use --to exudyn"
 
@@ -56,7 +61,7 @@ def floating_frame_files(host: HostModel) -> tuple[File, ...]:
     """The module that adds the body. Raises SpecError for a scene and for a body of second order or without modes."""
     spec = host.spec
     if not isinstance(spec, NodalBody):
-        raise SpecError((Problem("", IN_SPACE),))
+        raise SpecError((Problem("", IN_SPACE if isinstance(spec, Scene) else ALONE),))
     if spec.second_order:
         raise SpecError((Problem("body.order", FIRST_ORDER),))
     body = reduce(spec)

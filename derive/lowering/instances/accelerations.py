@@ -18,6 +18,7 @@ from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.instances.block_system import (
     COUPLING,
     DIAGONAL,
+    FLOOR,
     FORCE,
     KNOWN,
     RIGHT,
@@ -125,6 +126,9 @@ def _block_items(
         items += stores(f"diagonal_{h}", [local_of.compliance(rows[i], rows[j]) for i, j in pairs])
         targets[f"right_{h}"] = of.target(RIGHT[side], place)
         items += stores(f"right_{h}", [local_of.right[r] for r in rows])
+        if context.proximal:
+            targets[f"floor_{h}"] = of.target(FLOOR[side], place)
+            items += stores(f"floor_{h}", [local_of.floor(r) for r in rows])
     for a, b in combinations(range(len(of.system_rows)), 2):
         items_of, targets_of = _coupling(system, of, (a, b), local_of)
         items += items_of
@@ -215,8 +219,9 @@ def solved(
     ]
     if context.blocks:
         varying: list[Statement] = [*factors.works(), *factors.loops(context.blocks, names, has_bias, in_lanes)]
+        arrays = declared(context.blocks, has_known, context.proximal)
         steps[:0] = [
-            ("system", Source.FACTORISATION, "the blocks of the joints", declared(context.blocks, has_known)),
+            ("system", Source.FACTORISATION, "the blocks of the joints", arrays),
             ("known", "(5)", "what is known of the right-hand sides", [] if alone else list(given)),
             ("factors", "(6)", "what the rows of G of one body owe to another", varying),
         ]

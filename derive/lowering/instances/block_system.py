@@ -21,6 +21,8 @@ from derive.lowering.elimination_orders import elimination_order, rounds_of_leas
 
 DIAGONAL, RIGHT = ("first_diagonal", "second_diagonal"), ("first_right", "second_right")
 """The local arrays of what the first and the second body of a joint contribute."""
+FLOOR = ("first_floor", "second_floor")
+"""The local arrays of what they contribute to the least weights of a proximal term."""
 COUPLING, KNOWN, FORCE = "coupling", "known_right", "reaction"
 """The local arrays of the blocks beside the diagonal, of what is known of the right-hand side, and of the solution."""
 FEW = 24
@@ -178,10 +180,10 @@ def packed(size: int, i: int, j: int) -> int:
     return i * size - i * (i - 1) // 2 + j - i
 
 
-def declared(of: Blocks, has_known: bool) -> tuple[InstanceStatement, ...]:
+def declared(of: Blocks, has_known: bool, has_floor: bool) -> tuple[InstanceStatement, ...]:
     """The arrays of the system with all elements that no body writes; on padded diagonals these are ones.
 
-    has_known: whether something of the right-hand side is known.
+    has_known: whether something of the right-hand side is known; has_floor: whether there are least weights.
     """
     n, size = of.joints, of.size
     rows = [0] * n
@@ -199,7 +201,8 @@ def declared(of: Blocks, has_known: bool) -> tuple[InstanceStatement, ...]:
         }
         result += _filled(DIAGONAL[side], of.packed, of.spacing, left)
         left = {i * of.spacing + p: False for i in range(size) for p in range(n) if i >= own[p]}
-        result += _filled(RIGHT[side], size, of.spacing, left)
+        for array in (RIGHT[side], *([FLOOR[side]] if has_floor else ())):
+            result += _filled(array, size, of.spacing, left)
     if of.couplings:
         ends = [(place, other) for place, others in enumerate(of.neighbours) for other, _ in others]
         left = {

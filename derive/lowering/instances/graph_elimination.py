@@ -7,8 +7,8 @@ L^-T once for each joint, and not once for each neighbour.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from itertools import accumulate, chain
+from collections.abc import Callable, Iterable, Iterator
+from itertools import accumulate, chain, combinations
 
 import casadi as ca
 
@@ -49,40 +49,34 @@ class _Graph:
 
     def __init__(self, of: Blocks, places: Places) -> None:
         self.of, self.places, self.size = of, places, of.size
-        self.others = [other for neighbours in of.neighbours for other, _ in neighbours]
-        self.pairs = [list(pairs_of(of, place)) for place in range(of.joints)]
         self.below = [(i, j) for i in range(of.size) for j in range(i)]
 
     def statements(self, has_known: bool) -> tuple[InstanceStatement, ...]:
         """All loops, and the arrays that they need."""
         of = self.of
         head, inverse = self._head()
-        has_factors = isinstance(inverse, Factors) and bool(self.others and self.below)
+        has_factors = isinstance(inverse, Factors) and bool(self.of.couplings and self.below)
         forward, backward = list[InstanceItem](head), list[InstanceItem]()
         works = [Work(SCALE, of.size * of.spacing, spacing=of.spacing)]
-        if self.others:
+        if self.of.couplings:
             works.append(Work(FACTOR, of.coupling_spacing * of.size**2, spacing=of.coupling_spacing))
             works.append(Work(INVERSE, of.packed))
-            forward += self._each_neighbour(self._neighbour(inverse))
-            backward += self._each_neighbour(self._known())
+            forward += each_neighbour(of, self.places, self._neighbour(inverse))
+            backward += each_neighbour(of, self.places, self._known())
         if has_factors:
             works.append(Work(LOWER, len(self.below) * of.spacing, spacing=of.spacing))
             backward += self._transposed_factor()
-        if any(self.pairs):
-            forward += self._each_pair()
-        loops = [self._joints(self._assembled(has_known)), self._joints(tuple(forward))]
-        return (*works, *loops, *([self._joints(tuple(backward), backward=True)] if backward else []))
-
-    def _joints(self, body: tuple[InstanceItem, ...], backward: bool = False) -> ForEach:
-        return ForEach(JOINT, constant(0), constant(self.of.joints), body, backward)
+        forward += each_pair(of, self.places, FACTOR)
+        loops = [each_joint(of, self._assembled(has_known)), each_joint(of, forward)]
+        return (*works, *loops, *([each_joint(of, backward, backward=True)] if backward else []))
 
     def _own(self, array: str) -> Callable[[int], Element]:
         """The components of a joint in an array."""
         return at(array, self.of.spacing, JOINT)
 
-    def _between(self, array: str, block: str = NEIGHBOUR) -> Callable[[int], Element]:
-        """The components of a block beside the diagonal."""
-        return at(array, self.of.coupling_spacing, block)
+    def _between(self, array: str) -> Callable[[int], Element]:
+        """The components of the block of a joint and a neighbour."""
+        return at(array, self.of.coupling_spacing, NEIGHBOUR)
 
     def _assembled(self, has_known: bool) -> tuple[InstanceItem, ...]:
         """The block and the right-hand side of a joint, and its diagonal before the elimination of other joints."""
@@ -102,7 +96,7 @@ class _Graph:
         scales = body.vector("scale", self._own(SCALE))
         right = body.vector("r", self._own(RIGHT[0]))
         inverse = body.inverse(block, [value for (value,) in scales], self.of.closes_loops)
-        if not self.others:
+        if not self.of.couplings:
             body.store_rows(self._own(FORCE), inverse.solve(right))
             return body.statements(), inverse
         body.store_rows(self._own(FORCE), inverse.middle(inverse.forward(right)))
@@ -120,7 +114,7 @@ class _Graph:
         z = factors.forward(s)
         y = factors.middle(z)
         w = body.vector("w", self._own(FORCE))
-        if any(self.pairs):
+        if any(len(own) > 1 for own in self.of.neighbours):
             _replace(body, self._between(COUPLING), s, z)
         body.store_rows(self._between(FACTOR), y)
         spacing = self.of.spacing
@@ -145,30 +139,6 @@ class _Graph:
         _replace(body, self._own(FORCE), x, Factors(lower, []).backward(x))
         return body.statements()
 
-    def _each_neighbour(self, body: tuple[InstanceItem, ...]) -> Iterator[InstanceItem]:
-        """The loop over the neighbours of a joint that are eliminated later."""
-        starts = self.places.integers("first_neighbours", accumulate(map(len, self.of.neighbours), initial=0))
-        yield Entry("first_neighbour", starts, index_of(JOINT))
-        yield Entry("last_neighbour", starts, index_of(JOINT).plus(1))
-        other = Entry("other", self.places.integers("neighbours", self.others), index_of(NEIGHBOUR))
-        yield ForEach(NEIGHBOUR, index_of("first_neighbour"), index_of("last_neighbour"), (other, *body))
-
-    def _each_pair(self) -> Iterator[InstanceItem]:
-        """The loop over pairs of these neighbours, whose blocks the elimination changes."""
-        pairs, body = list(chain(*self.pairs)), BlockBody(self.size)
-        z = body.matrix("z", self._between(COUPLING, "first_block"))
-        y = body.matrix("y", self._between(FACTOR, "second_block"))
-        body.store_rows(self._between(COUPLING, "filled_block"), product(transposed(z), y), Operator.SUB)
-        names = ("first_block", "second_block", "filled_block")
-        entries = (
-            Entry(name, self.places.integers(f"{name}s", [pair[k] for pair in pairs]), index_of(PAIR))
-            for k, name in enumerate(names)
-        )
-        starts = self.places.integers("first_pairs", accumulate(map(len, self.pairs), initial=0))
-        yield Entry("first_pair", starts, index_of(JOINT))
-        yield Entry("last_pair", starts, index_of(JOINT).plus(1))
-        yield ForEach(PAIR, index_of("first_pair"), index_of("last_pair"), (*entries, *body.statements()))
-
 
 def _replace(body: BlockBody, at: Callable[[int], Element], old: Block, new: Block) -> None:
     """Write those entries of a block that have changed."""
@@ -187,9 +157,43 @@ def at(array: str, spacing: int, variable: str) -> Callable[[int], Element]:
     return lambda component: Element(array, index_of(variable).plus(component * spacing))
 
 
-def pairs_of(of: Blocks, place: int) -> Iterator[tuple[int, int, int]]:
-    """The blocks of two neighbours of a place, and the block of these two that its elimination changes."""
-    neighbours = of.neighbours[place]
-    for k, (first, a) in enumerate(neighbours):
-        for second, b in neighbours[k + 1 :]:
-            yield a, b, of.block(first, second)
+def each_joint(of: Blocks, body: Iterable[InstanceItem], backward: bool = False) -> ForEach:
+    """A loop over all joints."""
+    return ForEach(JOINT, constant(0), constant(of.joints), tuple(body), backward)
+
+
+def each_neighbour(of: Blocks, places: Places, body: tuple[InstanceItem, ...]) -> Iterator[InstanceItem]:
+    """The loop over the neighbours `other` of a joint that are eliminated later, if there are any."""
+    others = [other for neighbours in of.neighbours for other, _ in neighbours]
+    if others:
+        yield from _part(places, NEIGHBOUR, "neighbours", map(len, of.neighbours))
+        other = Entry("other", places.integers("neighbours", others), index_of(NEIGHBOUR))
+        yield ForEach(NEIGHBOUR, index_of("first_neighbour"), index_of("last_neighbour"), (other, *body))
+
+
+def each_pair(of: Blocks, places: Places, factor: str) -> Iterator[InstanceItem]:
+    """The loop over pairs of these neighbours, if there are any: the elimination of the joint changes their blocks.
+
+    factor: the array of D^-1 Z; the blocks themselves contain Z.
+    """
+    numbers = [[(a, b, of.block(i, j)) for (i, a), (j, b) in combinations(own, 2)] for own in of.neighbours]
+    pairs, spacing = [*chain(*numbers)], of.coupling_spacing
+    if pairs:
+        body = BlockBody(of.size)
+        z = body.matrix("z", at(COUPLING, spacing, "first_block"))
+        y = body.matrix("y", at(factor, spacing, "second_block"))
+        body.store_rows(at(COUPLING, spacing, "filled_block"), product(transposed(z), y), Operator.SUB)
+        names = ("first_block", "second_block", "filled_block")
+        blocks = (
+            Entry(name, places.integers(f"{name}s", [pair[k] for pair in pairs]), index_of(PAIR))
+            for k, name in enumerate(names)
+        )
+        yield from _part(places, PAIR, "pairs", map(len, numbers))
+        yield ForEach(PAIR, index_of("first_pair"), index_of("last_pair"), (*blocks, *body.statements()))
+
+
+def _part(places: Places, variable: str, plural: str, counts: Iterable[int]) -> Iterator[Entry]:
+    """The first and the last of the numbers that belong to a joint, where each joint has so many."""
+    starts = places.integers(f"first_{plural}", accumulate(counts, initial=0))
+    yield Entry(f"first_{variable}", starts, index_of(JOINT))
+    yield Entry(f"last_{variable}", starts, index_of(JOINT).plus(1))

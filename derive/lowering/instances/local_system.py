@@ -36,12 +36,14 @@ class Right:
 class LocalSystem:
     """A body between its joints.
 
-    compliance: the entry of G M^-1 G^T of two constraints; right: gamma - G M^-1 f; unknowns: x in terms of lambda;
-    checks: what is named or required before; inverses: what stands for the inverses of divisors in `unknowns`, with
-    their values, so that each is computed once.
+    compliance: the entry of G M^-1 G^T of two constraints; floor: the diagonal entry of a constraint if all factors
+    that it has were 1 and its coordinates independent, with which a proximal term compares it; right: gamma - G M^-1 f;
+    unknowns: x in terms of lambda; checks: what is named or required before; inverses: what stands for the inverses of
+    divisors in `unknowns`, with their values, so that each is computed once.
     """
 
     compliance: Callable[[int, int], ca.SX]
+    floor: Callable[[int], ca.SX]
     right: list[ca.SX]
     unknowns: list[ca.SX]
     checks: tuple[StepItem, ...]
@@ -90,6 +92,9 @@ def _diagonal(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
     def compliance(a: int, b: int) -> ca.SX:
         return symbols(sp.expand(sp.Add(*(G[a][k] * G[b][k] * inverse[k] for k in G[a] if k in G[b]))))
 
+    def floor(a: int) -> ca.SX:
+        return symbols(sp.expand(sp.Add(*(inverse[k] for k in G[a]))))
+
     lam = context.forces
     reactions = (sp.Add(*(row[k] * lam[r] for r, row in enumerate(G) if k in row)) for k in range(len(rows)))
     later = {symbol: local(f"kept_{symbol}") for symbol in inverses}
@@ -102,7 +107,7 @@ def _diagonal(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
         for gamma, row in zip(right.bias, G, strict=True)
     )
     opaque = tuple((symbols.values[later[symbol]], value) for symbol, value in inverses.items())
-    return LocalSystem(compliance, [symbols(e) for e in rest], unknowns, tuple(checks), opaque)
+    return LocalSystem(compliance, floor, [symbols(e) for e in rest], unknowns, tuple(checks), opaque)
 
 
 def _with_reactions(free: sp.Expr, inverse: sp.Expr, reactions: sp.Expr) -> sp.Expr:
@@ -131,13 +136,16 @@ def _factorised(of: ClassCode, symbols: Symbols, right: Right) -> LocalSystem:
                 total = total + a[j] * (inverse[j] * b[j])
         return total
 
+    def floor(a: int) -> ca.SX:
+        return sum((inverse[j] for j in halves[a]), start=ca.SX(0))
+
     total = list(forces)
     for row, force in zip(G, symbols.values_of(context.forces), strict=True):
         for j, value in row.items():
             total[j] = total[j] + value * force
     rest = [symbols(gamma) - product(half, half_force) for gamma, half in zip(right.bias, halves, strict=True)]
     checks = pivot_checks(symbols, factors, context.rows)
-    return LocalSystem(lambda a, b: product(halves[a], halves[b]), rest, solve(factors, total), checks)
+    return LocalSystem(lambda a, b: product(halves[a], halves[b]), floor, rest, solve(factors, total), checks)
 
 
 def _forward(factors: Factorisation, right: Mapping[int, ca.SX]) -> dict[int, ca.SX]:

@@ -5,14 +5,13 @@ The factorisation is kept, since the solution for one right-hand side gives the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import accumulate, chain
+from collections.abc import Sequence
 
 import casadi as ca
 
 from derive.ir.expressions import Element, Operator
 from derive.ir.indices import constant
-from derive.ir.statements import Entry, ForEach, InstanceItem, InstanceStatement, StoreElement, Work
+from derive.ir.statements import InstanceItem, InstanceStatement, StoreElement, Work
 from derive.lowering.instances.block_body import (
     Block,
     BlockBody,
@@ -22,14 +21,14 @@ from derive.lowering.instances.block_body import (
     product,
     transposed,
 )
-from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, ONE, RIGHT, Blocks
-from derive.lowering.instances.graph_elimination import JOINT, NEIGHBOUR, PAIR, at, index_of, pairs_of
+from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FLOOR, FORCE, KNOWN, ONE, RIGHT, Blocks
+from derive.lowering.instances.graph_elimination import JOINT, NEIGHBOUR, at, each_joint, each_neighbour, each_pair
 from derive.lowering.instances.places import Places
-from derive.lowering.proximal import PROXIMAL, REFINEMENTS
+from derive.lowering.proximal import LEAST, PROXIMAL, REFINEMENTS
 
 FACTOR, FACTORS, WEIGHT, SUM = "factor", "factors", "weight", "right"
 """The local arrays of the blocks after the elimination of their first joint, of the factors of each joint's block, of
-the diagonals before, and of the right-hand side."""
+the weights of its constraints, and of the right-hand side."""
 
 
 def with_proximal_term(
@@ -43,16 +42,16 @@ def with_proximal_term(
     works = [
         Work(FACTOR, of.coupling_spacing * of.size**2, spacing=of.coupling_spacing),
         Work(FACTORS, of.spacing * of.packed, spacing=of.spacing),
-        Work(WEIGHT, of.spacing * of.size, cleared=True, spacing=of.spacing),
+        Work(WEIGHT, of.spacing * of.size, spacing=of.spacing),
         Work(SUM, of.spacing * of.size, spacing=of.spacing),
     ]
     ones = [StoreElement(Element(WEIGHT, constant(element)), ONE) for element in idle]
-    result: list[InstanceStatement] = [*(work for work in works if work.count), *ones]
-    result += [system.joints(system.assembled(has_known)), system.joints(system.factorised())]
+    result: list[InstanceStatement] = [*(work for work in works if work.count)]
+    result += [each_joint(of, system.assembled(has_known)), *ones, each_joint(of, system.factorised())]
     for refinement in range(1 + REFINEMENTS):
-        result.append(system.joints(system.right(refinement > 0)))
-        result.append(system.joints(system.forward()))
-        result += [system.joints(system.backward(), backward=True)] if of.couplings else []
+        result.append(each_joint(of, system.right(refinement > 0)))
+        result.append(each_joint(of, system.forward()))
+        result += [each_joint(of, system.backward(), backward=True)] if of.couplings else []
     return tuple(result)
 
 
@@ -61,18 +60,16 @@ class _Proximal:
 
     def __init__(self, of: Blocks, places: Places) -> None:
         self.of, self.places, self.n = of, places, of.spacing
-        self.pairs = [list(pairs_of(of, place)) for place in range(of.joints)]
-
-    def joints(self, body: tuple[InstanceItem, ...], backward: bool = False) -> ForEach:
-        """A loop over all joints."""
-        return ForEach(JOINT, constant(0), constant(self.of.joints), body, backward)
 
     def assembled(self, has_known: bool) -> tuple[InstanceItem, ...]:
         """The weights and the right-hand side of a joint."""
         body, n = BlockBody(self.of.size), self.n
         names = [*RIGHT, *([KNOWN] if has_known else [])]
         body.store_rows(at(SUM, n, JOINT), plus(*(body.vector(f"{name}_", at(name, n, JOINT)) for name in names)))
-        body.store_rows(at(WEIGHT, n, JOINT), [[x] for x in diagonal(self._block(body))], Operator.ADD)
+        floors = _entries(plus(*(body.vector(f"{name}_", at(name, n, JOINT)) for name in FLOOR)))
+        least, weights = body.symbols.number(LEAST), diagonal(self._block(body))
+        weights = [ca.fmax(weight, least * floor) for weight, floor in zip(weights, floors, strict=True)]
+        body.store_rows(at(WEIGHT, n, JOINT), [[weight] for weight in weights])
         return body.statements()
 
     def factorised(self) -> tuple[InstanceItem, ...]:
@@ -90,7 +87,11 @@ class _Proximal:
         y = self._factors(inner).solve(s)
         inner.store_rows(at(FACTOR, blocks, NEIGHBOUR), y)
         inner.store_symmetric(at(DIAGONAL[0], n, "other"), product(transposed(s), y), Operator.SUB)
-        return (*head.statements(), *self._neighbours(inner), *self._pairs())
+        return (
+            *head.statements(),
+            *each_neighbour(of, self.places, inner.statements()),
+            *each_pair(of, self.places, FACTOR),
+        )
 
     def right(self, is_refined: bool) -> tuple[InstanceItem, ...]:
         """The right-hand side of a joint, with the proximal term of the reactions before; these begin as zeros."""
@@ -113,51 +114,20 @@ class _Proximal:
         s = inner.matrix("s", at(COUPLING, self.of.coupling_spacing, NEIGHBOUR))
         w = inner.vector("w", at(FORCE, n, JOINT))
         inner.store_rows(at(RIGHT[0], n, "other"), product(transposed(s), w), Operator.SUB)
-        return (*head.statements(), *self._neighbours(inner))
+        return (*head.statements(), *each_neighbour(self.of, self.places, inner.statements()))
 
     def backward(self) -> tuple[InstanceItem, ...]:
         """The reactions of a joint from those of its neighbours."""
         body, n = BlockBody(self.of.size), self.n
         y = body.matrix("y", at(FACTOR, self.of.coupling_spacing, NEIGHBOUR))
         body.store_rows(at(FORCE, n, JOINT), product(y, body.vector("f", at(FORCE, n, "other"))), Operator.SUB)
-        return tuple(self._neighbours(body))
+        return tuple(each_neighbour(self.of, self.places, body.statements()))
 
     def _block(self, body: BlockBody) -> Block:
         return plus(*(body.symmetric(f"{name}_", at(name, self.n, JOINT)) for name in DIAGONAL))
 
     def _factors(self, body: BlockBody) -> Factors:
         return Factors.of_block(body.symmetric("a", at(FACTORS, self.n, JOINT)))
-
-    def _neighbours(self, body: BlockBody) -> Iterator[InstanceItem]:
-        """The loop over the neighbours of a joint that are eliminated later, if there are any."""
-        others = [other for neighbours in self.of.neighbours for other, _ in neighbours]
-        if not others:
-            return
-        starts = self.places.integers("first_neighbours", accumulate(map(len, self.of.neighbours), initial=0))
-        yield Entry("first_neighbour", starts, index_of(JOINT))
-        yield Entry("last_neighbour", starts, index_of(JOINT).plus(1))
-        other = Entry("other", self.places.integers("neighbours", others), index_of(NEIGHBOUR))
-        every = index_of("first_neighbour"), index_of("last_neighbour")
-        yield ForEach(NEIGHBOUR, *every, (other, *body.statements()))
-
-    def _pairs(self) -> Iterator[InstanceItem]:
-        """The loop over pairs of these neighbours, whose blocks the elimination changes."""
-        pairs = list(chain(*self.pairs))
-        if not pairs:
-            return
-        blocks, body = self.of.coupling_spacing, BlockBody(self.of.size)
-        s = body.matrix("s", at(COUPLING, blocks, "first_block"))
-        y = body.matrix("y", at(FACTOR, blocks, "second_block"))
-        body.store_rows(at(COUPLING, blocks, "filled_block"), product(transposed(s), y), Operator.SUB)
-        names = ("first_block", "second_block", "filled_block")
-        entries = (
-            Entry(name, self.places.integers(f"{name}s", [pair[k] for pair in pairs]), index_of(PAIR))
-            for k, name in enumerate(names)
-        )
-        starts = self.places.integers("first_pairs", accumulate(map(len, self.pairs), initial=0))
-        yield Entry("first_pair", starts, index_of(JOINT))
-        yield Entry("last_pair", starts, index_of(JOINT).plus(1))
-        yield ForEach(PAIR, index_of("first_pair"), index_of("last_pair"), (*entries, *body.statements()))
 
 
 def _entries(column: Block) -> list[ca.SX]:

@@ -20,8 +20,8 @@ def initial_state_blocks(initial: InitialState | str) -> tuple[Block, ...]:
         return heading, Paragraph((f"The initial state cannot be computed: {initial}",))
     corrected = "; those that contradict each other by rounding are corrected" if initial.corrections else ""
     blocks: list[Block] = [heading, Paragraph((f"{KEPT}{corrected}; {ADAPTED}",))]
-    if initial.equilibrium is not None:
-        text = str(initial.equilibrium)
+    if of := initial.equilibrium or initial.steady:
+        text = str(of)
         blocks.append(
             Paragraph((f"The scene begins in its {text}. Positions in the specification are its first guess.",))
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 
 from derive.ir.model import Kkt, Model, Variable
 from derive.ir.series import VariableSeries, variable_series
@@ -31,7 +32,15 @@ from derive.spec.model.forces import SceneForce
 from derive.spec.model.instances import instance_name, joined
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, RigidBody, SceneBody
-from derive.spec.model.spatial_scene import FlexibleBody, SpatialAction, SpatialBody, SpatialRigidBody, SpatialScene
+from derive.spec.model.spatial_scene import (
+    FlexibleBody,
+    NodalLoad,
+    SpatialAction,
+    SpatialBody,
+    SpatialJointLoad,
+    SpatialRigidBody,
+    SpatialScene,
+)
 from derive.spec.model.specification import AnyScene
 from derive.visual.kkt_matrix import kkt_picture
 from derive.visual.mechanism import mechanism_picture
@@ -210,11 +219,28 @@ def _multipliers(series: VariableSeries) -> Iterator[list[Content]]:
 
 
 def _loads(spec: AnyScene) -> tuple[Block, ...]:
-    rows = [[f.name, _load(f, "force"), str(f.markers[0])] for f in spec.forces]
-    rows += [[t.name, _load(t, "torque"), ", against ".join(map(str, t.markers))] for t in spec.torques]
-    rows += [[s.name, _load(s, "spring"), " to ".join(map(str, s.markers))] for s in spec.springs]
+    rows = [[f.name, _load(f, "force"), _where(f, "")] for f in spec.forces]
+    rows += [[t.name, _load(t, "torque"), _where(t, ", against ")] for t in spec.torques]
+    rows += [[s.name, _load(s, "spring"), _where(s, " to ")] for s in spec.springs]
+    flexible = (body for body in spec.bodies if isinstance(body, FlexibleBody))
+    rows += [[load.name, "nodal forces", _nodes(body, load)] for body in flexible for load in body.loads]
     cells: list[list[Content]] = [[load, name, marker] for name, load, marker in merged_rows(rows)]
     return (folded(table("Loads", ("load", "name", "marker"), cells), "Loads"),) if cells else ()
+
+
+def _where(load: SceneForce | SpatialAction, between: str) -> str:
+    """The markers at which a load acts, or its joint."""
+    if isinstance(load, SpatialJointLoad):
+        return f"joint {load.joint}"
+    return between.join(map(str, load.markers))
+
+
+def _nodes(body: FlexibleBody, load: NodalLoad) -> str:
+    """The nodes on which a load acts, and the sum of its forces without their factor."""
+    count = len(load.nodes)
+    where = f"node {load.nodes[0]}" if count == 1 else f"{count} nodes"
+    total = ", ".join(f"{float(sum((force[k] for force in load.forces), Fraction(0))):g}" for k in range(3))
+    return f"{where} of {body.name}, in sum [{total}] N in the {load.frame} frame"
 
 
 def _load(load: SceneForce | SpatialAction, noun: str) -> str:

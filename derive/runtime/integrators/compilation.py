@@ -92,10 +92,11 @@ def program(files: Sequence[File], target: Path, methods: Collection[str] = (), 
     """
     sources, options = ["simulate", "adaptive_rows", "adaptive", "dormand_prince", "fixed_step"], list(flags)
     link: list[str] = []
-    for method, source, library in (("ida", "ida", sundials), ("alpha", "generalised_alpha", klu)):
+    alpha = ("rotations", "generalised_alpha")
+    for method, own, library in (("ida", ("ida",), sundials), ("alpha", alpha, klu)):
         if method in methods:
             include, libraries = library()
-            sources, link = [*sources, source], [*link, *libraries]
+            sources, link = [*sources, *own], [*link, *libraries]
             options += [*include, f"-DTISSERAND_{method.upper()}"]
     with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
         name, paths = write_sources(files, sources, Path(folder))

@@ -29,13 +29,16 @@ from derive.runtime.integrators.observer import Observe, Observer
 
 ALPHA_CODES = {
     **CODES,
-    5: "the model has no form of index 3, or is no planar one",
+    5: "the model has no form of index 3",
     6: "there is not enough memory",
     7: "the iteration matrix is singular: joints are redundant, or in a singular position",
     8: "Newton's method does not converge: take a shorter step",
 }
 """The meanings of the return codes of the generalised-alpha method."""
 
+
+SOURCES = ("fixed_step", "rotations", "generalised_alpha")
+"""The C files of the method in `templates/host`."""
 
 PROXIMAL = 1e-9
 """The proximal term of a model whose joints may be redundant, relative to the compliance of each constraint."""
@@ -54,7 +57,7 @@ class GeneralisedAlpha(CIntegrator):
 
     def __init__(self, files: Sequence[File], flags: Sequence[str] = ()) -> None:
         include, link = klu()
-        super().__init__(files, ["fixed_step", "generalised_alpha"], [*flags, *include], link)
+        super().__init__(files, list(SOURCES), [*flags, *include], link)
         self.library.tisserand_alpha.argtypes = types("ppddllpppppp")
 
     def run(

@@ -1,4 +1,4 @@
-"""The initial state of a scene: its initial values made consistent with its joints, or its static equilibrium."""
+"""The initial state of a scene: initial values made consistent with joints, its equilibrium, or its steady motion."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_velocities import velocities
 from derive.simulation.initial.kinematics import Kinematics
 from derive.simulation.initial.targets import Strength, Target, targets
+from derive.simulation.linear.steady_motion import SteadyMotion, steady_motion
 from derive.simulation.observables.beams import beam_bodies, half_length, relative_deflection
 from derive.simulation.observables.motion import SceneMotion, si_value, transformed
-from derive.spec.model.scene import BeamBody, RigidBody, Scene
+from derive.spec.model.scene import EQUILIBRIUM, STEADY, BeamBody, RigidBody, Scene
 from derive.spec.model.specification import AnyScene
 
 LISTED = 6
@@ -43,7 +44,8 @@ class InitialState:
 
     position_error, velocity_error: the largest |g| (m, rad) and |gdot| (m/s, rad/s). deformed, deforming: whether
     deformations, or their rates, had to change from those of the guess. values: the initial values of the
-    specification, and those of the state. equilibrium: the static equilibrium that the state is, if it is one.
+    specification, and those of the state. equilibrium, steady: the static equilibrium or the steady motion that the
+    state is, if it is one.
     remainders: a line on each deflection that shapes do not have, and approximate.
     """
 
@@ -57,6 +59,7 @@ class InitialState:
     values: tuple[InitialValue, ...] = ()
     equilibrium: Equilibrium | None = None
     remainders: tuple[str, ...] = ()
+    steady: SteadyMotion | None = None
 
     @property
     def corrections(self) -> tuple[InitialValue, ...]:
@@ -66,12 +69,12 @@ class InitialState:
     @property
     def notes(self) -> tuple[str, ...]:
         """A line on each given value that is changed or approximated, and on the equilibrium, for a user to read."""
-        reason = (
-            "its value in equilibrium" if self.equilibrium else "corrected: it contradicts the joints or other values"
-        )
-        balance = (str(self.equilibrium),) if self.equilibrium else ()
+        reason = "corrected: it contradicts the joints or other values"
+        if of := self.equilibrium or self.steady:
+            reason = "its value in equilibrium" if self.equilibrium else "its value in the steady motion"
+        balance = (str(of),) if of else ()
         listed, others = self.corrections, 0
-        if self.equilibrium and len(listed) > LISTED:
+        if of and len(listed) > LISTED:
             listed, others = listed[:LISTED], len(listed) - LISTED
         more = (f"likewise {others} other given values, all of which are first guesses",) if others else ()
         return (*balance, *self.remainders, *(f"{value} ({reason})" for value in listed), *more)
@@ -83,7 +86,8 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     Positions that are not given come as near as possible to first guesses, or else to zero; velocities that are not
     given are those of the least kinetic energy. Given values that contradict each other by no more than rounding are
     corrected: see `InitialState.corrections`. With `start = "equilibrium"` the positions are those of the static
-    equilibrium that Newton's method reaches from there. The state does not depend on which coordinates the scene keeps.
+    equilibrium that Newton's method reaches from there, with `start = "steady"` the state is a steady motion. The state
+    does not depend on which coordinates the scene keeps.
 
     native: the compiled scene. k: the constants (nk,) of `native.setup`, those of the default parameters if None.
 
@@ -106,10 +110,10 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
         rough=scene.start is not None,
     )
     balance = None
-    if scene.start is not None:
+    if scene.start == EQUILIBRIUM:
         check_rest(scene, native, constants)
         balance = equilibrium(native, constants, assembly.q)
-        assembly = _moved(assembler, assembly, balance, positions)
+        assembly = _moved(assembler, assembly, balance.q, positions)
     q = assembly.q
     momentum = _momentum(scene, assembler.kinematics(q, moving=True)) if scene.drives else np.zeros(native.nv)
     rates = [target for target in every if target.rate]
@@ -118,11 +122,16 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
         return velocity_conflict(scene, assembler, q, v, given)
 
     result = velocities(assembler, q, rates, momentum, conflict)
+    steady = None
+    if scene.start == STEADY:
+        steady = steady_motion(native, constants, q, result.v)
+        assembly = _moved(assembler, assembly, steady.q, positions)
+        q, result = steady.q, replace(result, v=steady.v)
     check_constraints(native, constants, 0.0, q)
     check_accelerations(native, constants, 0.0, q, result.v)
     values = _values(assembler, q, result.v, every, (*assembly.misfits, *result.misfits))
     errors, changed = (assembly.error, result.error), (assembly.deformed, result.deforming)
-    return InitialState(0.0, q, result.v, *errors, *changed, values, balance, deflection_remainders(scene))
+    return InitialState(0.0, q, result.v, *errors, *changed, values, balance, deflection_remainders(scene), steady)
 
 
 def _values(
@@ -174,12 +183,12 @@ def check_rest(scene: AnyScene, native: NativeScene, k: Vector) -> None:
         raise MovingDrives(moving)
 
 
-def _moved(assembler: Assembler, assembly: Assembly, balance: Equilibrium, positions: list[Target]) -> Assembly:
-    """The assembly in equilibrium; given positions that it changes are listed as corrected."""
+def _moved(assembler: Assembler, assembly: Assembly, q: Vector, positions: list[Target]) -> Assembly:
+    """The assembly in equilibrium or in steady motion, q (nq,); given positions that it changes are listed."""
     given = [target for target in positions if target.strength is Strength.GIVEN]
-    misfits = tuple(m for m in assembler.misfits(given, balance.q) if abs(m.relative) > EXACT)
-    error = max_norm(assembler.native.constraints(assembler.t, balance.q, assembler.k))
-    return replace(assembly, q=balance.q, misfits=misfits, error=error)
+    misfits = tuple(m for m in assembler.misfits(given, q) if abs(m.relative) > EXACT)
+    error = max_norm(assembler.native.constraints(assembler.t, q, assembler.k))
+    return replace(assembly, q=q, misfits=misfits, error=error)
 
 
 def _momentum(scene: Scene, kinematics: Kinematics) -> Vector:

@@ -155,6 +155,6 @@ def _evaluated(model: Model, name: str, *arguments: Any) -> Sequence[list[Any]]:
 
     kernel = model.kernel(name)
     given = {a.name: value for a, value in zip(kernel.arguments, arguments, strict=True)}
-    functions = {"sin": mpmath.sin, "cos": mpmath.cos, "sqrt": mpmath.sqrt}
+    functions = {"sin": mpmath.sin, "cos": mpmath.cos, "sqrt": mpmath.sqrt, "atan2": mpmath.atan2}
     tables = {spline.name: spline for spline in model.splines}
     return list(interpret(kernel, given, number=number, functions=functions, tables=tables).values())

@@ -11,8 +11,14 @@ from derive.runtime.integrators.adaptive import OFF, Adaptive, AdaptiveError, Ad
 from derive.runtime.integrators.c_integrator import CONSISTENT
 from derive.runtime.native_call import ModelError, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.constraints.projection import check_drift
-from derive.simulation.errors import DriftTooLarge, SimulationError
+from derive.simulation.constraints.projection import UNAVOIDABLE, check_drift
+from derive.simulation.errors import (
+    DriftTooLarge,
+    DriveCannotBeFollowed,
+    SimulationError,
+    SingularConfiguration,
+    TooNearDeadCentre,
+)
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
 from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.scipy_methods import MAX_STEPS_PER_ROW
@@ -52,7 +58,7 @@ def adaptive(
                 rtol=settings.tolerance,
                 atol=absolute_tolerances(native, settings.tolerance, settings.size, q),
                 k=k,
-                consistent=consistent_tolerance(CONSISTENT, settings.size, q),
+                consistent=_consistent(native, settings.size, q),
                 drift=settings.drift,
                 steps_max=MAX_STEPS_PER_ROW * len(instants),
                 breaks=smooth_ends(instants, settings.breaks)[:-1] if len(instants) > 1 else (),
@@ -62,7 +68,7 @@ def adaptive(
                 watch=settings.watch,
             )
         except AdaptiveError as error:
-            raise _diagnosed(native, k, settings.drift, error) from error
+            raise _diagnosed(native, k, settings, error) from error
         if until is not None:
             notes += until.notes(float(run.t[-1]), float(instants[0]) if holds_at_start else None, run.met)
         return _solution(run, notes)
@@ -88,8 +94,25 @@ def _solution(run: AdaptiveRun, notes: tuple[str, ...]) -> Solution:
     return Solution(run.t, run.q, run.v, run.lam, run.drift, run.drift_before, cost, notes, run.outputs, run.watched)
 
 
-def _diagnosed(native: NativeScene, k: Vector, limit: float, error: AdaptiveError) -> SimulationError:
+def _consistent(native: NativeScene, size: float, q: Vector) -> float:
+    """The |g| and |gdot| up to which constraints count as met.
+
+    Where joints may pass a singular position, at a distance of epsilon (rad), an error c of g is one of c/epsilon in
+    the coordinates and of c/epsilon^3 in accelerations, so that rounding errors alone are left of it.
+    """
+    return UNAVOIDABLE if native.proximal else consistent_tolerance(CONSISTENT, size, q)
+
+
+def _diagnosed(native: NativeScene, k: Vector, settings: Settings, error: AdaptiveError) -> SimulationError:
     """The error that explains why the C integrator cannot continue from its last state."""
+    reason = _reason(native, k, settings.drift, error)
+    if native.proximal and isinstance(reason, SingularConfiguration) and not isinstance(reason, DriveCannotBeFollowed):
+        return TooNearDeadCentre(reason, settings.tolerance)
+    return reason
+
+
+def _reason(native: NativeScene, k: Vector, limit: float, error: AdaptiveError) -> SimulationError:
+    """The error without regard to the proximal term."""
     refused = None
     if error.refused is not None:
         code, t = error.refused

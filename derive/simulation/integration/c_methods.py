@@ -78,11 +78,6 @@ def generalised_alpha(files: Sequence[File]) -> Integrator:
     """The generalised-alpha method with fixed steps. Raises CompilerError, LibraryMissing."""
     host = GeneralisedAlpha(files, ESSENTIAL)
     native = scene_of(host.native, "generalised-alpha")
-    if native.nq != native.nv:
-        raise SimulationError(
-            "generalised-alpha is for planar scenes, in which the rates of coordinates are the velocities; choose "
-            "adaptive, dop853, rk45, rk4 or c_ida"
-        )
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
         def run(q0: Vector, v0: Vector, segment: TimeSegment, observe: Observe | None) -> Integration:

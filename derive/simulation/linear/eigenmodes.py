@@ -87,7 +87,7 @@ def _different(shapes: NDArray[np.complex128]) -> list[Vector]:
     for column in shapes.T:
         for part in (column.real, column.imag):
             size = np.linalg.norm(part)
-            if size == 0.0:
+            if size <= SAME_SHAPE * np.linalg.norm(column):
                 continue
             rest = part / size
             for direction in basis:

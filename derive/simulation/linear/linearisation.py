@@ -27,7 +27,6 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.configurations import rate_matrix, velocity_roles
 from derive.simulation.constraints.scaling import SINGULAR, mass_factor, spectrum
 from derive.simulation.linear.ports import inputs_of, outputs_of
-from derive.simulation.linear.steady_motion import rotating_axes
 
 WELL_CONDITIONED = 0.05
 """Translations are dependent coordinates as long as a pivot of their columns is above this, relative to the first."""
@@ -90,18 +89,21 @@ class _Derivatives:
     a_v: Matrix
 
 
-def linearise(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, spin: float = 0.0) -> Linearisation:
+def linearise(
+    native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, axes: Matrix | None = None
+) -> Linearisation:
     """The linearisation of a model about the consistent state q (nq,), v (nv,) at t (s), with the coefficients at t.
 
-    k: the constants (nk,) of `native.setup`, with the inputs at t. spin (rad/s): the speed of a scene that rotates
-    steadily; positions of origins are then those in axes that rotate with it, where the coefficients are constant.
+    k: the constants (nk,) of `native.setup`, with the inputs at t. axes (nv, nv): those of a `SteadyMotion`, which
+    rotate with the scene; small displacements and velocities are then those in these axes, where the coefficients are
+    constant.
     Changes of reactions that are not unique are those of least norm.
     Raises ModelError where accelerations and multipliers of the state are not unique, unless the model is `proximal`.
     """
     vdot, lam = native.solve(t, q, v, k)
     d = _of_scene(native, k, t, q, v, vdot, lam) if native.dae else _of_body(native, k, t, q, v, vdot)
-    if spin:
-        d = _in_rotating_axes(d, spin * rotating_axes(native))
+    if axes is not None and axes.any():
+        d = _in_rotating_axes(d, axes)
     u, y = inputs_of(native, k, t, q, v, vdot, lam), outputs_of(native, k, t, q, v, vdot, lam)
     spread = np.eye(native.nlambda)
     if native.nlambda and native.proximal:

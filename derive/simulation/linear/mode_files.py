@@ -11,6 +11,7 @@ import numpy as np
 from derive.artifacts import MARK, BinaryFile, File, sha256
 from derive.backends.model_files import fingerprint
 from derive.simulation.linear.modes import Modes
+from derive.simulation.linear.whirl import whirls
 from derive.simulation.observables.csv_writer import Column, csv
 from derive.version import VERSION
 
@@ -37,8 +38,11 @@ def mode_files(modes: Modes) -> tuple[File | BinaryFile, ...]:
 
 
 def modes_data(modes: Modes) -> dict[str, Any]:
-    """The modes as plain data, in SI units; a shape has the real and the imaginary part of each element."""
-    linear = modes.linear
+    """The modes as plain data, in SI units; a shape has the real and the imaginary part of each element.
+
+    whirl: see `whirls`; None where there is none.
+    """
+    linear, circling = modes.linear, whirls(modes) or (None,) * len(modes.modes)
     return {
         "name": modes.spec.name,
         "time": linear.t,
@@ -46,6 +50,7 @@ def modes_data(modes: Modes) -> dict[str, Any]:
         "v": linear.v.tolist(),
         "vdot": linear.vdot.tolist(),
         "equilibrium": modes.equilibrium is not None,
+        "steady": None if modes.steady is None else {"motion": modes.steady.text, "spin": modes.steady.spin},
         "functions_of_time": list(modes.functions_of_time),
         "coordinates": list(modes.native.coordinates),
         "zero_eigenvalues": modes.zero_eigenvalues,
@@ -55,8 +60,9 @@ def modes_data(modes: Modes) -> dict[str, Any]:
                 "damping_ratio": mode.damping_ratio,
                 "eigenvalue": [mode.eigenvalue.real, mode.eigenvalue.imag],
                 "shape": [mode.shape.real.tolist(), mode.shape.imag.tolist()],
+                "whirl": whirl,
             }
-            for mode in modes.modes
+            for mode, whirl in zip(modes.modes, circling, strict=True)
         ],
         "states": list(linear.states),
         "inputs": list(linear.inputs),

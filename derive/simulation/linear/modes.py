@@ -23,12 +23,13 @@ from derive.simulation.integration.solution import Progress
 from derive.simulation.linear.eigenmodes import Mode, eigenmodes
 from derive.simulation.linear.linearisation import Linearisation, linearise
 from derive.simulation.linear.run_time_inputs import constants, scene_with_values
+from derive.simulation.linear.steady_motion import SteadyMotion
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.redundant_joints import with_redundant_joints
 from derive.simulation.scene_start import state_of
 from derive.simulation.simulate import with_simulation
-from derive.spec.model.scene import EQUILIBRIUM, Scene
+from derive.spec.model.scene import EQUILIBRIUM, STEADY, Scene
 from derive.spec.model.scene_functions import input_functions, time_functions
 from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene, Specification
@@ -43,7 +44,7 @@ ROWS = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """A compiled model, its constants k (nk,), the state t (s), q (nq,), v (nv,), and the equilibrium if it is one."""
+    """A compiled model, its constants k (nk,), the state t (s), q (nq,), v (nv,), and what it is, if it is steady."""
 
     native: NativeScene
     k: Vector
@@ -51,6 +52,7 @@ class _State:
     q: Vector
     v: Vector
     equilibrium: Equilibrium | None = None
+    steady: SteadyMotion | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +60,8 @@ class Modes:
     """The modes of a model about a state.
 
     linear: the state and the state-space matrices. modes: see `eigenmodes`. native, k: the compiled model and its
-    constants (nk,). equilibrium: the equilibrium of a scene if the state is one; None for other states and for a body.
+    constants (nk,). equilibrium, steady: the equilibrium or the steady motion of a scene if the state is one, about
+    which the modes are those in axes that rotate with it; None for other states and for a body.
     """
 
     spec: Specification
@@ -67,6 +70,7 @@ class Modes:
     linear: Linearisation
     modes: tuple[Mode, ...]
     equilibrium: Equilibrium | None
+    steady: SteadyMotion | None = None
 
     @property
     def frequencies(self) -> Vector:
@@ -110,6 +114,8 @@ class Modes:
 def modes(spec: Specification, *, at: float | None = None, progress: Progress | None = None) -> Modes:
     """The modes of small motions of a scene about its static equilibrium, or of a body about its undeformed state.
 
+    About the steady motion of a scene that starts in one they are those in axes that rotate with it.
+
     at: the time (s) of the motion of a scene from its initial state, whose state is taken in place of the equilibrium;
     the coefficients are those of that instant. progress: called with the time (s) that this motion has reached.
 
@@ -119,8 +125,9 @@ def modes(spec: Specification, *, at: float | None = None, progress: Progress | 
         state = with_redundant_joints(spec, lambda scene: _of_scene(scene, at, progress))
     else:
         state = _of_body(spec, at)
-    linear = linearise(state.native, state.k, state.t, state.q, state.v)
-    return Modes(spec, state.native, state.k, linear, eigenmodes(linear), state.equilibrium)
+    axes = None if state.steady is None else state.steady.axes
+    linear = linearise(state.native, state.k, state.t, state.q, state.v, axes)
+    return Modes(spec, state.native, state.k, linear, eigenmodes(linear), state.equilibrium, state.steady)
 
 
 def _of_body(spec: Specification, at: float | None) -> _State:
@@ -148,7 +155,7 @@ def _motion(scene: AnyScene, at: float, progress: Progress | None) -> SceneMotio
 
 
 def _of_scene(scene: AnyScene, at: float | None, progress: Progress | None) -> _State:
-    """A scene in its state at a time (s), or in its equilibrium, with the values of its run-time inputs there."""
+    """A scene in its state at a time (s), or in its steady state, with the values of its run-time inputs there."""
     if at is not None and at > 0.0:
         motion = _motion(scene_with_values(scene), at, progress)
         t, q, v = float(motion.t[-1]), motion.q[-1], motion.v[-1]
@@ -161,6 +168,9 @@ def _of_scene(scene: AnyScene, at: float | None, progress: Progress | None) -> _
     if at is not None:
         start = state_of(scene, native, k)
         return _State(native, k, start.t, start.q, start.v)
+    if scene.start == STEADY:
+        start = state_of(scene, native, k)
+        return _State(native, k, start.t, start.q, start.v, steady=start.steady)
     try:
         changed: Any = scene
         balance = state_of(replace(changed, start=EQUILIBRIUM), native, k).equilibrium

@@ -47,11 +47,22 @@ class NoSteadyMotion(SimulationError):
 
 @dataclass(frozen=True, eq=False)
 class SteadyMotion:
-    """A state q (nq,), v (nv,) at t = 0 of a motion that is steady in axes that rotate at `spin` (rad/s)."""
+    """A state q (nq,), v (nv,) at t = 0 of a motion that is steady in axes that rotate at `spin` (rad/s).
+
+    axes (nv, nv): the matrix that takes velocities which are constant in these axes to their time derivatives. text:
+    the motion of the axes in words. rotation (3,): their angular velocity in space, rad/s; None in the plane.
+    """
 
     q: Vector
     v: Vector
     spin: float
+    axes: Matrix
+    text: str
+    rotation: Vector | None = None
+
+    def __str__(self) -> str:
+        """The motion in words."""
+        return f"steady {self.text}"
 
 
 def steady_motion(native: NativeScene, k: Vector, q: Vector, v: Vector, guess: Vector | None = None) -> SteadyMotion:
@@ -72,7 +83,7 @@ def steady_motion(native: NativeScene, k: Vector, q: Vector, v: Vector, guess: V
             f'{angle:.2g} rad; give bodies a start nearer to it, or start = "equilibrium" in [scene]'
         )
     _check_steady(native, k, q, field)
-    return SteadyMotion(q, field.velocities(q), field.spin)
+    return SteadyMotion(q, field.velocities(q), field.spin, field.spin * field.E, str(field))
 
 
 def rotating_axes(native: NativeScene) -> Matrix:
@@ -105,6 +116,9 @@ class _RigidField:
     def accelerations(self, q: Vector) -> Vector:
         return np.asarray(self.spin * self.E @ self.velocities(q))
 
+    def __str__(self) -> str:
+        return f"rotation with {self.spin:.6g} rad/s" if self.spin else "translation" if self.shift.any() else "rest"
+
 
 def _rigid_field(native: NativeScene, q: Vector, v: Vector) -> _RigidField:
     """The rigid motion whose velocities are v (nv,)."""
@@ -127,29 +141,28 @@ def _rigid_field(native: NativeScene, q: Vector, v: Vector) -> _RigidField:
 
 def _balanced(native: NativeScene, k: Vector, q: Vector, field: _RigidField) -> Vector:
     """The coordinates in which the forces balance, by Newton's method; motions without stiffness change the least."""
-    n, form = native.nq, native.dae["index1"]
+    n = native.nq
     lam = native.solve(0.0, q, field.velocities(q), k)[1]
     for _ in range(ITERATIONS):
         v, a = field.velocities(q), field.accelerations(q)
         y, ydot = np.concatenate([q, v, lam]), np.concatenate([v, a, np.zeros(len(lam))])
-        residual = form.residual(0.0, y, ydot, k)[n : 2 * n]
-        J = form.pattern.dense(form.jacobian(0.0, y, ydot, 0.0, k))[n : 2 * n]
+        J = native.jacobian_pattern.dense(native.jacobian(0.0, y, ydot, 0.0, k))[n : 2 * n]
         M, G = mass_matrix(native, q, k), constraint_matrix(native, 0.0, q, k)
-        gap = native.constraints(0.0, q, k)
-        load = max(max_norm(M @ a), max_norm(native.force(0.0, q, v, k)))
+        h, gap = native.force(0.0, q, v, k), native.constraints(0.0, q, k)
+        residual, load = M @ a + h - G.T @ lam, max(max_norm(M @ a), max_norm(h))
         if max_norm(residual) <= BALANCED * load and max_norm(gap) <= BALANCED * max(1.0, max_norm(q)):
             return q
         stiffness = J[:, :n] + field.spin * J[:, n : 2 * n] @ field.E + field.spin**2 * M @ field.E @ field.E
         system = np.block([[stiffness, -G.T], [G, np.zeros((len(G), len(G)))]])
         right = -np.concatenate([residual, gap])
-        change = _solved(system, right)
+        change = least_solution(system, right)
         q, lam = q + change[:n], lam + change[n:]
         if np.all(np.abs(change[:n]) <= CONVERGED * np.maximum(1.0, np.abs(q))):
             return q
     raise NoSteadyMotion("Newton's method does not find a steady motion near the initial state")
 
 
-def _solved(system: Matrix, right: Vector) -> Vector:
+def least_solution(system: Matrix, right: Vector) -> Vector:
     """The least solution of a system whose rows are scaled to 1, as forces and positions have different units."""
     rows = np.abs(system).max(axis=1)
     rows[rows == 0.0] = 1.0

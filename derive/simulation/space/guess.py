@@ -96,14 +96,30 @@ def _fitted(
     return q
 
 
-def _joint_starts(scene: SpatialScene, native: NativeScene) -> dict[str, float]:
-    """The rotations, rad, or displacements, m, of joints at t = 0 that are given or prescribed."""
-    given = {joint.name: joint.start.coordinate for joint in scene.joints}
-    given |= {drive.joint: float(simulated_drive(native, drive, np.zeros(1))[0]) for drive in scene.drives}
-    return {name: value for name, value in given.items() if value is not None}
+JointGuess = tuple[float, Vector]
+"""The rotation about z, rad, and the displacements (3,), m, of the second marker of a joint against the first."""
 
 
-def _wanted(scene: SpatialScene, starts: Mapping[str, float]) -> dict[str, Pose]:
+def _joint_starts(scene: SpatialScene, native: NativeScene) -> dict[str, JointGuess]:
+    """The motions of joints at t = 0 that are given or prescribed, others zero."""
+    driven = {d.joint: float(simulated_drive(native, d, np.zeros(1))[0]) for d in scene.drives}
+    return {joint.name: _joint_start(joint, driven.get(joint.name)) for joint in scene.joints}
+
+
+def _joint_start(joint: SpatialJoint, driven: float | None) -> JointGuess:
+    joint_type, start = SPATIAL_JOINTS[joint.kind], joint.start
+    x, y = start.displacements or (0.0, 0.0)
+    angle, along = start.angle or 0.0, start.displacement or 0.0
+    if driven is not None and joint_type.driven is Freedom.ROTATION:
+        angle = driven
+    elif driven is not None:
+        along = driven
+    if joint.pitch is not None:
+        along = angle * si_value(joint.pitch) / (2 * np.pi)
+    return angle, np.array([x, y, along])
+
+
+def _wanted(scene: SpatialScene, starts: Mapping[str, JointGuess]) -> dict[str, Pose]:
     """The pose of each body that is given, guessed, or such that it meets joints to bodies with a pose."""
     poses: dict[str, Pose] = {GROUND: (np.zeros(3), np.eye(3))}
     waiting = {body.name: body for body in scene.bodies}
@@ -129,7 +145,7 @@ def _matrix(quaternion: tuple[float, ...]) -> Matrix:
 
 
 def _laid(
-    scene: SpatialScene, poses: dict[str, Pose], waiting: dict[str, SpatialBody], starts: Mapping[str, float]
+    scene: SpatialScene, poses: dict[str, Pose], waiting: dict[str, SpatialBody], starts: Mapping[str, JointGuess]
 ) -> Iterator[tuple[str, Pose]]:
     """The bodies that a joint lays next to a body with a pose; values of a start take precedence."""
     for joint in scene.joints:
@@ -140,23 +156,18 @@ def _laid(
             at, mine = frame_in_body(scene, known), frame_in_body(scene, own)
             frame = MarkerFrame(position + Q @ at.position, Q @ at.axes)
             start = waiting[own.body].start
-            moved = starts.get(joint.name, 0.0) * (1 if own is joint.second else -1)
-            turned = frame.axes @ _relative(joint, moved) @ mine.axes.T
-            rotation = turned if start.rotation is None else _matrix(start.rotation)
-            at_joint = frame.position + frame.axes[:, 2] * _along(joint, moved)
+            angle, moved = starts[joint.name]
+            if own is joint.second:
+                axes, at_joint = frame.axes @ _about_z(angle), frame.position + frame.axes @ moved
+            else:
+                axes = frame.axes @ _about_z(-angle)
+                at_joint = frame.position - axes @ moved
+            rotation = axes @ mine.axes.T if start.rotation is None else _matrix(start.rotation)
             origin = at_joint - rotation @ mine.position if start.position is None else np.array(start.position)
             yield own.body, (origin, rotation)
 
 
-def _relative(joint: SpatialJoint, moved: float) -> Matrix:
-    """The rotation of one marker against the other for the initial motion of a joint."""
-    angle = moved if SPATIAL_JOINTS[joint.kind].driven is Freedom.ROTATION else 0.0
+def _about_z(angle: float) -> Matrix:
+    """The rotation matrix about z."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _along(joint: SpatialJoint, moved: float) -> float:
-    """The displacement along z of one marker against the other for the initial motion of a joint, m."""
-    if joint.pitch is not None:
-        return moved * si_value(joint.pitch) / (2 * np.pi)
-    return moved if SPATIAL_JOINTS[joint.kind].driven is Freedom.DISPLACEMENT else 0.0

@@ -18,13 +18,16 @@ from derive.simulation.equilibrium import equilibrium
 from derive.simulation.errors import InconsistentInitialState
 from derive.simulation.initial.initial_state import InitialState, check_rest
 from derive.simulation.initial.targets import Strength
+from derive.simulation.linear.steady_rotation import steady_rotation
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.assembly import SpatialAssembler, assembled
 from derive.simulation.space.attitudes import check_attitudes, misalignment, open_joints
 from derive.simulation.space.guess import guessed_configuration
 from derive.simulation.space.marker_frames import own_frame
+from derive.simulation.space.rotating_axes import rotating_axes_of
 from derive.simulation.space.targets import SpatialTarget, spatial_targets
 from derive.simulation.space.velocities import spatial_velocities
+from derive.spec.model.scene import EQUILIBRIUM, STEADY
 from derive.spec.model.spatial_scene import SpatialRigidBody, SpatialScene
 
 KEPT = 1e-8
@@ -36,7 +39,8 @@ def spatial_scene_state(scene: SpatialScene, native: NativeScene, k: Vector | No
     """The initial state of a scene in space at t = 0: it meets joints and drives and keeps the values that are given.
 
     Positions that are not given come as near as possible to guesses; velocities that are not given have the least
-    kinetic energy. native: the compiled scene. k: the constants (nk,) of `native.setup`.
+    kinetic energy. With `start = "equilibrium"` or `"steady"` the positions are those of an equilibrium or of a steady
+    rotation next to these. native: the compiled scene. k: the constants (nk,) of `native.setup`.
 
     Raises SpecError with given values that contradict the joints or each other, with the joints that cannot be met, and
     with joints that are met the wrong way round; InconsistentInitialState where it is velocities that cannot be met.
@@ -55,26 +59,31 @@ def spatial_scene_state(scene: SpatialScene, native: NativeScene, k: Vector | No
         raise InconsistentInitialState("positions", unmet_constraints(native, state.g, CONSISTENT), 0.0)
     q = normalised(native, state.q)
     check_attitudes(scene, assembler.poses(q))
-    balance = None
-    if scene.start is not None:
+    balance, motion = None, None
+    if scene.start == EQUILIBRIUM:
         check_rest(scene, native, constants)
         balance = equilibrium(native, constants, q)
         q = normalised(native, balance.q)
-    else:
+    elif scene.start is None:
         given = positions if assembly.kept else _contradicting(assembler, guess, positions)
         _refuse_missed(scene, assembler, given, q, None)
     rates = [target for target in targets if target.rate]
     v = spatial_velocities(assembler, q, rates, _momentum(scene, assembler, q))
+    if scene.start == STEADY:
+        axes = rotating_axes_of(scene, assembler.poses(q), rates, v)
+        motion = steady_rotation(native, constants, q, axes, assembler.size)
+        q, v = motion.q, motion.v
     error = max_norm(native.constraint_rates(0.0, q, v, constants))
     if error > RATES_CONSISTENT * max(1.0, max_norm(v)):
         check_constraints(native, constants, 0.0, q)
         unmet = unmet_constraints(native, native.constraint_rates(0.0, q, v, constants))
         raise InconsistentInitialState("velocities", unmet, 0.0)
-    _refuse_missed(scene, assembler, rates, q, v)
+    if motion is None:
+        _refuse_missed(scene, assembler, rates, q, v)
     check_constraints(native, constants, 0.0, q)
     check_accelerations(native, constants, 0.0, q, v)
     met = max_norm(native.constraints(0.0, q, constants))
-    return InitialState(0.0, q, v, met, error, assembly.deformed, False, equilibrium=balance)
+    return InitialState(0.0, q, v, met, error, assembly.deformed, False, equilibrium=balance, steady=motion)
 
 
 def spatial_scene_size(scene: SpatialScene) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom, JointStart
 from derive.mechanics.multibody.space.rows import ROTATIONS
 from derive.mechanics.symbols import Family, owned, quantity
 from derive.runtime.native_call import Matrix, Vector
@@ -32,12 +32,11 @@ class JointColumn:
     sign: int
 
 
-def joint_coordinate(joint: SpatialJoint, native: NativeScene) -> JointColumn | None:
-    """The coordinate that is the motion of a joint; None of a joint that is a constraint, or that has a drive."""
-    joint_type = SPATIAL_JOINTS[joint.kind]
-    if joint_type.driven is None or is_constraint(joint, native):
+def joint_coordinate(joint: SpatialJoint, freedom: Freedom, native: NativeScene) -> JointColumn | None:
+    """The coordinate that is a motion of a joint; None of a joint that is a constraint, or that has a drive."""
+    if is_constraint(joint, native):
         return None
-    family = Family.ANGLE if joint_type.driven is Freedom.ROTATION else Family.GUIDE
+    family = Family.ANGLE if freedom is Freedom.ROTATION else Family.GUIDE
     for marker, sign in ((joint.second, 1), (joint.first, -1)):
         q, v = (owned(quantity(family, derivative=d), marker.body).name for d in (0, 1))
         if q in native.coordinates:
@@ -52,12 +51,20 @@ def is_constraint(joint: SpatialJoint, native: NativeScene) -> bool:
 
 
 def motion_of_joint(
-    scene: SpatialScene, joint: SpatialJoint, freedom: Freedom, value: float, rate: bool, native: NativeScene
+    scene: SpatialScene,
+    joint: SpatialJoint,
+    motion: JointStart,
+    values: tuple[float, ...],
+    rate: bool,
+    native: NativeScene,
 ) -> Callable[[SpatialPoses], Linearised]:
-    """The motion of a joint less its value: a coordinate, which counts whole turns, or a function of two frames."""
-    column = joint_coordinate(joint, native)
-    if column is None:
-        return function_of_frames(scene, joint, freedom, value, rate)
+    """A motion of a joint less its values: a coordinate, which counts whole turns, or functions of two frames."""
+    column = joint_coordinate(joint, motion.freedom, native)
+    if column is None or motion.axes != (2,):
+        if motion.freedom is Freedom.ROTATION:
+            return rotation_of_frames(scene, joint, values[0], rate)
+        return displacements_of_frames(scene, joint, motion.axes, values, rate)
+    (value,) = values
 
     def linearised(poses: SpatialPoses) -> Linearised:
         gradient = np.zeros((1, poses.native.nv))
@@ -68,31 +75,35 @@ def motion_of_joint(
     return linearised
 
 
-def function_of_frames(
-    scene: SpatialScene, joint: SpatialJoint, freedom: Freedom, value: float, rate: bool
+def rotation_of_frames(
+    scene: SpatialScene, joint: SpatialJoint, value: float, rate: bool
 ) -> Callable[[SpatialPoses], Linearised]:
-    """The rotation about, or the displacement along, the z axis of a joint less its value; rotations up to pi."""
+    """The rotation about the z axis of a joint less its value, up to pi."""
 
     def linearised(poses: SpatialPoses) -> Linearised:
         first, second = (frame_of(scene, poses, marker) for marker in (joint.first, joint.second))
         axis = first.axes[:, 2]
         moving = [_moving(scene, poses, *pair) for pair in ((joint.first, first), (joint.second, second))]
-        relative = [moving[1][n] - moving[0][n] for n in (0, 1)]
-        if freedom is Freedom.ROTATION:
-            now = np.arctan2(first.axes[:, 1] @ second.axes[:, 0], first.axes[:, 0] @ second.axes[:, 0])
-            gradient, drift_of = (axis @ part[3:] for part in relative)
-        else:
-            d = second.position - first.position
-            now = axis @ d
-            turning = np.cross(axis, d)  # d/dt axis . d = (w1 x axis) . d = w1 . (axis x d)
-            gradient, drift_of = (axis @ part[:3] + turning @ moving[0][n][3:] for n, part in enumerate(relative))
-        gradient = np.atleast_2d(gradient)
-        if rate:
-            return np.array([drift_of - value]), gradient, np.array([drift_of])
-        missed = now - value
-        if freedom is Freedom.ROTATION:
-            missed = (missed + np.pi) % (2 * np.pi) - np.pi
-        return np.array([missed]), gradient, np.array([drift_of])
+        now = np.arctan2(first.axes[:, 1] @ second.axes[:, 0], first.axes[:, 0] @ second.axes[:, 0])
+        gradient, drift = (axis @ (moving[1][n] - moving[0][n])[3:] for n in (0, 1))
+        missed = drift - value if rate else (now - value + np.pi) % (2 * np.pi) - np.pi
+        return np.array([missed]), np.atleast_2d(gradient), np.array([drift])
+
+    return linearised
+
+
+def displacements_of_frames(
+    scene: SpatialScene, joint: SpatialJoint, axes: tuple[int, ...], values: tuple[float, ...], rate: bool
+) -> Callable[[SpatialPoses], Linearised]:
+    """The displacements along axes of the first marker of a joint less their values."""
+
+    def linearised(poses: SpatialPoses) -> Linearised:
+        first, second = (frame_of(scene, poses, marker) for marker in (joint.first, joint.second))
+        along, d = first.axes[:, list(axes)].T, second.position - first.position
+        turning = np.cross(along, d)  # d/dt axis . d = (w1 x axis) . d = w1 . (axis x d)
+        moving = [_moving(scene, poses, *pair) for pair in ((joint.first, first), (joint.second, second))]
+        gradient, drift = (along @ (moving[1][n] - moving[0][n])[:3] + turning @ moving[0][n][3:] for n in (0, 1))
+        return (drift if rate else along @ d) - np.array(values), gradient, drift
 
     return linearised
 

@@ -20,11 +20,11 @@ from derive.simulation.observables.motion import simulated_drive
 from derive.simulation.space.joint_targets import (
     Linearised,
     attitude,
-    function_of_frames,
     is_constraint,
     joint_coordinate,
     motion_of_joint,
     parallel_axes,
+    rotation_of_frames,
 )
 from derive.simulation.space.poses import SpatialPoses
 from derive.spec.model.spatial_scene import SpatialBody, SpatialJoint, SpatialScene
@@ -81,11 +81,11 @@ def spatial_targets(scene: SpatialScene, native: NativeScene) -> tuple[SpatialTa
         joint = joints[drive.joint]
         result += _of_joint(scene, joint, drive, f"drives.{drive.name}.start", native)
         freedom = SPATIAL_JOINTS[joint.kind].driven
-        if freedom is Freedom.ROTATION and joint_coordinate(joint, native) is None:
+        if freedom is Freedom.ROTATION and joint_coordinate(joint, freedom, native) is None:
             # the constraint of the drive is the sine of the difference, which is zero half a turn away as well
             key = "motion" if drive.speed is None else "speed"
             value = float(simulated_drive(native, drive, np.zeros(1))[0])
-            function = function_of_frames(scene, joint, freedom, value, False)
+            function = rotation_of_frames(scene, joint, value, False)
             table = f"drives.{drive.name}"
             result.append(SpatialTarget(table, key, (value,), Strength.GIVEN, True, False, function, guessable=False))
     return tuple(result)
@@ -171,16 +171,14 @@ def _twist(body: str, part: slice, value: Vector) -> Callable[[SpatialPoses], Li
 def _of_joint(
     scene: SpatialScene, joint: SpatialJoint, of: object, table: str, native: NativeScene
 ) -> Iterator[SpatialTarget]:
-    start = of.start  # type: ignore[attr-defined]
-    freedom = SPATIAL_JOINTS[joint.kind].driven
-    if freedom is None:
-        return
+    start, joint_type = of.start, SPATIAL_JOINTS[joint.kind]  # type: ignore[attr-defined]
     strength = Strength.GUESS if start.guess else Strength.GIVEN
-    angular = freedom is Freedom.ROTATION
-    if start.coordinate is not None:
-        key = "angle" if start.angle is not None else "displacement"
-        function = motion_of_joint(scene, joint, freedom, start.coordinate, False, native)
-        yield SpatialTarget(table, key, (start.coordinate,), strength, angular, False, function)
-    if start.speed is not None:
-        function = motion_of_joint(scene, joint, freedom, start.speed, True, native)
-        yield SpatialTarget(table, "speed", (start.speed,), strength, angular, True, function)
+    for motion in joint_type.starts(joint_type.removed(joint)):
+        rates = [motion.rate, *(["speed"] if motion.freedom is joint_type.driven else [])]
+        for key, rate in ((motion.key, False), *((name, True) for name in rates)):
+            given = getattr(start, key, None)
+            if given is not None:
+                values = given if isinstance(given, tuple) else (given,)
+                function = motion_of_joint(scene, joint, motion, values, rate, native)
+                angular = motion.freedom is Freedom.ROTATION
+                yield SpatialTarget(table, key, values, strength, angular, rate, function)

@@ -11,11 +11,18 @@ from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.spec.checks.dimensions import is_in_space
-from derive.spec.model.keys import KeyType, declared_keys
+from derive.spec.model.keys import Key, KeyType, declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.plots import Deflection
 from derive.spec.model.scene import NAMED, Joint
-from derive.spec.model.spatial_scene import SpatialForce, SpatialJoint, SpatialSpring, SpatialTorque
+from derive.spec.model.spatial_scene import (
+    SpatialForce,
+    SpatialJoint,
+    SpatialJointForce,
+    SpatialJointTorque,
+    SpatialSpring,
+    SpatialTorque,
+)
 from derive.spec.parsing import scene_values
 from derive.spec.parsing.faults import KeyPath, readable
 from derive.spec.tables.scene_bodies import kind_of_scene_body
@@ -25,11 +32,11 @@ from derive.spec.tables.spatial import kind_of_spatial_body
 
 Raw = Mapping[str, object]
 FUNCTIONS = (KeyType.FUNCTION, KeyType.FUNCTION_PAIR, KeyType.FUNCTION_TRIPLE)
-SPATIAL_ELEMENTS: dict[str, type] = {
-    "joints": SpatialJoint,
-    "forces": SpatialForce,
-    "torques": SpatialTorque,
-    "springs": SpatialSpring,
+SPATIAL_ELEMENTS: dict[str, tuple[type, ...]] = {
+    "joints": (SpatialJoint,),
+    "forces": (SpatialForce, SpatialJointForce),
+    "torques": (SpatialTorque, SpatialJointTorque),
+    "springs": (SpatialSpring,),
 }
 """The frozen types of the elements of sections in space."""
 MARKERS = (KeyType.MARKER, KeyType.BEAM_MARKER, KeyType.MARKER_PAIR)
@@ -102,9 +109,10 @@ class SceneData:
 
     def marker_refs(self) -> Iterator[WrittenRef]:
         """All references to markers that can be read."""
-        elements = SPATIAL_ELEMENTS if self.in_space else {"joints": Joint, **ELEMENTS}
-        types: dict[str, type] = {**elements, "plots": Deflection}
-        keys = {kind: [key.name for key in declared_keys(of) if key.type in MARKERS] for kind, of in types.items()}
+        planar = {"joints": Joint, **ELEMENTS}
+        elements = SPATIAL_ELEMENTS if self.in_space else {section: (of,) for section, of in planar.items()}
+        types: dict[str, tuple[type, ...]] = {**elements, "plots": (Deflection,)}
+        keys = {kind: [key.name for key in _declared(of) if key.type in MARKERS] for kind, of in types.items()}
         for name, table in self.tables["outputs"].items():
             kind = str(table.get("kind"))
             output_type = SPATIAL_OUTPUTS.get(kind) if self.in_space else OUTPUTS.get(kind)
@@ -122,7 +130,7 @@ class SceneData:
             yield from _input_refs(("drives", name, "motion"), drive.get("motion"))
         for section in DEFAULT_KINDS:
             of_kinds = (key for force_type in kinds(section).values() for key in force_type.keys)
-            own = declared_keys(SPATIAL_ELEMENTS[section]) if self.in_space else of_kinds
+            own = _declared(SPATIAL_ELEMENTS[section]) if self.in_space else of_kinds
             keys = {key.name: key for key in own}
             functions = [k for k, key in keys.items() if key.type in FUNCTIONS]
             for name, table in self.tables[section].items():
@@ -131,6 +139,12 @@ class SceneData:
         for name, body in self.bodies.items():
             for load, table in _tables(body.get("loads")).items():
                 yield from _input_refs(("bodies", name, "loads", load, "time"), table.get("time"))
+
+
+def _declared(types: tuple[type, ...]) -> Iterator[Key]:
+    """The keys that types declare."""
+    for of in types:
+        yield from declared_keys(of)
 
 
 def _input_refs(path: KeyPath, value: object) -> Iterator[tuple[KeyPath, str]]:

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
-from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, SpatialJointType
+from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom, SpatialJointType
 from derive.mechanics.multibody.space.outputs import JOINT, SPATIAL_OUTPUTS
 from derive.mechanics.multibody.space.rows import DISPLACEMENTS, ROTATIONS
 from derive.spec.checks.cross_references import ground_faults, input_faults, marker_faults
 from derive.spec.checks.name_clashes import name_faults
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.checks.scene_parameters import parameter_faults
+from derive.spec.model.keys import KeyType, declared_keys
 from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.scene import NAMED, JointInitialValues
+from derive.spec.model.spatial_scene import SpatialJointInitialValues
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean, names_text
 
 
@@ -30,6 +33,8 @@ def spatial_scene_faults(data: Raw) -> list[Fault]:
             *_drives(view),
             *_gears(view),
             *_outputs(view),
+            *_of_elements(view),
+            *_joint_loads(view),
             *_actions(view),
             *_starts(view),
             *_weightless(view),
@@ -92,9 +97,20 @@ def _no_rotation(marker: MarkerRef, acts: str, other: str) -> str:
 
 
 def _actions(view: SceneData) -> Iterator[Fault]:
-    """Faults of torques, bushings and rotational springs at nodes, whose rotation is not known."""
+    """Faults of loads and springs that have no effect, and of those on the rotation of a node, which is not known."""
+    for name in view.tables["springs"]:
+        markers = view.pair("springs", name)
+        if markers and markers[0] == markers[1]:
+            yield Fault(("springs", name, "between"), "a spring is between two markers, and these are the same")
     for ref in view.marker_refs():
         section, name = ref.path[0], str(ref.path[1])
+        alone = section == "forces" or (section == "torques" and "against" not in view.tables["torques"][name])
+        if alone and ref.marker.body == GROUND:
+            text = f"a {NAMED[str(section)]} on the ground moves nothing; name a marker of a body"
+            yield Fault(ref.path, text)
+        kind = str(view.tables["outputs"][name].get("kind")) if section == "outputs" else ""
+        if kind.startswith("angular_") and _is_node(view, ref.marker):
+            yield Fault(ref.path, _no_rotation(ref.marker, f"the output {kind} depends", "marker of another body"))
         if section == "torques" and _is_node(view, ref.marker):
             yield Fault(ref.path, _no_rotation(ref.marker, "a torque acts", "pair of forces"))
         if section == "springs" and _is_node(view, ref.marker):
@@ -151,6 +167,60 @@ def _gears(view: SceneData) -> Iterator[Fault]:
             yield Fault(path, f"the gear {other} couples these joints already; leave one of the gears out")
 
 
+_AXIAL = {"forces": (Freedom.DISPLACEMENT, "move along z"), "torques": (Freedom.ROTATION, "turn about z")}
+"""The motions of joints in which forces and torques act, with their words."""
+
+
+def _joint_loads(view: SceneData) -> Iterator[Fault]:
+    """Faults of forces and torques in joints that are not there, or whose bodies cannot move that way."""
+    joints = view.tables["joints"]
+    for section, (motion, moves) in _AXIAL.items():
+        for name, load in view.tables[section].items():
+            joint, path = load.get("joint"), (section, name, "joint")
+            if not isinstance(joint, str):
+                continue
+            if joint not in joints:
+                yield Fault(path, _unknown(view, "joints", joint))
+                continue
+            joint_type = _type(joints[joint])
+            if joint_type and not joint_type.leaves(_removed(joint_type, joints[joint]), motion):
+                kinds = [kind for kind, of in SPATIAL_JOINTS.items() if of.removes and of.leaves(of.removes, motion)]
+                text = (
+                    f"the bodies of the {joints[joint].get('kind')} joint {joint} cannot {moves} of its first marker "
+                    f"alone; joints whose bodies can are {', '.join(kinds)}; or write a {NAMED[section]} at a marker"
+                )
+                yield Fault(path, text)
+
+
+def _unknown(view: SceneData, section: str, name: str) -> str:
+    """The message that there is no element of this name in a section."""
+    others = [*view.tables[section]]
+    known = f"the {section} are {names_text(others)}" if others else f"the scene has no {section}"
+    return f"there is no {NAMED[section]} {quoted(name)}{did_you_mean(name, others, known)}"
+
+
+def _of_elements(view: SceneData) -> Iterator[Fault]:
+    """Faults of outputs of drives, springs and loads in joints that are not there."""
+    for name, output in view.tables["outputs"].items():
+        output_type = SPATIAL_OUTPUTS.get(str(output.get("kind")))
+        for key in output_type.keys if output_type else ():
+            value, path = output.get(key.name), ("outputs", name, key.name)
+            if not isinstance(value, str):
+                continue
+            if key.type is KeyType.DRIVE and value not in view.tables["drives"]:
+                yield Fault(path, _unknown(view, "drives", value))
+            elif key.type is KeyType.SPRING and value not in view.tables["springs"]:
+                yield Fault(path, _unknown(view, "springs", value))
+            elif key.type is KeyType.JOINT_LOAD:
+                loads = [of for section in _AXIAL for of, load in view.tables[section].items() if "joint" in load]
+                if value not in loads:
+                    known = (
+                        f"those are {names_text(loads)}" if loads else "the scene has none; they have the key `joint`"
+                    )
+                    text = f"there is no force and no torque in a joint called {quoted(value)}"
+                    yield Fault(path, f"{text}{did_you_mean(value, loads, known)}")
+
+
 def _outputs(view: SceneData) -> Iterator[Fault]:
     """Faults of outputs of joints that are not there, or that have no motion of their own."""
     joints = view.tables["joints"]
@@ -182,22 +252,27 @@ def _removed(joint_type: SpatialJointType, joint: Raw) -> tuple[str, ...]:
 def _starts(view: SceneData) -> Iterator[Fault]:
     """Faults of initial values of joints that have no such relative motion."""
     for name, joint in view.tables["joints"].items():
-        yield from _start(("joints", name, "start"), joint, joint.get("start"), name)
+        yield from _start(("joints", name, "start"), joint, joint.get("start"), name, SpatialJointInitialValues)
     for name, drive in view.tables["drives"].items():
         of = view.tables["joints"].get(str(drive.get("joint")), {})
-        yield from _start(("drives", name, "start"), of, drive.get("start"), str(drive.get("joint")))
+        yield from _start(
+            ("drives", name, "start"), of, drive.get("start"), str(drive.get("joint")), JointInitialValues
+        )
 
 
-def _start(path: KeyPath, joint: Raw, start: object, name: str) -> Iterator[Fault]:
+def _start(path: KeyPath, joint: Raw, start: object, name: str, of: type) -> Iterator[Fault]:
     joint_type = _type(joint)
     if not isinstance(start, Mapping) or joint_type is None:
         return
-    keys = {None: (), "rad": ("angle", "speed"), "m": ("displacement", "speed")}
-    allowed = keys[joint_type.driven.unit if joint_type.driven else None]
-    for key in ("angle", "displacement", "speed"):
+    allowed = [key for motion in joint_type.starts(_removed(joint_type, joint)) for key in (motion.key, motion.rate)]
+    allowed += ["speed"] * (joint_type.driven is not None)
+    for key in (key.name for key in declared_keys(of) if key.name != "guess"):
         if key in start and key not in allowed:
-            text = f"the {joint.get('kind')} joint {name} has no {key}; give initial values of its bodies instead"
-            yield Fault((*path, key), text)
+            own = f"it has {names_text(allowed)}" if allowed else "give initial values of its bodies instead"
+            yield Fault((*path, key), f"the {joint.get('kind')} joint {name} has no {key}; {own}")
+    for motion in joint_type.starts(_removed(joint_type, joint)):
+        if "speed" in start and motion.rate in start:
+            yield Fault((*path, "speed"), f"speed and {motion.rate} are the same here; leave one of them out")
 
 
 def _weightless(view: SceneData) -> Iterator[Fault]:

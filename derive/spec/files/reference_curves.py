@@ -48,21 +48,24 @@ def curve(table: Mapping[str, object], folder: Path, path: KeyPath, faults: Faul
         return None
     lines: list[tuple[int, list[str]]] = []
     with faults.at(*path, "file"):
-        lines = _table(file_content(file, folder, MAX_BYTES, ", the most that is read"), quoted(file))
+        lines = csv_rows(file_content(file, folder, MAX_BYTES, ", the most that is read"), quoted(file))
     columns_found = []
     for key, column in zip(("x", "y"), columns, strict=True):
         with faults.at(*path, key):
             if lines and isinstance(column, str):
-                columns_found.append(_column(column, lines, quoted(file)))
+                columns_found.append(csv_column(column, lines, quoted(file)))
     if len(columns_found) == 2:
         with faults.at(*path, "file"):
-            x, y = ([_number(row, column, at, quoted(file)) for at, row in lines[1:]] for column in columns_found)
+            x, y = ([csv_number(row, column, at, quoted(file)) for at, row in lines[1:]] for column in columns_found)
             return tuple(zip(x, y, strict=True))
     return None
 
 
-def _table(content: bytes, file: str) -> list[tuple[int, list[str]]]:
-    """The rows of a file with their line numbers, the header first, without comments and empty lines."""
+def csv_rows(content: bytes, file: str, noun: str = "curve", least: int = 2) -> list[tuple[int, list[str]]]:
+    """The rows of a file with their line numbers, the header first, without comments and empty lines.
+
+    file: its name in messages; noun, least: what is missing if there are fewer rows below the header.
+    """
     try:
         lines = content.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError:
@@ -73,12 +76,13 @@ def _table(content: bytes, file: str) -> list[tuple[int, list[str]]]:
         table = [(number, [cell.strip() for cell in next(rows)]) for number, _ in kept]
     except (csv.Error, StopIteration) as error:
         raise WrongValueError(f"{file} is no CSV file: {error}") from None
-    if len(table) < 3:
-        raise WrongValueError(f"{file} has no curve: a line with the names of the columns and two rows are needed")
+    if len(table) < least + 1:
+        rows_needed = f"{('a row', 'two rows')[least - 1]} {('is', 'are')[least - 1]} needed"
+        raise WrongValueError(f"{file} has no {noun}: a line with the names of the columns and {rows_needed}")
     return table
 
 
-def _column(name: str, table: list[tuple[int, list[str]]], file: str) -> int:
+def csv_column(name: str, table: list[tuple[int, list[str]]], file: str) -> int:
     """The position of a column. Names of other columns are shown only if the file contains curves."""
     header = table[0][1]
     if header.count(name) > 1:
@@ -95,7 +99,8 @@ def _column(name: str, table: list[tuple[int, list[str]]], file: str) -> int:
     return header.index(name)
 
 
-def _number(row: list[str], column: int, line: int, file: str) -> float:
+def csv_number(row: list[str], column: int, line: int, file: str) -> float:
+    """The number in a column of a row. Raises WrongValueError if it is none, or too large."""
     cell = row[column] if column < len(row) else ""
     value = float(cell) if _NUMBER.fullmatch(cell) else math.nan
     if not math.isfinite(value):

@@ -46,10 +46,12 @@ class SceneInput:
     ] = None
 
 
-SceneStart = Literal["equilibrium"]
+SceneStart = Literal["equilibrium", "steady"]
 SceneLowering = Literal["auto", "flat", "instances"]
 EQUILIBRIUM: SceneStart = "equilibrium"
 """The value of `start` for which the initial state of a scene is its static equilibrium."""
+STEADY: SceneStart = "steady"
+"""The value of `start` for which it is a steady motion with the initial velocities."""
 
 Redundant = Literal["auto", "resolve", "error"]
 """The treatment of redundant joints."""
@@ -276,7 +278,9 @@ class Scene:
         key(
             KeyType.CHOICE,
             '"equilibrium": the motion begins in the static equilibrium, computed with the loads and drives at t = 0; '
-            "initial positions of bodies and joints are then its first guess.",
+            "initial positions of bodies and joints are then its first guess. "
+            '"steady": it begins in a steady motion, at rest in axes that rotate at a constant speed or translate; '
+            "initial velocities and drives determine which.",
             choice_of="the start of a scene",
         ),
     ] = None

@@ -16,7 +16,6 @@ from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Quantity
 from derive.spec.model.scene import (
-    JOINT_START,
     NOT_NEEDED,
     Drive,
     JointInitialValues,
@@ -93,7 +92,34 @@ class SpatialInitialValues:
 SPATIAL_START = key(
     SpatialInitialValues, "Initial values; those that are not given adapt to the others and to the joints."
 )
-NO_JOINT_START = JointInitialValues()
+
+
+@dataclass(frozen=True)
+class SpatialJointInitialValues(JointInitialValues):
+    """Initial values of the relative motion of a joint in space: of body 2 relative to body 1."""
+
+    angle: Annotated[
+        float | None, key(KeyType.FLOAT, "Rotation about z of a joint whose bodies may turn about it, rad.")
+    ] = None
+    displacement: Annotated[
+        float | None, key(KeyType.FLOAT, "Displacement along z of a joint whose bodies may move along it, m.")
+    ] = None
+    speed: Annotated[
+        float | None,
+        key(KeyType.FLOAT, "Rate of the only motion of a revolute, screw or prismatic joint, rad/s or m/s."),
+    ] = None
+    displacements: Annotated[
+        tuple[float, float] | None,
+        key(KeyType.FLOAT_PAIR, "Displacements of a planar joint along x and y of the first marker, m."),
+    ] = None
+    angle_rate: Annotated[float | None, key(KeyType.FLOAT, "Rate of the angle, rad/s.")] = None
+    displacement_rate: Annotated[float | None, key(KeyType.FLOAT, "Rate of the displacement, m/s.")] = None
+    displacement_rates: Annotated[
+        tuple[float, float] | None, key(KeyType.FLOAT_PAIR, "Rates of the displacements of a planar joint, m/s.")
+    ] = None
+
+
+NO_JOINT_START = SpatialJointInitialValues()
 NOT_GIVEN_IN_SPACE = SpatialInitialValues()
 FRAMES = key(
     KeyType.FRAMES,
@@ -188,12 +214,23 @@ class NodalLoad:
     """Forces at nodes of a finite-element body, times a function of t."""
 
     name: str
-    nodes: Annotated[tuple[int, ...], key(KeyType.COUNTS, "The nodes, counted from 0.", example="[3, 4]")]
+    nodes: Annotated[
+        tuple[int, ...],
+        key(KeyType.LOADED_NODES, "The nodes, counted from 0.", default=(), example="[3, 4]"),
+        key(
+            KeyType.TEXT,
+            "CSV file with the columns node, x, y, z in place of nodes and forces, relative to the specification: the "
+            "number of a node, and the components of the force there, N.",
+            name="file",
+            example='"pressure.csv"',
+        ),
+    ]
     forces: Annotated[
         tuple[tuple[Fraction, Fraction, Fraction], ...],
         key(
             KeyType.NODAL_FORCES,
             "The force at each node, N: three components; a single force is that of all nodes.",
+            default=(),
             example="[[0, 0, -5], [0, 0, -10]]",
         ),
     ]
@@ -270,7 +307,9 @@ class SpatialJoint:
             example="0.005",
         ),
     ] = None
-    start: Annotated[JointInitialValues, JOINT_START] = NO_JOINT_START
+    start: Annotated[
+        SpatialJointInitialValues, key(SpatialJointInitialValues, "Initial values of the relative motion.")
+    ] = NO_JOINT_START
 
 
 @dataclass(frozen=True)
@@ -374,8 +413,40 @@ class SpatialSpring:
         return (self.first, self.second)
 
 
-SpatialAction = SpatialForce | SpatialTorque | SpatialSpring
-"""Actions at markers in space."""
+@dataclass(frozen=True)
+class SpatialJointForce:
+    """A force in a joint: along z of its first marker on the second body, and its reaction on the first one."""
+
+    name: str
+    joint: Annotated[
+        str, key(KeyType.JOINT, "Joint whose bodies may move along z of its first marker.", example='"guide"')
+    ]
+    value: Annotated[
+        TimeFunction,
+        key(KeyType.FUNCTION, "Force on the second body, N: a number, or a function of t.", "N", example="10"),
+    ]
+    kind: ClassVar[str] = "force"
+
+
+@dataclass(frozen=True)
+class SpatialJointTorque:
+    """A torque in a joint: about z of its first marker on the second body, and its reaction on the first one."""
+
+    name: str
+    joint: Annotated[
+        str, key(KeyType.JOINT, "Joint whose bodies may turn about z of its first marker.", example='"hinge"')
+    ]
+    value: Annotated[
+        TimeFunction,
+        key(KeyType.FUNCTION, "Torque on the second body, N m: a number, or a function of t.", "N m", example="1.5"),
+    ]
+    kind: ClassVar[str] = "torque"
+
+
+SpatialJointLoad = SpatialJointForce | SpatialJointTorque
+"""Loads along or about the axis of a joint."""
+SpatialAction = SpatialForce | SpatialTorque | SpatialSpring | SpatialJointLoad
+"""Actions at markers and in joints in space."""
 
 _OF_SCENE = {key.field: key for key in declared_keys(Scene)}
 
@@ -396,10 +467,12 @@ class SpatialScene:
         tuple[Gear, ...], key(Gear, "Ratios of the motions of two joints by name.", example="[gears.mesh]")
     ] = ()
     forces: Annotated[
-        tuple[SpatialForce, ...], key(SpatialForce, "Forces by name.", example="[forces.load]", default=())
+        tuple[SpatialForce | SpatialJointForce, ...],
+        key(SpatialForce, "Forces by name.", example="[forces.load]", default=()),
     ] = ()
     torques: Annotated[
-        tuple[SpatialTorque, ...], key(SpatialTorque, "Torques by name.", example="[torques.load]", default=())
+        tuple[SpatialTorque | SpatialJointTorque, ...],
+        key(SpatialTorque, "Torques by name.", example="[torques.load]", default=()),
     ] = ()
     springs: Annotated[
         tuple[SpatialSpring, ...],
@@ -412,3 +485,14 @@ class SpatialScene:
     inputs: Annotated[tuple[SceneInput, ...], _OF_SCENE["inputs"]] = ()
     outputs: Annotated[tuple[SceneOutput, ...], _OF_SCENE["outputs"]] = ()
     lowering: Annotated[SceneLowering, _OF_SCENE["lowering"]] = "auto"
+
+    def joint_between(self, first: MarkerRef, second: MarkerRef) -> SpatialJoint | None:
+        """The joint between two markers, in either order, if there is one."""
+        return next((j for j in self.joints if (first, second) in ((j.first, j.second), (j.second, j.first))), None)
+
+    def markers_of(self, action: SpatialAction) -> tuple[MarkerRef, ...]:
+        """The markers at which an action acts: its own, or those of its joint."""
+        if isinstance(action, SpatialJointLoad):
+            (joint,) = (joint for joint in self.joints if joint.name == action.joint)
+            return (joint.first, joint.second)
+        return action.markers

@@ -30,6 +30,9 @@ from derive.spec.model.spatial_scene import (
     SpatialForce,
     SpatialInitialValues,
     SpatialJoint,
+    SpatialJointForce,
+    SpatialJointInitialValues,
+    SpatialJointTorque,
     SpatialRigidBody,
     SpatialScene,
     SpatialSpring,
@@ -45,6 +48,7 @@ from derive.spec.tables.specification import OTHER_SECTIONS, SCENE, Specificatio
 from derive.spec.tables.value_types import COORDINATE_TRIPLE, VALUE_TYPES, markers_type
 
 declare(SpatialInitialValues, "SpatialInitialValuesTable")
+declare(SpatialJointInitialValues, "SpatialJointStartTable")
 FRAME = declare(
     FrameMarker, "FrameMarkerTable", plain=COORDINATE_TRIPLE, doc="A marker frame: its point and its rotation."
 )
@@ -116,11 +120,16 @@ def _named_node_frame(name: str, at: Any) -> NodeFrame:
 VALUE_TYPES[KeyType.NODE_FRAMES] = markers_type(NODE_FRAME.value, "nodes", _named_node_frame)
 
 
+OR_A_FILE = 'or file = "forces.csv" with the columns node, x, y, z in place of both'
+
+
 def _nodal_load(**given: Any) -> NodalLoad:
     """A load on nodes. Raises WrongValueError for what does not go together."""
     nodes, forces = given["nodes"], given["forces"]
     if not nodes:
-        raise WrongValueError("a load acts on nodes; write their numbers, such as nodes = [3, 4]")
+        raise WrongValueError(f"a load acts on nodes; write their numbers, such as nodes = [3, 4], {OR_A_FILE}")
+    if not forces:
+        raise WrongValueError(f"a load has forces at its nodes; write forces = [[0, 0, -5]], {OR_A_FILE}")
     if len(set(nodes)) < len(nodes):
         raise WrongValueError("a node is named twice in `nodes`; name each once, with the sum of its forces")
     if len(forces) not in (1, len(nodes)):
@@ -178,8 +187,22 @@ def _joint(kind: str, own: Mapping[str, Any], given: dict[str, Any]) -> SpatialJ
 
 
 declare(Gear, "GearTable", keys=(*declared_keys(Gear), COUNT))
-declare(SpatialForce, "SpatialForceTable", keys=(*declared_keys(SpatialForce), COUNT))
-declare(SpatialTorque, "SpatialTorqueTable", keys=(*declared_keys(SpatialTorque), COUNT))
+
+
+def _at_marker_or_in_joint(at_marker: type, in_joint: type) -> DeclaredTable:
+    """The table of a load at a marker, or of one in a joint, which has the key `joint`."""
+    own, of_joint = (
+        declare(of, f"{of.__name__}Table", keys=(*declared_keys(of), COUNT)) for of in (at_marker, in_joint)
+    )
+    return DeclaredTable(own.model, one_of(_kind_of_load, marker=own.value, joint=of_joint.value))
+
+
+def _kind_of_load(value: Any) -> str:
+    return "joint" if isinstance(value, Mapping) and "joint" in value else "marker"
+
+
+SPATIAL_FORCE = _at_marker_or_in_joint(SpatialForce, SpatialJointForce)
+SPATIAL_TORQUE = _at_marker_or_in_joint(SpatialTorque, SpatialJointTorque)
 
 
 def spatial_spring_table() -> DeclaredTable:
@@ -228,6 +251,8 @@ def spatial_specification_table() -> type[TomlTable]:
     return _spatial_specification_table(
         (
             (SpatialJoint, spatial_joint_table()),
+            (SpatialForce, SPATIAL_FORCE),
+            (SpatialTorque, SPATIAL_TORQUE),
             (SpatialSpring, spatial_spring_table()),
             (SceneOutput, spatial_output_table()),
             (Plot, PLOT),

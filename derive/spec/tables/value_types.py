@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BeforeValidator, PlainValidator, ValidationInfo, WithJsonSchema
 
 from derive.mechanics.multibody.space.rows import RELATIVE_MOTIONS
+from derive.spec.files.nodal_forces import MAX_LOADED
 from derive.spec.model.beam_parts import DEFAULT_LENGTH, INERTIA_UNIT, Marker, Polynomial
 from derive.spec.model.body import ACCELERATION_UNIT, NodeMarker
 from derive.spec.model.keys import KeyType
@@ -173,10 +174,14 @@ VALUE_TYPES: dict[KeyType, Any] = {
         "weights",
         "weights is needed, such as [1, 1, 2]",
     ),
+    KeyType.LOADED_NODES: Annotated[
+        _several(_count, 0, MAX_LOADED, "nodes", "nodes is needed, such as [3, 4, 5]"),
+        SchemaExtra(maxItems=MAX_LOADED),
+    ],
     KeyType.NODAL_FORCES: _several(
         Annotated[tuple[Number, Number, Number], components(("0", "0", "-5"), "components")],
-        1,
-        MAX_AROUND,
+        0,
+        MAX_LOADED,
         "forces",
         "forces is needed, such as [[0, 0, -5], [0, 0, -10]]",
     ),
@@ -238,6 +243,7 @@ VALUE_TYPES: dict[KeyType, Any] = {
     KeyType.JOINT_PAIR: _pair(_name_of, ('"sun"', '"planet"'), "joints"),
     KeyType.DRIVE: _name_of,
     KeyType.SPRING: _name_of,
+    KeyType.JOINT_LOAD: _name_of,
     KeyType.BEAM: _name_of,
     KeyType.TEXT: _text,
     KeyType.UNIT: Unit,

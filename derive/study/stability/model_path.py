@@ -113,7 +113,7 @@ def _compiled(
             k = native.setup({parameter.symbol: value} if parameter.symbol in native.parameters else None)
             start = initial_state(scene, native, k)
             steady = steady_motion(native, k, start.q, start.v, guess)
-            linear = linearise(native, k, 0.0, steady.q, steady.v, steady.spin)
+            linear = linearise(native, k, 0.0, steady.q, steady.v, steady.axes)
         except TisserandError as error:
             return PathPoint(value, None, failure=first_line(error))
         return PathPoint(value, eigenvalues(linear.A, steady.spin), steady.q)

@@ -21,7 +21,7 @@ from derive.simulation.redundant_joints import refuse_dependent, with_redundant_
 from derive.simulation.simulate import with_simulation
 from derive.simulation.simulated_scene import beam_scene
 from derive.spec.model.beam import PlanarBeam
-from derive.spec.model.scene import CustomBody, JointInitialValues, SceneBody
+from derive.spec.model.scene import CustomBody, SceneBody
 from derive.spec.model.simulation import NOT_GIVEN
 from derive.spec.model.spatial_scene import NOT_GIVEN_IN_SPACE, SpatialBody
 from derive.spec.model.specification import AnyScene, Specification
@@ -211,14 +211,18 @@ def _without_start(scene: AnyScene) -> AnyScene:
     def body(given: SceneBody) -> SceneBody:
         return given if isinstance(given, CustomBody) else replace(given, start=NOT_GIVEN)
 
-    none = JointInitialValues()
     bodies = (replace(b, start=NOT_GIVEN_IN_SPACE) if isinstance(b, SpatialBody) else body(b) for b in scene.bodies)
     changes: dict[str, Any] = {
         "bodies": tuple(bodies),
-        "joints": tuple(replace(joint, start=none) for joint in scene.joints),
-        "drives": tuple(replace(drive, start=none) for drive in scene.drives),
+        "joints": tuple(map(_without_own_start, scene.joints)),
+        "drives": tuple(map(_without_own_start, scene.drives)),
     }
     return replace(scene, **changes)
+
+
+def _without_own_start(element: Any) -> Any:
+    """A joint or a drive without its initial values."""
+    return replace(element, start=type(element.start)())
 
 
 def _simulated(spec: Specification, options: RunOptions) -> AnyScene:

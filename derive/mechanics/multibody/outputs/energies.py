@@ -49,7 +49,7 @@ class Powers(OutputType):
         loads = [scene.power(f) for f in scene.forces if f.type.section != "springs"]
         drives = [scene.drive_force(d) * scene.drive_rate(d) for d in scene.scene.drives]
         dissipated = sp.Add(*(force.dissipation for force in scene.generalised))
-        dissipated += sp.Add(*map(_material_damping, scene.instances.values()))
+        dissipated += sp.Add(*map(material_damping, scene.instances.values()))
         return OutputComponents(
             (
                 OutputComponent("loads", "W", "power of forces and torques at markers", sp.Add(*loads)),
@@ -59,7 +59,7 @@ class Powers(OutputType):
         )
 
 
-def _material_damping(instance: InstanceEquations) -> sp.Expr:
+def material_damping(instance: InstanceEquations) -> sp.Expr:
     """The power of the material damping of an instance, - alphadot . B alphadot."""
     rates = {row.name: row.v for row in instance.rows}
     damping = (term for term in instance.terms if any(map(_is_damping, term.expr.free_symbols)))

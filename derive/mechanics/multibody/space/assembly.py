@@ -92,7 +92,7 @@ class _SpatialAssembly(SceneAssembly):
             given = specified(action)
             keys = (key for key in keys_of(action) if key.name in given)
             values = {key.name: self._value(section, action.name, key, given[key.name]) for key in keys}
-            result.append(SpatialActionInstance(action, values))
+            result.append(SpatialActionInstance(action, self.scene.markers_of(action), values))
         return tuple(result)
 
     def type_of(self, body: Any) -> BodyType[Any]:

@@ -17,7 +17,15 @@ from derive.mechanics.time_functions import Atan2
 from derive.registry import Registry
 from derive.spec.model.keys import Key, KeyType, value_keys
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.spatial_scene import SpatialAction, SpatialForce, SpatialSpring, SpatialTorque
+from derive.spec.model.spatial_scene import (
+    SpatialAction,
+    SpatialForce,
+    SpatialJointForce,
+    SpatialJointLoad,
+    SpatialJointTorque,
+    SpatialSpring,
+    SpatialTorque,
+)
 
 
 @dataclass(frozen=True)
@@ -33,14 +41,22 @@ class MarkerLoad:
 class ActionLoads:
     """The loads of a force, a torque or a spring, and the definitions in them.
 
-    `potential` (J) is the energy it stores, if any; `dissipation` (W, not positive) the power it takes away from it.
+    `value` (N or N m) is that of a load in a joint; `potential` (J) is the energy it stores, if any; `dissipation` (W,
+    not positive) the power it takes away from it.
     """
 
-    name: str
+    element: SpatialAction
     loads: tuple[MarkerLoad, ...]
     definitions: tuple[Intermediate, ...] = ()
     potential: sp.Expr = sp.S.Zero
     dissipation: sp.Expr = sp.S.Zero
+    value: sp.Expr = sp.S.Zero
+
+    @property
+    def name(self) -> str:
+        """The name of its terms."""
+        noun = "spring" if isinstance(self.element, SpatialSpring) else self.element.kind
+        return f"{noun} {self.element.name}"
 
     def terms(self, at: Callable[[MarkerRef], FrameMotion], rows: tuple[EquationOfMotion, ...]) -> tuple[Term, ...]:
         """The virtual work of the loads on the rows of a mechanism, on the left-hand side."""
@@ -52,7 +68,21 @@ class ActionLoads:
         return tuple(Term(row, self.name, "(10)", -totals[row]) for row in kept)
 
 
+@dataclass(frozen=True)
+class CountedRotation:
+    """The rotation of the second of two markers about z of the first, with all turns, rad.
+
+    rate: its time derivative where z of both markers is one axis in every state. It is None of markers that a
+    constraint keeps on an axis; `angle` is then what whole turns add to the rotation from -pi to pi.
+    """
+
+    angle: sp.Expr
+    rate: sp.Expr | None
+
+
 Values = Mapping[str, Any]
+Markers = tuple[MarkerRef, ...]
+Frames = tuple[FrameMotion, ...]
 NONE = sp.zeros(3, 1)
 
 
@@ -82,7 +112,7 @@ def force_loads(force: SpatialForce, frames: tuple[FrameMotion, ...], values: Va
     given = name.vector("", values["force"], "component")
     vector = sp.Matrix(frames[0].axes) * given if force.frame == "body" else given
     load = MarkerLoad(force.at, name.vector("inertial", vector, "force"), NONE)
-    return ActionLoads(f"force {force.name}", (load,), tuple(name.made))
+    return ActionLoads(force, (load,), tuple(name.made))
 
 
 def torque_loads(torque: SpatialTorque, frames: tuple[FrameMotion, ...], values: Values) -> ActionLoads:
@@ -94,13 +124,24 @@ def torque_loads(torque: SpatialTorque, frames: tuple[FrameMotion, ...], values:
     loads = [MarkerLoad(torque.on, NONE, vector)]
     if torque.against is not None:
         loads.append(MarkerLoad(torque.against, NONE, -vector))
-    return ActionLoads(f"torque {torque.name}", tuple(loads), tuple(name.made))
+    return ActionLoads(torque, tuple(loads), tuple(name.made))
+
+
+def joint_load_loads(load: SpatialJointLoad, markers: Markers, frames: Frames, values: Values) -> ActionLoads:
+    """The force along, or the torque about, z of the first marker of a joint on the second one, and its reaction."""
+    name = _Definitions(load.name, f"{load.kind} {load.name}")
+    value = name("value", values["value"], "value")
+    vector = name.vector("inertial", frames[0].axes[:, 2] * value, load.kind)
+    pairs = [(vector, NONE) if isinstance(load, SpatialJointForce) else (NONE, vector)]
+    pairs.append((-pairs[0][0], -pairs[0][1]))
+    loads = tuple(MarkerLoad(marker, *pair) for marker, pair in zip(reversed(markers), pairs, strict=True))
+    return ActionLoads(load, loads, tuple(name.made), value=value)
 
 
 # ---- springs ----
 
 
-def _linear(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: Values) -> ActionLoads:
+def _linear(spring: SpatialSpring, frames: Frames, values: Values, turns: CountedRotation | None) -> ActionLoads:
     """A tension along the line between the markers."""
     name = _Definitions(spring.name, f"spring {spring.name}")
     first, second = frames
@@ -119,7 +160,7 @@ def _linear(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: Valu
     pull = over_length * apart
     loads = (MarkerLoad(spring.second, -pull, NONE), MarkerLoad(spring.first, pull, NONE))
     potential = values["stiffness"] * extension**2 / 2
-    return ActionLoads(f"spring {spring.name}", loads, tuple(name.made), potential, dissipation)
+    return ActionLoads(spring, loads, tuple(name.made), potential, dissipation)
 
 
 _ACROSS, _ALONG = (
@@ -129,18 +170,20 @@ _ACROSS, _ALONG = (
 """The components of x of the second marker along y and x of the first."""
 
 
-def _rotational(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: Values) -> ActionLoads:
-    """A torque for the rotation of x of the second marker about z of the first, from -pi to pi.
+def _rotational(spring: SpatialSpring, frames: Frames, values: Values, turns: CountedRotation | None) -> ActionLoads:
+    """A torque for the rotation of x of the second marker about z of the first: from -pi to pi, or with all turns.
 
     The torques on both markers are those of a potential, also where their z axes are not parallel.
     """
     name = _Definitions(spring.name, f"spring {spring.name}")
+    if turns is not None and turns.rate is not None:
+        return _about_axis(spring, frames, values, turns.angle, turns.rate)
     first, second = frames
     variables = FIRST.values(first) | SECOND.values(second)
     rows = derived(_ACROSS), derived(_ALONG)
     across = name("across", _ACROSS.g.xreplace(variables), "x of the second marker along y")
     along = name("along", _ALONG.g.xreplace(variables), "x of the second marker along x")
-    turn = name("turn", Atan2(across, along), "rotation")
+    turn = name("turn", Atan2(across, along) + (sp.S.Zero if turns is None else turns.angle), "rotation")
     extension = turn - values["rest"]
     torque, dissipation = values["stiffness"] * extension, sp.S.Zero
     square = name("square", across**2 + along**2, "square of x of the second marker in the plane")
@@ -163,7 +206,18 @@ def _rotational(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: 
         MarkerLoad(spring.second, NONE, name.vector("m2", sp.Matrix(m2), "torque on the second marker")),
     )
     potential = values["stiffness"] * extension**2 / 2
-    return ActionLoads(f"spring {spring.name}", loads, tuple(name.made), potential, dissipation)
+    return ActionLoads(spring, loads, tuple(name.made), potential, dissipation)
+
+
+def _about_axis(spring: SpatialSpring, frames: Frames, values: Values, angle: sp.Expr, rate: sp.Expr) -> ActionLoads:
+    """A torque about the common z axis of two markers for a rotation that is known with its rate."""
+    name = _Definitions(spring.name, f"spring {spring.name}")
+    extension = angle - values["rest"]
+    torque = name("torque", values["stiffness"] * extension + values["damping"] * rate, "torque")
+    vector = name.vector("inertial", frames[0].axes[:, 2] * torque, "torque on the first marker")
+    loads = (MarkerLoad(spring.first, NONE, vector), MarkerLoad(spring.second, NONE, -vector))
+    potential, dissipation = values["stiffness"] * extension**2 / 2, -values["damping"] * rate**2
+    return ActionLoads(spring, loads, tuple(name.made), potential, dissipation)
 
 
 def _axial(i: int, j: int) -> sp.Expr:
@@ -181,7 +235,7 @@ BUSHING_ROWS = (
 """The displacements along the axes of the first marker, and the rotations about them, up to third order in these."""
 
 
-def _bushing(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: Values) -> ActionLoads:
+def _bushing(spring: SpatialSpring, frames: Frames, values: Values, turns: CountedRotation | None) -> ActionLoads:
     """Springs with dampers along and about the axes of the first marker; their forces are those of a potential."""
     name = _Definitions(spring.name, f"spring {spring.name}")
     first, second = frames
@@ -207,7 +261,7 @@ def _bushing(spring: SpatialSpring, frames: tuple[FrameMotion, ...], values: Val
     f1, m1, f2, m2 = (name.vector(label, total, label) for label, total in zip(labels, totals, strict=True))
     loads = (MarkerLoad(spring.first, f1, m1), MarkerLoad(spring.second, f2, m2))
     potential, power = _quadratic(K, moved) / 2, _quadratic(C, rate)
-    return ActionLoads(f"spring {spring.name}", loads, tuple(name.made), potential, -power)
+    return ActionLoads(spring, loads, tuple(name.made), potential, -power)
 
 
 def _quadratic(matrix: sp.Matrix, x: Sequence[sp.Expr]) -> sp.Expr:
@@ -220,7 +274,7 @@ class SpatialSpringType:
 
     doc: str
     keys: tuple[Key, ...]
-    loads: Callable[[SpatialSpring, tuple[FrameMotion, ...], Values], ActionLoads]
+    loads: Callable[[SpatialSpring, Frames, Values, CountedRotation | None], ActionLoads]
 
 
 def _keys(force: str, length: str) -> tuple[Key, ...]:
@@ -245,7 +299,12 @@ SPATIAL_SPRINGS: Registry[SpatialSpringType] = Registry(
     "spring in space",
     {
         "linear": SpatialSpringType("along the line between the markers", _keys("N", "m"), _linear),
-        "rotational": SpatialSpringType("about z of the first marker", _keys("N m", "rad"), _rotational),
+        "rotational": SpatialSpringType(
+            "about z of the first marker, between the markers of a joint that counts turns with all of them, else from "
+            "-pi to pi",
+            _keys("N m", "rad"),
+            _rotational,
+        ),
     },
 )
 SPATIAL_BUSHINGS = {
@@ -284,15 +343,22 @@ def specified(action: SpatialAction) -> Mapping[str, Any]:
             return {key.name: getattr(action, key.field) for key in value_keys(type(action))}
 
 
-def loads_of(action: SpatialAction, frames: tuple[FrameMotion, ...], values: Values) -> ActionLoads:
-    """The loads of a force, a torque or a spring, whose keys have these values as expressions."""
+def loads_of(
+    action: SpatialAction, markers: Markers, frames: Frames, values: Values, turns: CountedRotation | None
+) -> ActionLoads:
+    """The loads of a force, a torque or a spring at markers, whose keys have these values as expressions.
+
+    turns: the rotation between the markers of a spring where these are those of a joint that counts turns.
+    """
     match action:
         case SpatialForce():
             return force_loads(action, frames, values)
         case SpatialTorque():
             return torque_loads(action, frames, values)
+        case SpatialJointForce() | SpatialJointTorque():
+            return joint_load_loads(action, markers, frames, values)
         case SpatialSpring():
-            return spring_type(action.kind).loads(action, frames, values)
+            return spring_type(action.kind).loads(action, frames, values, turns)
 
 
 def moved_to(load: MarkerLoad, old: sp.Matrix, new: sp.Matrix) -> tuple[sp.Matrix, sp.Matrix]:

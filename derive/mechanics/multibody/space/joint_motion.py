@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import sympy as sp
 
 from derive.mechanics.multibody.kinds import BodyInstance
-from derive.mechanics.multibody.space.constraints import RowMotion, row_motion
-from derive.mechanics.multibody.space.forces import MarkerLoad
+from derive.mechanics.multibody.space.constraints import RowMotion, lead, row_motion, row_values
+from derive.mechanics.multibody.space.forces import CountedRotation, MarkerLoad
 from derive.mechanics.multibody.space.frame_motion import FrameMotion
 from derive.mechanics.multibody.space.joints import Freedom, SpatialEliminatedJoint, SpatialJointInstance
+from derive.mechanics.multibody.space.rows import DISPLACEMENTS, SCREW, TURN
 from derive.mechanics.symbols import Family, identity
 from derive.mechanics.terms import EquationOfMotion
 from derive.spec.model.markers import MarkerRef
@@ -49,6 +50,27 @@ def joint_motion(
             first, second = at(joint.joint.first), at(joint.joint.second)
             motion = row_motion(joint.joint, freedom.motion, first, second, None, rows)
             return JointMotion(freedom, motion, freedom is Freedom.DISPLACEMENT, loads)
+
+
+def counted_rotation(
+    joint: SpatialJointInstance | SpatialEliminatedJoint, at: At, motion: Callable[[str], JointMotion], first: MarkerRef
+) -> CountedRotation | None:
+    """The rotation of a joint about z of one of its markers, `first`, with all turns; None where they are not known.
+
+    They are known by the coordinate of a body, by a drive, and on a thread by the displacement.
+    """
+    of = joint.joint
+    if not joint.type.leaves(joint.type.removed(of), Freedom.ROTATION):
+        return None
+    sign = 1 if first == of.first else -1
+    if isinstance(joint, SpatialEliminatedJoint):
+        turned = motion(of.name).motion
+        return CountedRotation(sign * turned.value, sign * turned.rate)
+    if joint.type.is_screw:
+        values, pitch = row_values(of, at(of.first), at(of.second), None), lead(of)
+        apart, turned, within = (row.g.xreplace(values) for row in (DISPLACEMENTS["z"], TURN, SCREW))
+        return CountedRotation(sign * (apart - pitch * turned - within) / pitch, None)
+    return None
 
 
 def _of_coordinate(joint: SpatialEliminatedJoint, freedom: Freedom, instances: Mapping[str, BodyInstance]) -> RowMotion:

@@ -93,8 +93,33 @@ class SpatialJointType:
 
     def couples(self, removed: tuple[str, ...]) -> Freedom | None:
         """The motion that a gear couples where these are removed: a rotation about z wherever z axes are parallel."""
-        turns = "rz" not in removed and {"rx", "ry"} <= {*removed}
-        return Freedom.ROTATION if turns else self.driven
+        return Freedom.ROTATION if self.leaves(removed, Freedom.ROTATION) else self.driven
+
+    def leaves(self, removed: tuple[str, ...], motion: Freedom) -> bool:
+        """Whether the bodies may move along, or turn about, a common z axis where these motions are removed."""
+        free, across = ("rz", {"rx", "ry"}) if motion is Freedom.ROTATION else ("z", {"x", "y"})
+        return free not in removed and across <= {*removed}
+
+    def starts(self, removed: tuple[str, ...]) -> tuple[JointStart, ...]:
+        """The motions that initial values of a joint may give where these motions are removed."""
+        result = []
+        if self.leaves(removed, Freedom.ROTATION):
+            result.append(JointStart("angle", "angle_rate", Freedom.ROTATION, (2,)))
+        if self.leaves(removed, Freedom.DISPLACEMENT) and not self.is_screw:
+            result.append(JointStart("displacement", "displacement_rate", Freedom.DISPLACEMENT, (2,)))
+        if {"z", "rx", "ry"} <= {*removed} and not {"x", "y"} & {*removed}:
+            result.append(JointStart("displacements", "displacement_rates", Freedom.DISPLACEMENT, (0, 1)))
+        return tuple(result)
+
+
+@dataclass(frozen=True)
+class JointStart:
+    """A motion of a joint with initial values: their keys, and the axes of the first marker that it is along."""
+
+    key: str
+    rate: str
+    freedom: Freedom
+    axes: tuple[int, ...]
 
 
 _POINT = ("x", "y", "z")

@@ -16,10 +16,10 @@ from derive.mechanics.multibody.gathering import Gathered, InstancesOfKinds, equ
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES, count_text
 from derive.mechanics.multibody.space.constraints import row_values, spatial_constraints
-from derive.mechanics.multibody.space.forces import MarkerLoad, loads_of
+from derive.mechanics.multibody.space.forces import CountedRotation, MarkerLoad, loads_of
 from derive.mechanics.multibody.space.frame_motion import FrameMotion
 from derive.mechanics.multibody.space.gears import GearInstance, gear_constraint, gear_loads
-from derive.mechanics.multibody.space.joint_motion import JointMotion, joint_motion
+from derive.mechanics.multibody.space.joint_motion import JointMotion, counted_rotation, joint_motion
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint, SpatialJointInstance
 from derive.mechanics.multibody.space.outputs import SpatialParts, spatial_output_equations
 from derive.mechanics.multibody.space.rows import derived
@@ -30,14 +30,15 @@ from derive.mechanics.terms import (
     SpatialPose,
 )
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_scene import SpatialAction, SpatialScene
+from derive.spec.model.spatial_scene import SpatialAction, SpatialScene, SpatialSpring
 
 
 @dataclass(frozen=True)
 class SpatialActionInstance:
-    """A force, a torque or a spring, with the values of its keys as expressions."""
+    """A force, a torque or a spring, with the markers at which it acts and the values of its keys as expressions."""
 
     element: SpatialAction
+    markers: tuple[MarkerRef, ...]
     values: Mapping[str, Any]
 
 
@@ -85,13 +86,19 @@ class SpatialMechanism(InstancesOfKinds):
         def motion(joint: str) -> JointMotion:
             return joint_motion(joints[joint], at, of_name, rows)
 
+        def turns_of(f: SpatialActionInstance) -> CountedRotation | None:
+            between = scene.joint_between(*f.markers) if isinstance(f.element, SpatialSpring) else None
+            return None if between is None else counted_rotation(joints[between.name], at, motion, f.markers[0])
+
         conditions += tuple(gear_constraint(gear, motion, rows) for gear in self.gears)
         in_order = [instances[name].definitions for name in self.order]
         known = [(c.q, sp.S.Zero) for c in self.coordinates]
         known += [(c.symbol, c.value) for c in chain(*(i.coefficients for i in instances.values()), self.constants)]
         known += [(d.symbol, d.expr) for d in chain(self.definitions, *in_order)]
         refuse_idle(conditions, scene.redundant, known)
-        actions = tuple(loads_of(f.element, tuple(map(at, f.element.markers)), f.values) for f in self.forces)
+        actions = tuple(
+            loads_of(f.element, f.markers, tuple(map(at, f.markers)), f.values, turns_of(f)) for f in self.forces
+        )
         parts = SpatialParts(
             scene=scene,
             at=at,
@@ -99,6 +106,8 @@ class SpatialMechanism(InstancesOfKinds):
             actions=actions,
             joint_loads=_joint_loads(self, conditions, at),
             supports={j.joint.name: j.own for j in self.eliminated_joints},
+            joints=joints,
+            drive_multipliers={c.shown: c.multiplier for c in conditions if c.shown in {d.name for d in scene.drives}},
             motion=motion,
             gear_loads=tuple(
                 load
