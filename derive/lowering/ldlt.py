@@ -8,6 +8,7 @@ import casadi as ca
 
 from derive.ir.patterns import Pattern
 from derive.lowering.elimination_orders import elimination_order, fill_in
+from derive.lowering.flat.graph import LoweringError
 
 Entries = dict[tuple[int, int], ca.SX]
 
@@ -46,7 +47,8 @@ def factorise(
     pattern, values: the lower triangle. order: the elimination order, by default that of AMD. coordinates: the number
     of rows before those of multipliers; by default there are no multipliers. proximal: the part of the scale of a
     multiplier that is added to its pivot; the scale of one without coordinates is -1. least: if there is such a part,
-    the least scale of a multiplier, relative to that with an entry of 1 for each of its coordinates.
+    the least scale of a multiplier, relative to that with an entry of 1 for each of its coordinates. Raises
+    LoweringError if a multiplier has no coordinates and there is no such part.
     """
     order = elimination_order(pattern) if order is None else order
     coordinates = pattern.rows if coordinates is None else coordinates
@@ -66,7 +68,9 @@ def factorise(
     for j in order:
         if j >= coordinates:
             idle_scale = {} if proximal is None else {(j, j): ca.SX(-1)}
-            scale = (idle_scale | of_coordinates)[j, j]  # without coordinates there is nothing to divide by
+            scale = (idle_scale | of_coordinates).get((j, j))
+            if scale is None:
+                raise LoweringError("there is nothing to divide by: a constraint has no coordinates")
             own = scale if (j, j) in of_coordinates else ca.SX(0)
             scales.append(ca.fmin(scale, -least * compliances[j]) if least is not None and j in compliances else scale)
             own = own if proximal is None else own + proximal * scales[-1]

@@ -6,6 +6,7 @@ The system [M, -G^T; -G, 0] [vdot; lambda] = [-h; -gamma] is M vdot + h = G^T la
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 
 import casadi as ca
 import numpy as np
@@ -19,7 +20,7 @@ from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.graph import LoweringError
-from derive.lowering.flat.joint_turns import axis_checks, joint_turns, rows_of_bodies, turn_text
+from derive.lowering.flat.joint_turns import JointTurns, axis_checks, joint_turns, rows_of_bodies, turn_text
 from derive.lowering.flat.schedule import EarlyValue, NamedValue, RequiredValue, Step, StepItem
 from derive.lowering.ldlt import Factorisation, backward, factorise, forward, solve
 from derive.lowering.model_functions import ModelFunction, OutputElements
@@ -253,7 +254,10 @@ def by_factors(
     try:
         if idle:
             raise LoweringError("a constraint has no coordinates")
-        return _with_pivots(context, function, outputs, symbols, right, inputs)
+        if joints := joint_turns(context, symbols):
+            with suppress(LoweringError):  # where a constraint would keep none of its coordinates
+                return _with_pivots(context, function, outputs, symbols, right, inputs, joints)
+        return _with_pivots(context, function, outputs, symbols, right, inputs, None)
     except LoweringError:
         if redundant := _redundant(context, symbols):
             raise DependentConstraints(redundancy_text(redundant)) from None
@@ -284,14 +288,14 @@ def _with_pivots(
     symbols: Symbols,
     right: list[ca.SX],
     inputs: tuple[Input, ...],
+    joints: JointTurns | None,
 ) -> Kernel:
-    """The kernel that solves the system. Raises LoweringError.
+    """The kernel that solves the system, with relative rotations at some joints. Raises LoweringError.
 
     The right-hand sides are eliminated beside the pivots, since each pivot waits for the division before; and all
     checks come last, since compilers move nothing across their branches.
     """
     shape, entries, names = kkt_pattern(context), kkt_entries(context, symbols), (*context.rows, *context.multipliers)
-    joints = joint_turns(context, symbols)
     if joints:
         joints.inertial.change(entries)
         shape = pattern(shape.rows, shape.cols, set(entries), symmetric=True)

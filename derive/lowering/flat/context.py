@@ -54,10 +54,17 @@ class Context:
     """The data that all kernels of a model share during its lowering to straight-line code."""
 
     def __init__(
-        self, equations: Equations, elimination: EliminationRule = EliminationRule.SAFE, proximal: bool = False
+        self,
+        equations: Equations,
+        elimination: EliminationRule = EliminationRule.SAFE,
+        proximal: bool = False,
+        sensitivities: bool = False,
     ) -> None:
-        """proximal: whether redundant constraints have multipliers of least norm, see `derive.lowering.proximal`."""
+        """proximal: whether redundant constraints have multipliers of least norm, see `derive.lowering.proximal`;
+        sensitivities: whether there are derivatives, for which results have to be exact beside unit quaternions too.
+        """
         self.equations, self.elimination, self.proximal = equations, elimination, proximal
+        self.sensitivities = sensitivities
         self.coefficients = tuple(c for c in equations.coefficients if not c.zero)
         symbolic = (str(c.symbol) for c in self.coefficients if not c.value.is_Rational)
         self.constants = Constants(frozenset(symbolic))

@@ -41,8 +41,12 @@ class JointTurns:
 
 
 def joint_turns(context: Context, symbols: Symbols) -> JointTurns | None:
-    """The joints whose rotations are eliminated beforehand; None if there are none."""
-    if context.proximal or context.elimination is not EliminationRule.SAFE:
+    """The joints whose rotations are eliminated beforehand; None if there are none.
+
+    This takes the transpose of a rotation tensor for its inverse, which holds for unit quaternions alone. Derivatives
+    with respect to the components of a quaternion leave these, so that models with derivatives do without.
+    """
+    if context.proximal or context.sensitivities or context.elimination is not EliminationRule.SAFE:
         return None
     oriented = list(_oriented(_forest(list(_edges(context)))))
     if not oriented:

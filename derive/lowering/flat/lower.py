@@ -68,7 +68,8 @@ def lower(
     proximal: with multipliers of least norm where constraints are redundant.
     Raises LoweringError if a kernel cannot be evaluated.
     """
-    context = Context(with_derivatives(equations) if sensitivities else equations, elimination, proximal)
+    differentiated = with_derivatives(equations) if sensitivities else equations
+    context = Context(differentiated, elimination, proximal, sensitivities)
     scene = bool(equations.poses)
     implementations = {**OF_BODIES, **OF_MECHANISMS} if scene else OF_BODIES
     every = functions_of(equations, sensitivities, explicit)
