@@ -107,22 +107,21 @@ if TYPE_CHECKING:
         Scene,
     )
     from derive.spec.model.simulation import InitialValues, Simulation, SpatialStart
-    from derive.spec.model.spatial_scene import (
+    from derive.spec.model.spatial_bodies import (
         FlexibleBody,
         FrameMarker,
-        Gear,
         NodeFrame,
-        SpatialForce,
         SpatialInitialValues,
-        SpatialJoint,
-        SpatialJointForce,
-        SpatialJointInitialValues,
-        SpatialJointTorque,
         SpatialRigidBody,
-        SpatialScene,
+    )
+    from derive.spec.model.spatial_forces import (
+        SpatialForce,
+        SpatialJointForce,
+        SpatialJointTorque,
         SpatialSpring,
         SpatialTorque,
     )
+    from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialJointInitialValues, SpatialScene
     from derive.spec.model.time_function import TimeFunction
     from derive.spec.parsing.time_expression import time_function
     from derive.spec.toml.read import read
@@ -252,22 +251,21 @@ _MODULES = {
         "Simulation",
         "SpatialStart",
     ),
-    "derive.spec.model.spatial_scene": (
+    "derive.spec.model.spatial_bodies": (
         "FlexibleBody",
         "FrameMarker",
-        "Gear",
         "NodeFrame",
-        "SpatialForce",
         "SpatialInitialValues",
-        "SpatialJoint",
-        "SpatialJointForce",
-        "SpatialJointInitialValues",
-        "SpatialJointTorque",
         "SpatialRigidBody",
-        "SpatialScene",
+    ),
+    "derive.spec.model.spatial_forces": (
+        "SpatialForce",
+        "SpatialJointForce",
+        "SpatialJointTorque",
         "SpatialSpring",
         "SpatialTorque",
     ),
+    "derive.spec.model.spatial_scene": ("Gear", "SpatialJoint", "SpatialJointInitialValues", "SpatialScene"),
     "derive.spec.model.time_function": ("TimeFunction",),
     "derive.spec.parsing.time_expression": ("time_function",),
     "derive.spec.toml.read": ("read",),

@@ -22,7 +22,8 @@ from derive.simulation.linear.steady_rotation import balance
 from derive.simulation.observables.motion import si_value
 from derive.simulation.space.poses import SpatialPoses
 from derive.simulation.space.targets import SpatialTarget
-from derive.spec.model.spatial_scene import SpatialRigidBody, SpatialScene
+from derive.spec.model.spatial_bodies import SpatialRigidBody
+from derive.spec.model.spatial_scene import SpatialScene
 
 MET = 1e-8
 """The part of the largest velocity by which a rotation may miss the velocities that are given."""

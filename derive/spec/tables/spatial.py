@@ -21,23 +21,22 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, Drive
 from derive.spec.model.simulation import AT_REST
-from derive.spec.model.spatial_scene import (
+from derive.spec.model.spatial_bodies import (
     FlexibleBody,
     FrameMarker,
-    Gear,
     NodalLoad,
     NodeFrame,
-    SpatialForce,
     SpatialInitialValues,
-    SpatialJoint,
-    SpatialJointForce,
-    SpatialJointInitialValues,
-    SpatialJointTorque,
     SpatialRigidBody,
-    SpatialScene,
+)
+from derive.spec.model.spatial_forces import (
+    SpatialForce,
+    SpatialJointForce,
+    SpatialJointTorque,
     SpatialSpring,
     SpatialTorque,
 )
+from derive.spec.model.spatial_scene import Gear, SpatialJoint, SpatialJointInitialValues, SpatialScene
 from derive.spec.parsing.values import WrongValueError
 from derive.spec.tables.body import NODAL_KEYS, nodal_keys
 from derive.spec.tables.declared_tables import TABLES, DeclaredTable, declare, key_field, keyed_model
