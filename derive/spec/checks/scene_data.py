@@ -28,7 +28,7 @@ from derive.spec.parsing.faults import KeyPath, readable
 from derive.spec.tables.scene_bodies import kind_of_scene_body
 from derive.spec.tables.scene_elements import ELEMENTS
 from derive.spec.tables.shared import MAX_MARKERS, MAX_NAMED
-from derive.spec.tables.spatial import kind_of_spatial_body
+from derive.spec.tables.spatial_bodies import kind_of_spatial_body
 
 Raw = Mapping[str, object]
 FUNCTIONS = (KeyType.FUNCTION, KeyType.FUNCTION_PAIR, KeyType.FUNCTION_TRIPLE)
