@@ -27,7 +27,7 @@ from derive.lowering.instances.group_code import GroupCode, JointCode, spread
 from derive.lowering.instances.groups import Bodies, Group, force_equations, force_groups
 from derive.lowering.instances.joint_groups import joint_equations, joint_groups
 from derive.lowering.instances.known_motion import KnownMotion, known_symbol
-from derive.lowering.instances.output_groups import names_of, output_groups, renamed
+from derive.lowering.instances.output_groups import output_groups
 from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.equations import Equations
@@ -112,13 +112,10 @@ class InstanceContext:
         for group in self.outputs:
             for element in group.elements:
                 own = self.mechanism.outputs[element.number]
-                for k, (label, of) in enumerate(
-                    zip(own.type.labels, group.code.context.equations.outputs, strict=True)
-                ):
+                docs = own.type.descriptions(own.values, self.mechanism)
+                components = zip(own.type.labels, docs, group.code.context.equations.outputs, strict=True)
+                for k, (label, doc, of) in enumerate(components):
                     shown = joined(own.name, label)
-                    doc = renamed(
-                        of.doc, names_of(group.elements[0], self.mechanism), names_of(element, self.mechanism)
-                    )
                     named[element.first + k] = replace(of, name=identifier(shown), shown=shown, doc=doc)
         return tuple(named[k] for k in sorted(named))
 
