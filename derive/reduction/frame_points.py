@@ -52,7 +52,7 @@ def modal_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
 
 
 def load_frames(body: FlexibleBody) -> tuple[ModalFrame, ...]:
-    """The points at which the resultants of the loads of a body act, after `modal_frames` has found no faults."""
+    """The points at which the resultants of the loads of a body act, once `modal_frames` has checked it."""
     if not body.loads:
         return ()
     mean = _MeanPoints(body, prepare(body.body))

@@ -134,7 +134,7 @@ class InstanceContext:
         return known
 
     def rows_of(self, of: ClassCode) -> list[Place]:
-        """For each handle of a class the place of the first constraint of its joint."""
+        """The place of the first constraint of the joint of each handle of a class."""
         return [
             of.place(f"row_{h}", [self.first_rows[m.handles[h].joint] for m in of.of.members])
             for h in range(len(of.rows))
@@ -246,7 +246,7 @@ def scatter(of: LoopCode, what: str, array: str, positions: list[list[int]], ope
 
 
 def state(of: ClassCode, *names: str) -> list[Loaded]:
-    """Where the coordinates and velocities of a body of a class are."""
+    """The places of the coordinates and velocities of a body of a class."""
     given = {"q": of.context.q, "v": of.context.v}
     return [(name, of.coordinate, given[name]) for name in names if name in given]
 
@@ -297,7 +297,7 @@ def applied_sums(context: InstanceContext) -> list[Statement]:
 
 
 def applied_forces(context: InstanceContext, of: ClassCode) -> tuple[Loaded, ...]:
-    """Where these sums are for a body of a class; empty if no such force acts on it."""
+    """The places of the sums of forces between bodies for a body of a class; none if no such force acts on it."""
     if not context.is_loaded(of):
         return ()
     symbols = (local(f"{APPLIED}_{name}") for name in of.context.rows)

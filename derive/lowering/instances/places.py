@@ -1,4 +1,4 @@
-"""Where the numbers of an instance are: indices that count from a loop variable, or from a constant array."""
+"""Places of the numbers of an instance: indices that count from a loop variable, or from a constant array."""
 
 from __future__ import annotations
 
