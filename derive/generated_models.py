@@ -30,6 +30,7 @@ TRUSTED = (
     "derive.backends.source_map",
     "derive.ir.expressions",
     "derive.ir.indices",
+    "derive.ir.kernel",
     "derive.ir.model",
     "derive.ir.patterns",
     "derive.ir.statements",

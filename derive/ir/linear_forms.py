@@ -15,7 +15,7 @@ from fractions import Fraction
 from derive.ir.analysis import expressions
 from derive.ir.expressions import Element, Expr, Number, Operation, Operator, ScalarRef, walk
 from derive.ir.indices import constant
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.statements import Let, Require, Statement, Store
 
 FEWEST_OPERATIONS = 4

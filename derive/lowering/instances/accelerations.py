@@ -11,7 +11,7 @@ import sympy as sp
 
 from derive.ir.expressions import Element, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, IndexTerm, constant
-from derive.ir.model import Argument, Kernel
+from derive.ir.kernel import Argument, Kernel
 from derive.ir.statements import Entry, ForEach, Statement, StoreElement, Work
 from derive.lowering.flat.context import array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem

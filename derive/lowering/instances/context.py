@@ -10,7 +10,7 @@ from itertools import accumulate
 from derive.ir.analysis import reads
 from derive.ir.continuation import continued_statements
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
-from derive.ir.model import Argument, Kernel, Output, Section, View
+from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.patterns import Pattern
 from derive.ir.statements import ForEach, Statement, Work
 from derive.ir.unused import without_shadows, without_unused

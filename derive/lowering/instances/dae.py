@@ -8,7 +8,7 @@ import casadi as ca
 
 from derive.ir.expressions import Element, Operator
 from derive.ir.indices import constant
-from derive.ir.model import Argument, Kernel
+from derive.ir.kernel import Argument, Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols

@@ -6,7 +6,7 @@ from itertools import accumulate
 
 import casadi as ca
 
-from derive.ir.model import Argument, Kernel
+from derive.ir.kernel import Argument, Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Statement
 from derive.lowering.flat.context import Context, Input, stores

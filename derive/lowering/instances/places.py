@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from derive.ir.indices import ElementIndex, IndexTerm, constant
-from derive.ir.model import ConstantArray
+from derive.ir.kernel import ConstantArray
 from derive.ir.statements import Entry
 
 

@@ -14,7 +14,7 @@ import casadi as ca
 
 from derive.ir.expressions import Element, Operator, ScalarRef
 from derive.ir.indices import constant
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Clear, Statement, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
