@@ -8,8 +8,8 @@ from derive.backends.c.linear_sums import KernelSums
 from derive.backends.c.loop_text import declarations
 from derive.backends.c.nests import CNests
 from derive.ir.batches import SHARED, batch, state_arguments, state_elements, state_views
+from derive.ir.kernel import Kernel
 from derive.ir.loop_nests import BlockProduct, For, LoopKind, every
-from derive.ir.model import Kernel
 from derive.ir.statements import Require
 
 Lines = list[str]

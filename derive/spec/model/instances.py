@@ -65,7 +65,7 @@ def skeleton(text: str) -> str:
 
 
 def text_of_instances(texts: Sequence[str], first: int) -> str:
-    """One text for those of successive instances, which differ in numbers: `link[i+1].left` of link[1].left and so on.
+    """The text that describes those of successive instances, which differ in numbers: `link[i+1].left` of link[1].left.
 
     first: the index of the first instance. Numbers that the index does not give become dots.
     """

@@ -17,7 +17,7 @@ from derive.mechanics.time_functions import Atan2
 from derive.registry import Registry
 from derive.spec.model.keys import Key, KeyType, value_keys
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.spatial_scene import (
+from derive.spec.model.spatial_forces import (
     SpatialAction,
     SpatialForce,
     SpatialJointForce,

@@ -22,13 +22,8 @@ from derive.spec.model.instances import identifier, joined
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.spatial_scene import (
-    SpatialJoint,
-    SpatialJointLoad,
-    SpatialJointTorque,
-    SpatialScene,
-    SpatialSpring,
-)
+from derive.spec.model.spatial_forces import SpatialJointLoad, SpatialJointTorque, SpatialSpring
+from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
 AXES = (1, 2, 3)
 
