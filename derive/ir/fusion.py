@@ -35,7 +35,11 @@ def fused(nodes: Iterable[Node]) -> tuple[Node, ...]:
         return result
     known, codes = Accesses(), codes_in_order(result)
     moves = 0
-    while moved := next((n for n in (m.made(result) for m in _moves(result, known)) if codes_in_order(n) == codes), None):
+    while True:
+        others = (move.made(result) for move in _moves(result, known))
+        moved = next((nodes for nodes in others if codes_in_order(nodes) == codes), None)
+        if moved is None:
+            break
         result, moves = moved, moves + 1
     if not moves:
         return result

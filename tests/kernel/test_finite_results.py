@@ -17,9 +17,11 @@ import derive
 from conftest import QUICK
 from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
+from derive.ir.expansion import expand
 from derive.ir.interpreter import RequirementError, interpret, interpret_batch
+from derive.ir.loop_nests import every
 from derive.ir.model import Model
-from derive.ir.statements import ReturnCode
+from derive.ir.statements import Require, Requirement, ReturnCode
 from derive.lowering.flat.lower import lower
 from derive.lowering.instances.lower import lower_instances
 from derive.mechanics.multibody.mechanism import Mechanism
@@ -138,6 +140,20 @@ def test_batches_check_the_results_of_every_body(lowering: str, way: str) -> Non
             assert code_of(own.accel_batch, [0.0, q, v, own.setup()]) == 2
 
 
+@pytest.mark.parametrize(("lowering", "way"), COMPILED)
+def test_a_pivot_that_vanishes_is_reported_first(lowering: str, way: str) -> None:
+    """A deflection that is a NaN makes the pivots of a joint one as well, and then all results."""
+    own, k = native(lowering, way), native(lowering, way).setup()
+    for body in (("pendulum", number) for number in range(COUNTS["pendulum"])):
+        _, given = next(calls(body, 0.5))
+        q = np.where(np.arange(len(given["q"])) == first(body) + 3, np.nan, given["q"])
+        assert code_of(own.accel, [0.0, q, given["v"], k]) == ReturnCode.PIVOT
+        assert code_of(own.solve_kkt, [0.0, q, k, given["a"], given["b"]]) == ReturnCode.PIVOT
+        many = np.tile(given["q"], (8, 1)), np.tile(given["v"], (8, 1))
+        many[0][5] = q
+        assert code_of(own.accel_batch, [0.0, *many, k]) == ReturnCode.PIVOT
+
+
 @pytest.mark.parametrize("lowering", ["flat", "instances"])
 def test_the_interpreter_and_python_check_the_results_of_every_body(lowering: str) -> None:
     own, k = model(lowering), [*native(*next(of for of in COMPILED if of[0] == lowering)).setup()]
@@ -178,3 +194,17 @@ def test_a_chain_whose_bodies_all_know_of_a_bad_speed(body: int, bad: float) -> 
     many = {name: [[x] * 2 for x in value] if isinstance(value, list) else value for name, value in given.items()}
     many["v"][5 * body + 2] = [0.0, bad]
     assert interpret_batch(kernel, many, 2)[1] == [0, 2]
+
+
+@pytest.mark.parametrize("lowering", ["flat", "instances"])
+def test_the_header_names_the_functions_that_check_their_results(lowering: str) -> None:
+    own = model(lowering)
+    finite = {
+        kernel.name
+        for kernel in own.kernels
+        for node in every(node for statement in kernel.statements for node in expand(statement))
+        if isinstance(node, Require) and node.kind is Requirement.FINITE
+    }
+    assert finite - {"setup"} == {*CHECKED}
+    (header,) = (file.text for file in CBackend().files(own, "") if file.path.endswith(".h"))
+    assert "0 for success. setup, accel, solve, project_velocity and solve_kkt return 1 if a pivot vanished" in header

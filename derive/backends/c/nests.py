@@ -36,6 +36,7 @@ from derive.ir.loop_nests import (
 from derive.ir.statements import Let, Require, Requirement, ReturnCode
 
 IN_LANES = (LoopKind.LANES, LoopKind.FEW)
+CHECKS = {Requirement.POSITIVE: "TISSERAND_CHECK", Requirement.FINITE: "TISSERAND_CHECK_FINITE"}
 OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "="}
 
 
@@ -46,9 +47,10 @@ class CNests:
     outputs: the arrays that the function writes; arrays: all arrays that are its parameters, in which a batch has rows
     of all its states; helpers: the first part of the names of the functions that it calls; has_codes: whether the
     states of a batch have codes from the beginning, which the first loop over states with requirements gives them
-    otherwise; first_code: that of the first requirements, behind which there are none but those with other ones; starts: the elements from which on vectors are stored in local arrays, see
-    `vector_starts`; counter: the type of integers and of the variables of loops in order. Where these place elements,
-    ptrdiff_t spares an extension of each index.
+    otherwise; first_code: that of the first requirements, behind which there are none but those with other ones;
+    starts: the elements from which on vectors are stored in local arrays, see `vector_starts`; counter: the type of
+    integers and of the variables of loops in order. Where these place elements, ptrdiff_t spares an extension of each
+    index.
     """
 
     outputs: Collection[str] = ()
@@ -274,8 +276,8 @@ class CNests:
         holds = join("!(", value, " > 0.0)") if node.kind is Requirement.POSITIVE else join("!isfinite(", value, ")")
         if self._vectors is not None and self._differs(node.expr):
             if self._checks is not None and self._lane == LANE:
-                macro = {Requirement.POSITIVE: "TISSERAND_CHECK", Requirement.FINITE: "TISSERAND_CHECK_FINITE"}[node.kind]
-                return statement("    ", f"{macro}({self._checks[node.code]}, ", value, f"); /* {node.text} */")
+                head = f"{CHECKS[node.kind]}({self._checks[node.code]}, "
+                return statement("    ", head, value, f"); /* {node.text} */")
             assert node.kind is Requirement.POSITIVE  # results are those of bodies, not of joints
             holds = join("!TISSERAND_POSITIVE_ENDS(", value, ")")
         return statement("    ", "if (", holds, f") return {int(node.code)}; /* {node.text} */")
