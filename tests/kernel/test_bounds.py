@@ -11,13 +11,14 @@ import pytest
 
 import derive
 from conftest import QUICK, ROOT
-from derive.generated_models import generated
+from derive.generated_models import generated_explicit
 from derive.lowering.cost_model import estimate_costs
 from derive.lowering.flat.graph import Graph, LoweringError
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.model_functions import functions_of
 from derive.mechanics.bodies.spatial_body import parametric_body
 from derive.runtime.compiled_model import Native
+from derive.runtime.compiler import ESSENTIAL
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import ModelError
 from derive.runtime.native_scene import NativeScene
@@ -76,7 +77,7 @@ def bars() -> NativeScene:
     from derive.spec.toml.read import parse
 
     spec = parse(BARS)
-    return load_scene(generated(spec)[1], QUICK)
+    return load_scene(generated_explicit(spec)[1], (*QUICK, *ESSENTIAL))
 
 
 def test_every_result_of_a_scene_is_checked() -> None:
