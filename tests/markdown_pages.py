@@ -56,7 +56,7 @@ def blocks(page: Path, language: str | None = None) -> list[Block]:
 def copy_tree(folder: Path) -> Path:
     """A copy of the tree whose .venv runs the interpreter of the tests; `make` finds it up to date."""
     tree = folder / "tree"
-    ignore = shutil.ignore_patterns(".venv", ".git", "__pycache__", ".*_cache", "results")
+    ignore = shutil.ignore_patterns(".venv", ".git", ".*_cache", "results")  # bytecode of the same sources is used
     shutil.copytree(ROOT, tree, ignore=ignore)
     (tree / ".venv" / "bin").mkdir(parents=True)
     for tool in ("tisserand", "python", "fmpy"):

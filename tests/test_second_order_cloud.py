@@ -290,13 +290,13 @@ def test_zeros_of_the_mean_frame() -> None:
     assert not any("c9" in str(term.expr) or "c10" in str(term.expr) for term in equations.expanded().terms)
 
 
-@pytest.mark.parametrize("n", [2, 4, 6])
+@pytest.mark.parametrize("n", [2, 4, pytest.param(6, marks=pytest.mark.long)])
 def test_cost_of_second_order(n: int) -> None:
     """In the mean frame there is none, since c9 and c10 vanish; elsewhere the cost model predicts it."""
 
     def operations(frame: BodyFrame, order: DisplacementOrder) -> tuple[int, int]:
         given = replace(reduce(replace(stiff.stiffened(n, frame, 12)[0], order=order)), points=())
-        counted = derive.lower(derive.derive_modal(given, None, "flat")).kernel("force").operations
+        counted = derive.lower(derive.derive_modal(given, None, "flat"), explicit=True).kernel("force").operations
         return counted, flat_operations(modal_body(given))
 
     first, second = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED

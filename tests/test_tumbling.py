@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import derive
+from conftest import QUICK
 from derive.backends.c.source import CBackend
 from derive.runtime.compiled_model import Native
 from derive.runtime.native_call import Vector
@@ -28,7 +29,7 @@ def block(flexible: bool, stiffness: float = 400.0) -> Native:
     spec = derive.nodal_body(
         "block", nodes, units="SI", frame="given", modes=len(modes), markers={"corner": 7}, **given
     )
-    return derive.load(CBackend().files(derive.lower(derive.derive(spec)), "test"))
+    return derive.load(CBackend().files(derive.lower(derive.derive(spec)), "test"), QUICK)
 
 
 def flow(native: Native, k: Vector):

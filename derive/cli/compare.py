@@ -14,6 +14,7 @@ from derive.artifacts import File, write
 from derive.cli.specifications import build_all
 from derive.roles import Role
 from derive.runtime.compiled_model import Native
+from derive.runtime.compiler import UNOPTIMISED
 from derive.runtime.loading import load
 from derive.runtime.native_call import ModelError, Vector
 from derive.terminal import show_progress
@@ -31,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
     natives = []
     for b in built:
         show_progress(f"{b.model.name}: compiling the C ...")
-        natives.append(load(b.files))
+        natives.append(load(b.files, UNOPTIMISED))
     show_progress()
     results = [_evaluate(native) for native in natives]
     if options.picture:

@@ -26,8 +26,6 @@ from derive.spec.model.specification import AnyScene
 from derive.terminal import show_progress
 
 PAPER = "paper"
-QUICK = ("-std=c99", "-O0")
-"""Options of the compiler for a model that is evaluated a few times."""
 
 
 def run(options: argparse.Namespace) -> int:
@@ -105,11 +103,11 @@ def _initial_state(scene: AnyScene, files: Sequence[File]) -> tuple[InitialState
 
     It needs a compiler, and values that go together.
     """
-    from derive.runtime.compiler import ESSENTIAL
+    from derive.runtime.compiler import UNOPTIMISED
     from derive.runtime.loading import load_scene
 
     try:
-        native = load_scene(files, (*QUICK, *ESSENTIAL))
+        native = load_scene(files, UNOPTIMISED)
         k = constants(scene, native, 0.0)
         state = state_of(scene, native, k)
     except TisserandError as error:

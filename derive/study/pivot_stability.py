@@ -18,7 +18,7 @@ from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.constraints import DependentConstraints, kkt_pattern
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.lower import lower
-from derive.runtime.compiler import ESSENTIAL
+from derive.runtime.compiler import UNOPTIMISED
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Matrix
 from derive.simulation.errors import RedundantConstraints
@@ -27,9 +27,6 @@ from derive.study.pivot_orders import ORDERS, Order, without_diagonal
 from derive.study.states import simulated_states, undeformed_states
 from derive.study.variants import OperationCounts, SceneVariant, operation_counts
 from derive.terminal import show_progress
-
-QUICK = ("-std=c99", "-O0", "-ffp-contract=off", *ESSENTIAL)
-"""Flags of the compiler: this study measures no time."""
 
 SINGULAR = (
     "study pivots compares elimination orders by their pivots; where joints are redundant, the KKT matrix is singular, "
@@ -112,7 +109,7 @@ def _frame_stability(variant: SceneVariant, count: int, numberings: int) -> Fram
     show_progress(f"{label}deriving and compiling")
     equations = derive(variant.scene).expanded()
     model = lower(equations, explicit=True)
-    native = load_scene(explicit_files(model, variant.scene), QUICK)
+    native = load_scene(explicit_files(model, variant.scene), UNOPTIMISED)
     k, shape = native.setup(), kkt_pattern(Context(equations))
     show_progress(f"{label}simulating")
     moving_states = simulated_states(variant.scene, native, k, count)

@@ -206,7 +206,7 @@ SPIN = 3.0
 @cache
 def falling_body() -> FixedStep:
     spec = derive.symbolic_body("falling", 1, frame="given", gravity=[0, 0, -9.81], lowering="flat")
-    return FixedStep(generated(spec)[1])
+    return FixedStep(generated(spec)[1], ["-O0"])
 
 
 def fall_from(e: NDArray[np.float64], steps: int = 2000) -> Integration:

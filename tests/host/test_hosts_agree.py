@@ -12,6 +12,7 @@ from toolchain import block
 import derive
 from conftest import ROOT
 from derive.generated_models import generated
+from derive.runtime.compiler import WITHOUT_BATCHES
 from derive.runtime.integrators.c_integrator import CIntegrator, Integration, IntegratorError
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
@@ -20,7 +21,7 @@ from derive.simulation.initial.closest_consistent_state import closest_consisten
 from derive.simulation.initial.initial_guess import initial_guess
 
 DURATION, ROWS = 0.02, 21  # half a turn of the crank
-FAST = ["-O1"]  # to compile
+FAST = ["-O0", WITHOUT_BATCHES]  # to compile
 
 
 @cache

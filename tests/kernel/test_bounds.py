@@ -11,13 +11,14 @@ import pytest
 
 import derive
 from conftest import QUICK, ROOT
-from derive.generated_models import generated
+from derive.generated_models import generated_explicit
 from derive.lowering.cost_model import estimate_costs
 from derive.lowering.flat.graph import Graph, LoweringError
 from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.model_functions import functions_of
 from derive.mechanics.bodies.spatial_body import parametric_body
 from derive.runtime.compiled_model import Native
+from derive.runtime.compiler import ESSENTIAL
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import ModelError
 from derive.spec.toml.read import parse
@@ -75,7 +76,7 @@ BARS = 'name = "two_bars"\n[ground.markers]\na = [0, 0]\nb = [5, 0]\n' + "".join
 def test_every_result_of_a_scene_is_checked(lowering: str) -> None:
     """The first pendulum is at rest; what is not finite concerns the second alone."""
     spec = parse(BARS.replace("[ground", f'scene.lowering = "{lowering}"\n[ground', 1))
-    native = load_scene(generated(spec)[1], QUICK)
+    native = load_scene(generated_explicit(spec)[1], (*QUICK, *ESSENTIAL))
     k, q = native.setup(), np.array([0.5, 0, 0, 5.5, 0, 0])
     calm, wild = np.zeros(6), np.array([0, 0, 0, 0, 0, 1e200])
     assert np.all(np.isfinite(np.hstack(native.solve(0.0, q, calm, k))))

@@ -13,7 +13,8 @@ import zoo
 import derive
 from beams import run_module
 from conftest import QUICK, ROOT
-from derive.generated_models import generated
+from derive.generated_models import generated, generated_explicit
+from derive.runtime.compiler import ESSENTIAL
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import InitialState, initial_state
@@ -56,17 +57,20 @@ class Made:
         return deflection(motion, quantity)
 
 
-def make(spec: Any) -> Made:
-    """All stages, through the cache that the workers share."""
+def make(spec: Any, complete: bool = False) -> Made:
+    """All stages, through the cache that the workers share.
+
+    complete: with all functions and the Python, which takes twice the time.
+    """
     assert isinstance(spec, Scene)
-    model, files = generated(spec)
-    return Made(spec, model, load_scene(files, QUICK), files)
+    model, files = generated(spec) if complete else generated_explicit(spec)
+    return Made(spec, model, load_scene(files, QUICK if complete else (*QUICK, *ESSENTIAL)), files)
 
 
 @cache
 def in_zoo(name: str) -> Made:
-    """A scene of the zoo."""
-    return make(parse(getattr(zoo, name)))
+    """A scene of the zoo, complete."""
+    return make(parse(getattr(zoo, name)), complete=True)
 
 
 def text_of(name: str) -> str:
@@ -75,9 +79,9 @@ def text_of(name: str) -> str:
 
 
 @cache
-def of(name: str, change: Callable[[str], str] = str) -> Made:
+def of(name: str, change: Callable[[str], str] = str, complete: bool = False) -> Made:
     """One of `scenes/`, its text changed."""
-    return make(parse(change(text_of(name)), str(ROOT / "scenes" / f"{name}.toml")))
+    return make(parse(change(text_of(name)), str(ROOT / "scenes" / f"{name}.toml")), complete)
 
 
 def state(native: NativeScene, seed: int) -> tuple[float, np.ndarray, np.ndarray]:

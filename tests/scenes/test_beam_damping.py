@@ -31,7 +31,7 @@ def matrices(more: str, p: list[float] | None = None) -> tuple[np.ndarray, np.nd
 
     The translations and the rotation follow from the amplitudes, since a free body is at rest on average.
     """
-    made = make(parse(ROD.format(more=more)))
+    made = make(parse(ROD.format(more=more)), complete=True)
     native, k = made.native, made.native.setup(p)
     rest = np.zeros(2 * native.nq)
     dae, n = native.dae["index3"], native.nq

@@ -71,7 +71,7 @@ def scene(pieces: int = 1) -> Scene:
 
 @pytest.mark.parametrize("pieces", [1, 2])
 def test_it_is_the_distance_from_the_line_of_the_chord(pieces: int) -> None:
-    made = make(scene(pieces))
+    made = make(scene(pieces), complete=True)
     native, k = made.native, made.native.setup()
     t, q, v = state(native, 4)
     values = native.evaluate_outputs(t, q, v, *native.solve(t, q, v, k), k)

@@ -84,7 +84,7 @@ def scene(folder: Path, drive: str, keep: str = "") -> Scene:
 
 @cache
 def pair(folder: Path, name: str, keep: str) -> tuple[Made, Made]:
-    first, second = (make(scene(folder, drive, KEPT[keep])) for drive in PAIRS[name])
+    first, second = (make(scene(folder, drive, KEPT[keep]), complete=True) for drive in PAIRS[name])
     return first, second
 
 

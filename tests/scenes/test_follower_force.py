@@ -40,7 +40,7 @@ components = ["-dead", 0]
 @cache
 def column(pieces: int) -> tuple[NativeScene, np.ndarray]:
     """The compiled column, and its straight state."""
-    made = make(parse(COLUMN.format(pieces=pieces)))
+    made = make(parse(COLUMN.format(pieces=pieces)), complete=True)
     return made.native, made.start()[1].q
 
 

@@ -73,7 +73,7 @@ SCENES = {
 
 @pytest.fixture(scope="module", params=SCENES)
 def made(request: pytest.FixtureRequest) -> Made:
-    return make(parse(SCENES[request.param]))
+    return make(parse(SCENES[request.param]), complete=True)
 
 
 def test_they_are_what_the_oracle_says(made: Made) -> None:
@@ -100,7 +100,7 @@ def test_they_are_what_the_oracle_says(made: Made) -> None:
     ],
 )
 def test_roles_of_the_coordinates(scene: str, roles: tuple[Role, ...]) -> None:
-    assert make(parse(SCENES[scene])).native.roles == roles
+    assert make(parse(SCENES[scene]), complete=True).native.roles == roles
 
 
 def test_batches_of_c_are_the_same_bit_for_bit(made: Made) -> None:

@@ -42,7 +42,7 @@ V = np.array([0.4, -0.5, 0.6])
 
 @cache
 def scene() -> made.Made:
-    return made.make(made.parse(SCENE, "block_at_spring.toml"))
+    return made.make(made.parse(SCENE, "block_at_spring.toml"), complete=True)
 
 
 def calls(native: Any, k: np.ndarray) -> dict[str, Callable[[np.ndarray], Any]]:

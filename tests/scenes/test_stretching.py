@@ -36,7 +36,7 @@ def scene(keys: str, joints: str = "", ansatz: Any = POLYNOMIALS) -> Scene:
 
 def frequencies(of: Scene) -> np.ndarray:
     """All natural frequencies about the initial state at rest, rad/s, ascending."""
-    native = make(of).native
+    native = make(of, complete=True).native
     k = native.setup()
     q = initial_state(of, native, k).q
     linear = linearise(native, k, 0.0, q, np.zeros(native.nv))
@@ -93,7 +93,7 @@ def test_a_bent_string_between_fixed_ends_has_the_energy_of_its_tension() -> Non
     family, bent = '{ kind = "pinned", count = 1 }', 0.03
     axial = f'axial = {{ ansatz = ["xi"], stiffness = {EA} }}'
     text = scene(axial, f'{HINGES}[outputs]\nenergy = {{ kind = "energy" }}\n', ansatz=family)
-    native = make(text).native
+    native = make(text, complete=True).native
     k, wave = native.setup(), np.pi / LENGTH
     q = np.zeros(native.nq)
     q[[native.coordinates.index(name) for name in ("bar_c1", "bar_alpha1")]] = LENGTH / 2, bent
@@ -116,7 +116,7 @@ tension = { kind = "axial_force", section = "bar.middle" }
 end = { kind = "position", marker = "bar.right" }
 """
     text = scene(f'axial = {{ ansatz = ["xi", "xi^2"], stiffness = {EA} }}', clamp + pull + outputs)
-    native = make(text).native
+    native = make(text, complete=True).native
     k, q, v = native.setup(), np.zeros(native.nq), np.zeros(native.nv)
     q[native.coordinates.index("bar_c1")] = LENGTH / 2 + FORCE / EA * LENGTH / 2
     q[native.coordinates.index("bar_alpha3")] = FORCE / EA * LENGTH / 2
@@ -131,7 +131,7 @@ end = { kind = "position", marker = "bar.right" }
 def test_a_section_turns_by_the_slope_of_the_stretched_axis() -> None:
     """atan2(v', 1 + u') through second order: the error falls with the third power of the amplitudes."""
     angle = '[outputs]\nturn = { kind = "rotation", marker = "bar.right" }\n'
-    native = make(scene(f'axial = {{ ansatz = ["xi", "xi^2"], stiffness = {EA} }}', angle)).native
+    native = make(scene(f'axial = {{ ansatz = ["xi", "xi^2"], stiffness = {EA} }}', angle), complete=True).native
     k, v = native.setup(), np.zeros(native.nv)
 
     def error(size: float) -> float:
@@ -149,7 +149,7 @@ def test_a_section_turns_by_the_slope_of_the_stretched_axis() -> None:
 def test_damping_of_a_bar_is_that_of_all_its_free_modes() -> None:
     """A ratio is that of bending and of stretching alike."""
     keys = f'axial = {{ ansatz = ["xi", "xi^2", "xi^3"], stiffness = {EA} }}\ndamping = {{ ratio = 0.02 }}'
-    native = make(scene(keys)).native
+    native = make(scene(keys), complete=True).native
     k = native.setup()
     linear = linearise(native, k, 0.0, np.zeros(native.nq), np.zeros(native.nv))
     values = np.linalg.eigvals(linear.A)

@@ -83,7 +83,7 @@ def tables() -> Made:
     with TemporaryDirectory() as folder:
         lines = ["t,F,z", *(",".join(map(str, row)) for row in ROWS)]
         (Path(folder) / "load.csv").write_text("\n".join(lines) + "\n")
-        return make(parse(TABLES, str(Path(folder) / "tables.toml")))
+        return make(parse(TABLES, str(Path(folder) / "tables.toml")), complete=True)
 
 
 @pytest.mark.parametrize("count", [2, 3, 4, 5, 40])

@@ -66,7 +66,7 @@ def exact(b: float) -> float:
 
 @pytest.mark.parametrize(("mass", "frame"), [(WELDED, FRAMES[2]), (ATTACHED, FRAMES[2]), (ATTACHED, FRAMES[0])])
 def test_the_frequencies_are_those_of_a_cantilever_with_a_mass_at_its_tip(mass: str, frame: str) -> None:
-    made = make(rod(mass, frame, more=CLAMP))
+    made = make(rod(mass, frame, more=CLAMP), complete=True)
     native, (k, start) = made.native, made.start()
     n, rest = native.nq, np.concatenate([start.q, np.zeros(native.nv + native.nlambda)])
     dae = native.dae["index3"]

@@ -17,7 +17,9 @@ from numpy.polynomial import Legendre
 from scipy.linalg import eigh
 
 import derive
-from derive.generated_models import generated
+from conftest import QUICK
+from derive.generated_models import generated, generated_explicit
+from derive.runtime.compiler import ESSENTIAL
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import initial_state
@@ -26,7 +28,7 @@ from derive.spec.model.scene import EQUILIBRIUM, Scene
 
 SHAPES = 5
 """xi^2 to xi^6 and their like: the lowest frequency is 1e-5 high for a free beam, less for a clamped one."""
-FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
+FLAGS = (*QUICK, *ESSENTIAL)
 FRAMES: dict[str, Any] = {
     "mean": "mean",
     "chord": "chord",
@@ -44,9 +46,11 @@ TIMES = {"free": np.linspace(0, 0.6, 121), "clamped": np.linspace(0, 3.6, 121)}
 """Two periods of the first natural frequency."""
 
 
-def compiled_scene(scene: Scene) -> NativeScene:
-    """The compiled C of a scene."""
-    return load_scene(generated(scene)[1], FLAGS)
+def compiled_scene(scene: Scene, complete: bool = False) -> NativeScene:
+    """The compiled C of a scene; of one that is not complete, what explicit integration calls."""
+    if complete:
+        return load_scene(generated(scene)[1], QUICK)
+    return load_scene(generated_explicit(scene)[1], FLAGS)
 
 
 @cache
@@ -113,8 +117,9 @@ class RodModel:
 
     def at_rest(self, load: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The state at rest under a load across the rod, as `ExactRod.at_rest` returns it."""
+        scene = replace(self.scene, start=EQUILIBRIUM)
         k = self.native.setup([load])
-        q = initial_state(replace(self.scene, start=EQUILIBRIUM), self.native, k).q[None]
+        q = initial_state(scene, compiled_scene(scene), k).q[None]
         left, middle, right = self._points(q, 0 * q, k)
         return left[0], middle[0], right[0]
 

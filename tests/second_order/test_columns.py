@@ -65,7 +65,7 @@ def clamped(shapes: int, frame: Any, order: int = 2) -> Scene:
 
 def critical_load(scene: Scene, highest: float) -> float | None:
     """The least load at which a small motion about the straight column grows; None up to `highest` there is none."""
-    native = compiled_scene(scene)
+    native = compiled_scene(scene, complete=True)
     q = initial_state(scene, native, native.setup()).q
 
     def grows(load: float) -> bool:

@@ -73,7 +73,7 @@ def cantilever() -> tuple[derive.Native, np.ndarray]:
         },
         drives={"motor": {"joint": "shaft", "speed": {"symbol": "mu", "default": 1}}},
     )
-    native = compiled_scene(scene)
+    native = compiled_scene(scene, complete=True)
     return native, initial_state(scene, native, native.setup()).q
 
 

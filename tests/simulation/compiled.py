@@ -10,7 +10,8 @@ import numpy as np
 
 import derive
 from conftest import QUICK, ROOT
-from derive.generated_models import generated
+from derive.generated_models import generated, generated_explicit
+from derive.runtime.compiler import ESSENTIAL
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -114,7 +115,9 @@ between = ["ground.a", "slider.pin"]
     return compiled(parse(text))
 
 
-def compiled(scene: object) -> Compiled:
+def compiled(scene: object, complete: bool = False) -> Compiled:
+    """complete: with the functions that explicit integration does not call, which takes twice the time."""
     assert isinstance(scene, Scene)
-    native = load_scene(generated(scene)[1], QUICK)
+    files = (generated if complete else generated_explicit)(scene)[1]
+    native = load_scene(files, (*QUICK, *ESSENTIAL))
     return Compiled(scene, native, native.setup())

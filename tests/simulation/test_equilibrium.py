@@ -29,7 +29,7 @@ def joint(kind: str, second: str) -> str:
 
 @cache
 def made(text: str) -> Compiled:
-    return compiled(parse(f'name = "statics"\n{text}'))
+    return compiled(parse(f'name = "statics"\n{text}'), complete=True)
 
 
 def found(text: str, *guess: float) -> Equilibrium:

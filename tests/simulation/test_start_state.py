@@ -15,7 +15,7 @@ from toolchain import scene, text_of
 
 import beams
 import derive
-from conftest import ROOT
+from conftest import QUICK, ROOT
 from derive.cli.main import main
 from derive.ir.model import StartState
 from derive.pipeline import build
@@ -37,7 +37,7 @@ def start(name: str) -> StartState:
 def native(name: str) -> NativeScene:
     """The compiled scene with its initial state."""
     made = scene(name)
-    return load_scene(derive.model_files(replace(made.model, start=start(name)), made.spec))
+    return load_scene(derive.model_files(replace(made.model, start=start(name)), made.spec), QUICK)
 
 
 @pytest.mark.parametrize("name", ["four_bar", "crank_slider_3"])

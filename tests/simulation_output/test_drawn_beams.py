@@ -13,7 +13,8 @@ import pytest
 
 import derive
 from conftest import QUICK
-from derive.generated_models import generated
+from derive.generated_models import generated_explicit
+from derive.runtime.compiler import ESSENTIAL
 from derive.runtime.loading import load_scene
 from derive.simulation.linear.displaced import scene_lines
 from derive.simulation.observables.beams import axis_points, beam_bodies, beam_points
@@ -42,7 +43,7 @@ def motion(frame: str, pieces: int = 1, order: int = 2) -> SceneMotion:
         joints={"pin": {"kind": "revolute", "between": ["ground.wall", "rod.left"]}},
         simulation={"duration": 1, "output": 0.5},
     )
-    native = load_scene(generated(scene)[1], QUICK)
+    native = load_scene(generated_explicit(scene)[1], (*QUICK, *ESSENTIAL))
     q = np.random.default_rng(1).uniform(-0.3, 0.3, (3, native.nq))
     return SceneMotion(scene, native, native.setup(), np.arange(3.0), q, 0 * q)
 

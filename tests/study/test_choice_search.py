@@ -11,7 +11,7 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 
-from derive.runtime.compiler import RUN_FLAGS
+from derive.runtime.compiler import RUN_FLAGS, UNOPTIMISED
 from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.plots import PlotCurve
 from derive.simulation.validity.monitors import Cause, Monitor
@@ -20,7 +20,7 @@ from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
-from derive.study.accuracy.measurement import UNOPTIMISED, CompiledLadderModel, Line, Point, compiled, motion
+from derive.study.accuracy.measurement import CompiledLadderModel, Line, Point, compiled, motion
 from derive.study.accuracy.models import LadderModel, Shapes, mixed
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, rms_difference

@@ -10,7 +10,8 @@ import pytest
 from scipy.linalg import eigh
 
 from conftest import QUICK, ROOT
-from derive.generated_models import generated
+from derive.generated_models import generated_explicit
+from derive.runtime.compiler import ESSENTIAL
 from derive.runtime.loading import load_scene
 from derive.simulation.errors import SimulationError
 from derive.simulation.integration.step_limit import natural_frequencies
@@ -65,7 +66,7 @@ def test_the_highest_frequency_of_a_free_beam(pieces: int) -> None:
     scene = read(ROOT / "scenes/spinning_beam.toml")
     assert isinstance(scene, Scene)
     cut = replace(variant(scene, pieces, "mean").scene, plots=(), forces=())
-    native = load_scene(generated(cut)[1], QUICK)
+    native = load_scene(generated_explicit(cut)[1], (*QUICK, *ESSENTIAL))
     k = native.setup()
     _, q, v = start_state(cut, native, k)
     highest = natural_frequencies(native, k, 0.0, q, v, loaded=False)[-1]

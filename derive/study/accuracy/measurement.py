@@ -14,7 +14,7 @@ from derive.errors import TisserandError, first_line
 from derive.generated_models import generated, generated_explicit
 from derive.ir.model import Model
 from derive.percentages import percent
-from derive.runtime.compiler import ESSENTIAL, FLAGS, RUN_FLAGS
+from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import Adaptive, AdaptiveRun
 from derive.runtime.integrators.c_integrator import CONSISTENT
 from derive.runtime.loading import load_scene
@@ -46,13 +46,6 @@ CALLED = {
     "corrections": ("project_velocity",),
 }
 """The functions of a model that an evaluation of each count calls."""
-
-QUICK_FLAGS, UNOPTIMISED = (
-    (*(flag if flag != "-O2" else level for flag in FLAGS), *ESSENTIAL) for level in ("-O1", "-O0")
-)
-"""Compiler options of models whose runs are compared and not timed: the compiler takes two thirds of the time, and runs
-take about the same; and of models with short runs: the compiler takes a third of the time, and runs take twice as long.
-All options give the same bits."""
 
 SAME = 0.01
 """Errors of runs with two tolerances that differ by less, relatively, are those of the model."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.symbols import Family, amplitude, owned, quantity, vector
+from derive.runtime.compiler import QUICK_FLAGS
 from derive.simulation.observables.beams import beam_bodies, fields_of, piece_names
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.plots import PlotCurve, plot_curves
@@ -17,7 +18,7 @@ from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import ColumnCurves, Deflection, Plot, ReferenceCurve
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.parsing.faults import did_you_mean
-from derive.study.accuracy.measurement import QUICK_FLAGS, Progress, compiled, motion
+from derive.study.accuracy.measurement import Progress, compiled, motion
 from derive.study.accuracy.models import refinements
 
 Curves = tuple[PlotCurve, ...]

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from derive.runtime.compiler import QUICK_FLAGS, UNOPTIMISED
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
-from derive.study.accuracy.measurement import QUICK_FLAGS, UNOPTIMISED, CompiledLadderModel, compiled, motion
+from derive.study.accuracy.measurement import CompiledLadderModel, compiled, motion
 from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.accuracy.predicted_cost import PredictedCost
 from derive.study.accuracy.reference import Curves, bare_plots, curves_of

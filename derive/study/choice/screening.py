@@ -16,6 +16,7 @@ from derive.errors import TisserandError
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.prescribed_motion import drive_speed
 from derive.percentages import percent
+from derive.runtime.compiler import UNOPTIMISED
 from derive.simulation.observables.default_plots import output_columns
 from derive.simulation.observables.motion import si_value
 from derive.simulation.validity.held_beam import held_modes
@@ -27,7 +28,7 @@ from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import value_at
-from derive.study.accuracy.measurement import UNOPTIMISED, compiled, motion
+from derive.study.accuracy.measurement import compiled, motion
 from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.choice.model_runs import FLEXIBLE, ModelRuns
 
