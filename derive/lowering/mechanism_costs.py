@@ -4,8 +4,8 @@ The times are those of the accelerations, predicted from the numbers of bodies, 
 which neither lowering need be made. The constants are fitted to 53 scenes of 1 to 12 bodies, measured with gcc 12 at
 -O3 -march=x86-64-v3 on an Intel Xeon processor (family 6, model 207). The ratio of the two times has an error of 15 %
 (rms), and the form that is chosen takes at most 1.20 of the time of the other one. bench/lowerings.py measures them
-again. With n coordinates of a body, c constraints of its joints, a addends of its h and, if M is not diagonal, z non-
-zeros of M, and with e products in the elimination of the joints, in ns:
+again. With n coordinates of a body, c constraints of its joints, a addends of its h and, if M is not diagonal, z
+non-zeros of M, and with e products in the elimination of the joints, in ns:
 
     straight-line code   5.7 + 0.74 n c + 0.39 a + 0.13 z n of each body, and 0.21 e
     loops                3.3 + 0.57 n c + 0.49 a + 0.18 z n of each body, 4.4 for each joint, and 0.25 e; from two
