@@ -41,7 +41,7 @@ MARGIN = 0.9
 IN_CACHE, TWICE = 350.0, 650.0
 """The times (ns) up to which straight-line code is in the instruction cache, and from which on it takes twice that."""
 LOOPS_IN_CACHE, LOOPS_TWICE = 300.0, 550.0
-"""The times (ns) of one body of each class up to which loops are in it, and from which on they take twice their time."""
+"""The times (ns) of one body of each class up to which loops are in it, and from which on they take twice as long."""
 
 
 @dataclass(frozen=True)
