@@ -1,20 +1,23 @@
 """Cost model of mechanisms: predicts whether straight-line code or loops over instances are faster.
 
 The times are those of the accelerations, predicted from the numbers of bodies, coordinates, joints and constraints, for
-which neither lowering need be made. The constants are a fit to 61 scenes of 1 to 12 bodies, measured with gcc 12 at -O3
--march=x86-64-v3 on an Intel Xeon processor (family 6, model 167) by bench/lowerings.py, which compares predictions
-with measurements; their errors are 13 % (rms). With n coordinates of a body, c constraints of its joints, a addends of
-its h and, if M is not diagonal, z non-zeros of M, and with e products in the elimination of the joints, in ns:
+which neither lowering need be made. The constants are fitted to 53 scenes of 1 to 12 bodies, measured with gcc 12 at
+-O3 -march=x86-64-v3 on an Intel Xeon processor (family 6, model 207). The ratio of the two times has an error of 15 %
+(rms), and the form that is chosen takes at most 1.20 of the time of the other one. bench/lowerings.py measures them
+again. With n coordinates of a body, c constraints of its joints, a addends of its h and, if M is not diagonal, z
+non-zeros of M, and with e products in the elimination of the joints, in ns:
 
-    straight-line code   3.3 + 0.84 n c + 0.28 a + 0.16 z n of each body, and 0.30 e
-    loops                3.4 + 0.61 n c + 0.28 a + 0.17 z n of each body, 1.9 for each joint, and 0.28 e; from four
-                         bodies of a class on these take 0.45 of it, since they are in the lanes of vectors, and two or
-                         three take 1.1 of it; along an open path, which is eliminated from both ends, 0.07 e
+    straight-line code   5.7 + 0.74 n c + 0.39 a + 0.13 z n of each body, and 0.21 e
+    loops                3.3 + 0.57 n c + 0.49 a + 0.18 z n of each body, 4.4 for each joint, and 0.25 e; from two
+                         bodies of a class on these are in the lanes of vectors: two or three take 0.6 of it, more 0.4;
+                         along an open path, which is eliminated from both ends, 0.16 e
 
 A joint whose constraints depend on both of its bodies at once takes 6 more in straight-line code, and 11 in loops, of
 which many of a kind take the same parts as many bodies of a class do: a rough fit to 15 scenes with 1 to 8 such joints.
-The blocks of joints in loops have one size, that of the joint with the most constraints. The compiler takes about
-0.02 T + 2.2e-8 T^3 seconds for the functions of straight-line code whose accelerations take T ns.
+The blocks of joints in loops have one size, that of the joint with the most constraints. Straight-line code of more
+than 0.35 us leaves the instruction cache, and from 0.65 us on takes twice its time (18 scenes); so do loops over bodies
+where one body of each class takes more than 0.3 us, and from 0.55 us on (8 scenes). The compiler takes some 0.02 T +
+2.2e-8 T^3 seconds for the functions of straight-line code that takes T ns without that.
 """
 
 from __future__ import annotations
@@ -31,10 +34,14 @@ from derive.lowering.instances.classes import BodyClass, body_classes, plain_joi
 from derive.lowering.instances.varying_joints import varies
 from derive.mechanics.multibody.mechanism import Mechanism
 
-SHORT, LONG = 5.0, 30.0
-"""The predicted times (s) of the compiler up to which straight-line code is short, and from which on it is too long."""
-MARGIN, MARGIN_OF_SHORT = 0.9, 0.75
-"""The ratios of the predicted times below which loops are chosen, for longer and for short straight-line code."""
+LONG = 30.0
+"""The predicted time (s) of the compiler for straight-line code from which on this is too long."""
+MARGIN = 0.9
+"""The ratio of the predicted times below which loops are chosen."""
+IN_CACHE, TWICE = 350.0, 650.0
+"""The times (ns) up to which straight-line code is in the instruction cache, and from which on it takes twice that."""
+LOOPS_IN_CACHE, LOOPS_TWICE = 300.0, 550.0
+"""The times (ns) of one body of each class up to which loops are in it, and from which on they take twice as long."""
 
 
 @dataclass(frozen=True)
@@ -54,12 +61,8 @@ class MechanismCosts:
         return "instances" if self._is_faster_looped or self.compiler > LONG else "flat"
 
     @property
-    def _margin(self) -> float:
-        return MARGIN if self.compiler > SHORT else MARGIN_OF_SHORT
-
-    @property
     def _is_faster_looped(self) -> bool:
-        return self.instances < self._margin * self.flat
+        return self.instances < MARGIN * self.flat
 
     def selected(self, requested: str) -> str:
         """The lowering to use; `requested` is "auto", "flat" or "instances"."""
@@ -75,7 +78,7 @@ class MechanismCosts:
         elif looped or self.instances > self.flat:
             why = "the faster form"
         else:
-            why = f"since loops do not take less than {self._margin:.0%} of its time"
+            why = f"since loops do not take less than {MARGIN:.0%} of its time"
         form = "looped over instances" if looped else "unrolled"
         times = f"{self.flat:.0f} ns unrolled, {self.instances:.0f} ns looped over instances"
         return f"{form}, {why}; predicted evaluation time of the accelerations: {times}"
@@ -85,22 +88,29 @@ def estimate_mechanism_costs(mechanism: Mechanism) -> MechanismCosts:
     """The predicted costs of both lowerings of a mechanism."""
     rows = [joint.multipliers for joint in mechanism.joints]
     classes = body_classes(mechanism)
-    flat, looped = 0.0, 0.0
+    flat, looped, once = 0.0, 0.0, 0.0
     for of in classes:
         count = len(of.members)
         for_flat, for_loop = _body_times(mechanism, of, rows)
         flat += count * for_flat
         looped += _passes(count) * for_loop
+        once += for_loop
+    looped *= 1 + _beyond(once, LOOPS_IN_CACHE, LOOPS_TWICE)
     if rows:
         handles = [[(h.joint, h.is_first) for h in member.handles] for of in classes for member in of.members]
         system = blocks(rows, handles)
         path = system.is_path and not system.closes_loops
-        flat += 0.30 * _products(system, system.rows)
-        looped += 1.9 * len(rows) + (0.07 if path else 0.28) * _products(system, [system.size] * len(rows))
+        flat += 0.21 * _products(system, system.rows)
+        looped += 4.4 * len(rows) + (0.16 if path else 0.25) * _products(system, [system.size] * len(rows))
     varying = _varying_joints(mechanism, classes)
     flat += 6.0 * sum(varying)
     looped += 11.0 * sum(map(_passes, varying))
-    return MechanismCosts(flat, looped, 0.02 * flat + 2.2e-8 * flat**3)
+    return MechanismCosts(flat * (1 + _beyond(flat, IN_CACHE, TWICE)), looped, 0.02 * flat + 2.2e-8 * flat**3)
+
+
+def _beyond(time: float, in_cache: float, twice: float) -> float:
+    """The part of its time that code takes in addition, since it is too long for the instruction cache."""
+    return min(max((time - in_cache) / (twice - in_cache), 0.0), 1.0)
 
 
 def _varying_joints(mechanism: Mechanism, classes: Sequence[BodyClass]) -> list[int]:
@@ -123,8 +133,8 @@ def _body_times(mechanism: Mechanism, of: BodyClass, rows: Sequence[int]) -> tup
     dense = coordinates * entries if constraints and entries > coordinates else 0
     products = coordinates * constraints
     return (
-        3.3 + 0.84 * products + 0.28 * addends + 0.16 * dense,
-        3.4 + 0.61 * products + 0.28 * addends + 0.17 * dense,
+        5.7 + 0.74 * products + 0.39 * addends + 0.13 * dense,
+        3.3 + 0.57 * products + 0.49 * addends + 0.18 * dense,
     )
 
 
@@ -135,8 +145,8 @@ def _addends(expressions: Iterable[sp.Expr]) -> int:
 def _passes(count: int) -> float:
     """The time of a loop over so many bodies of a class, in times of a single one."""
     if count < LANES:
-        return count if count == 1 else 1.1 * count
-    return 0.45 * LANES * -(-count // LANES)
+        return count if count == 1 else 0.6 * count
+    return 0.4 * LANES * -(-count // LANES)
 
 
 def _products(system: Blocks, rows: Sequence[int]) -> float:

@@ -52,13 +52,13 @@ bending_stiffness = 1
 def test_the_time_of_straight_line_code_is_foreseen(name: str) -> None:
     derived = mechanism(scene(f"scenes/{name}"))
     operations = derive.lower(derived, explicit=True).kernel("accel").operations
-    assert estimate_mechanism_costs(derived).flat == pytest.approx(NS_OF_AN_OPERATION * operations, rel=0.1)
+    assert estimate_mechanism_costs(derived).flat == pytest.approx(NS_OF_AN_OPERATION * operations, rel=0.15)
 
 
 def test_equal_bodies_make_loops_and_few_or_different_ones_straight_lines() -> None:
-    costs = {count: estimate_mechanism_costs(mechanism(chain(count))) for count in (2, 6, 40)}
-    assert [of.lowering for of in costs.values()] == ["flat", "instances", "instances"]
-    assert costs[6].instances < 0.75 * costs[6].flat and costs[40].instances < 0.5 * costs[40].flat
+    costs = {count: estimate_mechanism_costs(mechanism(chain(count))) for count in (2, 4, 6, 40)}
+    assert [of.lowering for of in costs.values()] == ["flat", *["instances"] * 3]
+    assert costs[6].instances < 0.8 * costs[6].flat and costs[40].instances < 0.5 * costs[40].flat
     for name in ("scenes/four_bar", "scenes/crank_slider_3", "examples/andrews_squeezer"):
         assert estimate_mechanism_costs(mechanism(scene(name))).lowering == "flat"
 
@@ -68,7 +68,7 @@ def test_joints_that_depend_on_both_of_their_bodies_take_longer() -> None:
     costs = {kind: estimate_mechanism_costs(mechanism(carriages(10, kind))) for kind in ("revolute", "translational")}
     guides, pins = costs["translational"], costs["revolute"]
     assert guides.flat - pins.flat == pytest.approx(6 * 9)
-    assert guides.instances - pins.instances == pytest.approx(11 * (1 + 8 * 0.45 + 1))
+    assert guides.instances - pins.instances == pytest.approx(11 * (1 + 8 * 0.4 + 1))
 
 
 def carriages(count: int, kind: str) -> derive.Scene:
@@ -80,12 +80,26 @@ def carriages(count: int, kind: str) -> derive.Scene:
     return derive.scene("carriages", bodies={f"body_{k}": carriage for k in range(count)}, joints=joints)
 
 
+def test_code_that_leaves_the_instruction_cache_takes_twice_its_time() -> None:
+    """Beams of classes of their own have so much code in both forms; loops over equal ones have as much as of one."""
+    beam = {"ansatz": ["1", "xi", "xi^2", "xi^3"], "bending_stiffness": 1}
+    alone, few, many = (
+        estimate_mechanism_costs(
+            mechanism(derive.scene("beams", bodies={f"b_{k}": beam | {"markers": {f"m_{k}": 1}} for k in range(count)}))
+        )
+        for count in (1, 10, 50)
+    )
+    assert (few.flat, few.instances) == pytest.approx((10 * alone.flat, 10 * alone.instances))
+    assert (many.flat, many.instances) == pytest.approx((2 * 50 * alone.flat, 2 * 50 * alone.instances))
+    equal = estimate_mechanism_costs(mechanism(derive.scene("beams", bodies={f"b_{k}": beam for k in range(48)})))
+    assert equal.instances == pytest.approx(0.4 * 48 * alone.instances)
+
+
 def test_what_takes_the_compiler_too_long_is_looped() -> None:
     assert MechanismCosts(900, 950, 34.0).lowering == "instances"
     assert "would take the compiler some 34 s" in MechanismCosts(900, 950, 34.0).reason("auto")
     assert MechanismCosts(900, 950, LONG).lowering == "flat"
-    margins = [MechanismCosts(100, ns, seconds).lowering for ns, seconds in ((80, 2.0), (70, 2.0), (80, 9.0))]
-    assert margins == ["flat", "instances", "instances"]
+    assert [MechanismCosts(100, ns, 2.0).lowering for ns in (91, 89)] == ["flat", "instances"]
 
 
 @pytest.mark.parametrize("lowering", ["flat", "instances"])
