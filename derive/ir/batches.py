@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import count, groupby
 
 from derive.ir.analysis import names_read
+from derive.ir.continuation import continued_loops
 from derive.ir.early_sines import with_early_sines
 from derive.ir.expansion import ZERO, expand_in_tiles
 from derive.ir.expressions import Element, Ends, Expr, LaneSum, Leaf, ScalarRef, mapped, walk
@@ -81,7 +82,7 @@ def batch(kernel: Kernel, instead: Iterable[Node] | None = None) -> Batch:
     nodes = [node for argument, view in state_views(kernel) for node in _gathered(argument, view)]
     own = (node for statement in kernel.statements for node in expand_in_tiles(statement))
     nodes += own if instead is None else instead
-    nodes = [*_initialised(_in_records(fused(_one_by_one(nodes))))]
+    nodes = [*_initialised(_in_records(continued_loops(fused(_one_by_one(nodes)))))]
     arguments = frozenset(argument.name for argument in state_arguments(kernel))
     nodes = _in_loops(nodes, frozenset(state_elements(kernel)), arguments)
     if kernel.repeats:

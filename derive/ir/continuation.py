@@ -16,7 +16,7 @@ from derive.errors import TisserandError
 from derive.ir.analysis import reads
 from derive.ir.expressions import Element, ScalarRef
 from derive.ir.indices import ElementIndex, IndexTerm, Of, constant
-from derive.ir.loop_nests import Integer
+from derive.ir.loop_nests import For, Integer, LoopKind, Node
 from derive.ir.statements import Entry, ForEach, Let, Statement, StoreElement, inside
 
 
@@ -45,6 +45,34 @@ def _one_for_each(first: Statement, second: Statement) -> Statement | None:
     run, body = joined
     loop = replace(first, start=constant(run.start), stop=constant(run.stop), body=body)
     return loop if not loop.independent or _writes_apart(loop, len(run)) else None
+
+
+def continued_loops(nodes: Iterable[Node]) -> Iterator[Node]:
+    """Plain statements with one ordered loop in place of neighbouring ones that continue each other."""
+    kept: list[Node] = []
+    for item in nodes:
+        joined = _one_loop(kept[-1], item) if kept else None
+        if joined is None:
+            kept.append(item)
+        else:
+            kept[-1] = joined
+    return iter(kept)
+
+
+def _one_loop(first: Node, second: Node) -> Node | None:
+    """The loop with the iterations of two, if the second one continues the first."""
+    if not isinstance(first, For) or not isinstance(second, For) or first.kind is not LoopKind.ORDERED:
+        return None
+    if replace(first, start=second.start, stop=second.stop, step=second.step, body=second.body) != second:
+        return None
+    runs = tuple(_run(loop.start, loop.stop, loop.step) for loop in (first, second))
+    if any(len(run) > 1 and abs(run.step) != 1 for run in runs) or first.overlaps:
+        return None
+    joined = _joined(first.variable, runs, first.body, second.body)
+    if joined is None:
+        return None
+    run, body = joined
+    return replace(first, start=constant(run.start), stop=constant(run.stop), step=run.step, body=body)
 
 
 def _run(start: ElementIndex, stop: ElementIndex, step: int = 1) -> range:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 
-from derive.ir.continuation import continued_statements
+from derive.ir.continuation import continued_loops, continued_statements
+from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
@@ -55,6 +57,20 @@ def test_a_loop_and_its_continuations_are_one() -> None:
     assert (joined.start, joined.stop) == (constant(0), constant(6))
     assert joined.body == body("a", variable("n", 3, 2), variable("n", -1, 9))
     assert values((joined,)) == values(statements)
+
+
+@pytest.mark.parametrize("backward", [False, True])
+def test_plain_loops_and_their_continuations_are_one(backward: bool) -> None:
+    """The same loops as plain statements, up, or from the last one down to the first."""
+    statements = [replace(each, backward=backward) for each in (FIRST, SECOND, THIRD)]
+    nodes = [node for each in (reversed(statements) if backward else statements) for node in expand(each)]
+    (joined,) = continued_statements((FIRST, SECOND, THIRD))
+    assert isinstance(joined, ForEach)
+    (one,) = continued_loops(nodes)
+    names = "c" if backward else "a"
+    whole = body(names, variable("n", 3, 2), variable("n", -1, 9))
+    assert (one,) == expand(replace(joined, body=whole, backward=backward))
+    assert len([*continued_loops(nodes[::-1])]) > 1
 
 
 def test_two_single_iterations_are_a_loop() -> None:

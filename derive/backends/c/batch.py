@@ -97,6 +97,7 @@ def batch_function(block: StateBlock) -> BatchFunction:
         "outputs": kernel.outputs,
         "arrays": [*state_arguments(kernel), *kernel.outputs],
         "declarations": "\n".join(block.declarations()),
+        "parts": "\n".join(line for lines in block.functions() for line in lines),
         "body": "\n".join(block.body()),
         "checked": block.checked,
         "copies": [_copying(kernel, count) for count in counts],

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from copy import copy
+from functools import cached_property
 
+from derive.backends.c.block_parts import BlockPart, block_parts
 from derive.backends.c.linear_sums import KernelSums
 from derive.backends.c.loop_text import declarations
 from derive.backends.c.nests import CNests
+from derive.backends.c.signatures import parameters, signature
+from derive.backends.wrapping import prefixed
 from derive.ir.analysis import codes_in_order
 from derive.ir.batches import SHARED, batch, state_arguments, state_elements, state_views
 from derive.ir.kernel import Kernel
@@ -32,6 +37,7 @@ class StateBlock:
         """The function for a block of another number of states."""
         other = copy(self)
         other.width = width
+        other.__dict__.pop("_lines", None)
         return other
 
     @property
@@ -48,13 +54,66 @@ class StateBlock:
 
     def body(self) -> Lines:
         """The statements of the function."""
+        return [line for number, lines in enumerate(self._lines) for line in (self._call(number) or lines)]
+
+    def functions(self) -> list[Lines]:
+        """The static functions of its long parts."""
+        return [
+            [
+                *signature(f"TISSERAND_SHARED void {self._name(number)}", [p for p, _ in self._parameters(part)]),
+                "{",
+                f"    const int count = {self.width};",
+                *self._shared(part.names),
+                *self._lines[number],
+                "}",
+                "",
+            ]
+            for number, part in enumerate(self.parts)
+            if part.apart
+        ]
+
+    @cached_property
+    def parts(self) -> list[BlockPart]:
+        """Its statements, in parts of which the long ones have functions."""
+        return block_parts(self.batch.nodes, self.repeats)
+
+    @cached_property
+    def _lines(self) -> list[Lines]:
+        """The lines of each part."""
         outputs = {o.name for o in self.kernel.outputs}
         arrays = outputs | {a.name for a in state_arguments(self.kernel)}
         counter = "ptrdiff_t" if self.repeats else "int"
         codes = codes_in_order(self.batch.nodes) or (None,)
         helpers = f"{self.model}_block{self.width}"
         nests = CNests(outputs, arrays, helpers, self.repeats, codes[0], counter=counter)
-        return [line.text for line in nests.lines(self.batch.nodes)]
+        return [[line.text for line in nests.lines(part.nodes)] for part in self.parts]
+
+    def _name(self, number: int) -> str:
+        return f"{self.model}_{self.kernel.name}_part{sum(part.apart for part in self.parts[: number + 1])}"
+
+    def _call(self, number: int) -> Lines:
+        """The call of a part, if it has a function."""
+        if not self.parts[number].apart:
+            return []
+        passed = ", ".join(name for _, name in self._parameters(self.parts[number]))
+        first, *others = prefixed([f"{self._name(number)}({passed});"], " " * 8)
+        return [first.removeprefix("    "), *others]
+
+    def _parameters(self, part: BlockPart) -> list[tuple[str, str]]:
+        """The parameters of the function of a part, and what is passed for them."""
+        used, kernel = part.names, self.kernel
+        of_states = {a.name for a in state_arguments(kernel)}
+        outputs = {o.name for o in kernel.outputs}
+        result = [("ptrdiff_t all", "all")] if used & (of_states | outputs) else []
+        for argument, kind in zip(kernel.arguments, parameters(kernel), strict=False):
+            if used & {argument.name, *argument.names}:
+                result.append((kind, argument.name))
+        result += [(f"double *TISSERAND_RESTRICT {name}", name) for name in sorted(outputs & used)]
+        scalars = sorted(self.batch.scalars & used, key=lambda name: (len(name), name))
+        result += [(f"double *TISSERAND_RESTRICT {name}", name) for name in scalars]
+        arrays = [name for name in self.batch.arrays if name in used]
+        result += [(f"double (*TISSERAND_RESTRICT {name})[{self.width}]", name) for name in arrays]
+        return [*result, *([("double *TISSERAND_RESTRICT codes", "codes")] if part.checked else [])]
 
     def declarations(self) -> Lines:
         """The lines before the statements, which name what these read and declare their arrays."""
@@ -64,13 +123,11 @@ class StateBlock:
         unused = [a.name for a in kernel.arguments if a.name not in SHARED and a.name not in read]
         unused += [o.name for o in kernel.outputs if not o.size]
         lines = [f"    (void) {name};" for name in (*unused, *([] if self._has_rows() else ["all"]))]
+        whole = used if not any(part.apart for part in self.parts) else self._used_here
+        lines += self._shared(whole)
         shared = [a for name in SHARED for a in kernel.arguments if a.name == name]
-        for a in shared:
-            elements = ((index, name) for index, name in a.named_elements if name in used)
-            views = (view for view in a.parts if view.name in used)
-            lines += [f"    const double {name} = {a.name}[{index}];" for index, name in elements]
-            lines += [f"    const double *{v.name} = {a.name}{f' + {v.offset}' if v.offset else ''};" for v in views]
         lines += [f"    (void) {a.name};" for a in reversed(shared) if used.isdisjoint(a.names)]
+        lines += ["    (void) count;"] if whole is not used else []
         scalars = sorted(self.batch.scalars, key=lambda name: (len(name), name))
         lines += declarations([f"{name}[{self.width}]" for name in scalars])
         lines += declarations([f"{name}[{n}][{self.width}]" for name, n in self.batch.arrays.items()])
@@ -79,6 +136,21 @@ class StateBlock:
             "    unsigned long long failures = 0;",
         ]
         return [*lines, *(codes if self.checked else [])]
+
+    @property
+    def _used_here(self) -> frozenset[str]:
+        """The names that statements outside of functions of parts read."""
+        return frozenset(name for part in self.parts if not part.apart for name in part.names)
+
+    def _shared(self, used: Collection[str]) -> Lines:
+        """The lines that name the elements and the parts of the arguments that all states share."""
+        lines = []
+        for a in (a for name in SHARED for a in self.kernel.arguments if a.name == name):
+            elements = ((index, name) for index, name in a.named_elements if name in used)
+            views = (view for view in a.parts if view.name in used)
+            lines += [f"    const double {name} = {a.name}[{index}];" for index, name in elements]
+            lines += [f"    const double *{v.name} = {a.name}{f' + {v.offset}' if v.offset else ''};" for v in views]
+        return lines
 
     def _has_rows(self) -> bool:
         """Whether a later element than the first is accessed, so that the distance of rows matters."""

@@ -1,0 +1,43 @@
+"""Batches of loops over bodies: each step of an elimination has one text, and long loops have a function each."""
+
+from __future__ import annotations
+
+import pytest
+
+from derive.backends.c.batch_block import StateBlock
+from derive.backends.c.block_parts import LONG, block_parts
+from derive.ir.loop_nests import For, every
+from kernel.test_instance_lanes import looped
+
+
+@pytest.fixture(scope="module")
+def accelerations() -> StateBlock:
+    """Eight states of the accelerations of ten beams that hang from the ground."""
+    return StateBlock(looped("chain_10").kernel("accel"), "chain_10", 8)
+
+
+def test_the_steps_of_an_end_have_one_text(accelerations: StateBlock) -> None:
+    """Nine joints: four steps from each end, the first body apart, and the joint in the middle."""
+    long = [node for part in accelerations.parts if part.apart for node in part.nodes if isinstance(node, For)]
+    assert [node.count for node in long if sum(1 for _ in every([node])) > LONG] == [4, 1, 4]
+    assert len(accelerations.body()) + sum(map(len, accelerations.functions())) < 1150
+
+
+def test_long_loops_have_functions(accelerations: StateBlock) -> None:
+    """No statement is lost or moves, and what a function reads and writes is among its parameters."""
+    parts = accelerations.parts
+    assert tuple(node for part in parts for node in part.nodes) == accelerations.batch.nodes
+    assert [part.apart for part in parts] == [False, True, True, True, True]
+    body, functions = "\n".join(accelerations.body()), accelerations.functions()
+    for part, lines in zip((part for part in parts if part.apart), functions, strict=True):
+        name = lines[0].split()[-1].rstrip("(")
+        assert body.count(f"{name}(") == 1
+        assert len(lines) > LONG
+        head = "\n".join(lines[: lines.index("{")])
+        assert all(array in head for array in accelerations.batch.arrays if array in part.names)
+
+
+def test_short_batches_are_one_function() -> None:
+    block = StateBlock(looped("chain_10").kernel("energy"), "chain_10", 8)
+    assert not block.functions()
+    assert not any(part.apart for part in block_parts(block.batch.nodes, several=False))
