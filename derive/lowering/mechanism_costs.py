@@ -13,6 +13,7 @@ its h and, if M is not diagonal, z non-zeros of M, and with e products in the el
 
 A joint whose constraints depend on both of its bodies at once takes 6 more in straight-line code, and 11 in loops, of
 which many of a kind take the same parts as many bodies of a class do: a rough fit to 15 scenes with 1 to 8 such joints.
+Bodies with fewer joints join the class of others where the loops then take less (`joined_classes.py`).
 The blocks of joints in loops have one size, that of the joint with the most constraints. The compiler takes about
 0.02 T + 2.2e-8 T^3 seconds for the functions of straight-line code whose accelerations take T ns.
 """
@@ -28,6 +29,7 @@ import sympy as sp
 from derive.ir.indices import LANES
 from derive.lowering.instances.block_system import Blocks, blocks
 from derive.lowering.instances.classes import BodyClass, body_classes, plain_joint
+from derive.lowering.instances.joined_classes import joined_classes
 from derive.lowering.instances.varying_joints import varies
 from derive.mechanics.multibody.mechanism import Mechanism
 
@@ -85,15 +87,14 @@ def estimate_mechanism_costs(mechanism: Mechanism) -> MechanismCosts:
     """The predicted costs of both lowerings of a mechanism."""
     rows = [joint.multipliers for joint in mechanism.joints]
     classes = body_classes(mechanism)
-    flat, looped = 0.0, 0.0
-    for of in classes:
-        count = len(of.members)
-        for_flat, for_loop = _body_times(mechanism, of, rows)
-        flat += count * for_flat
-        looped += _passes(count) * for_loop
+    times = {of.name: _body_times(mechanism, of, rows) for of in classes}
+    flat = sum(len(of.members) * times[of.name][0] for of in classes)
+    looped = sum(_passes(len(of.members)) * times[of.name][1] for of in classes)
     if rows:
         handles = [[(h.joint, h.is_first) for h in member.handles] for of in classes for member in of.members]
         system = blocks(rows, handles)
+        joined = joined_classes(mechanism, classes, system)
+        looped = min(looped, sum(_passes(len(of.members)) * _body_times(mechanism, of, rows)[1] for of in joined))
         path = system.is_path and not system.closes_loops
         flat += 0.30 * _products(system, system.rows)
         looped += 1.9 * len(rows) + (0.07 if path else 0.28) * _products(system, [system.size] * len(rows))
