@@ -28,7 +28,7 @@ from derive.mechanics.multibody.kinds import JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 
 BODY = 20
-"""What a body without joints takes, in entries of the blocks of the joints."""
+"""The work of a body without joints, in entries of the blocks of the joints."""
 GUESTS = 4
 """The most classes that may join another one, of which all selections are compared."""
 
@@ -66,7 +66,7 @@ def _with_guests(
 
 
 def _work(mechanism: Mechanism, classes: Iterable[BodyClass]) -> int:
-    """What the loops over some classes take in lanes, in entries of the blocks of the joints."""
+    """The work of the loops over some classes in lanes, in entries of the blocks of the joints."""
     total = 0
     for of in classes:
         rows = sum(mechanism.joints[h.joint].multipliers for h in of.first.handles)
