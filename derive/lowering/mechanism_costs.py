@@ -14,6 +14,7 @@ non-zeros of M, and with e products in the elimination of the joints, in ns:
 
 A joint whose constraints depend on both of its bodies at once takes 6 more in straight-line code, and 11 in loops, of
 which many of a kind take the same parts as many bodies of a class do: a rough fit to 15 scenes with 1 to 8 such joints.
+Bodies with fewer joints join the class of others where the loops then take less (`joined_classes.py`).
 The blocks of joints in loops have one size, that of the joint with the most constraints. Straight-line code of more
 than 0.35 us leaves the instruction cache, and from 0.65 us on takes twice its time (18 scenes); so do loops over bodies
 where one body of each class takes more than 0.3 us, and from 0.55 us on (8 scenes). The compiler takes some 0.02 T +
@@ -31,6 +32,7 @@ import sympy as sp
 from derive.ir.indices import LANES
 from derive.lowering.instances.block_system import Blocks, blocks
 from derive.lowering.instances.classes import BodyClass, body_classes, plain_joint
+from derive.lowering.instances.joined_classes import joined_classes
 from derive.lowering.instances.varying_joints import varies
 from derive.mechanics.multibody.mechanism import Mechanism
 
@@ -88,17 +90,13 @@ def estimate_mechanism_costs(mechanism: Mechanism) -> MechanismCosts:
     """The predicted costs of both lowerings of a mechanism."""
     rows = [joint.multipliers for joint in mechanism.joints]
     classes = body_classes(mechanism)
-    flat, looped, once = 0.0, 0.0, 0.0
-    for of in classes:
-        count = len(of.members)
-        for_flat, for_loop = _body_times(mechanism, of, rows)
-        flat += count * for_flat
-        looped += _passes(count) * for_loop
-        once += for_loop
-    looped *= 1 + _beyond(once, LOOPS_IN_CACHE, LOOPS_TWICE)
+    flat = sum(len(of.members) * _body_times(mechanism, of, rows)[0] for of in classes)
+    looped = _loops(mechanism, classes, rows)
     if rows:
         handles = [[(h.joint, h.is_first) for h in member.handles] for of in classes for member in of.members]
         system = blocks(rows, handles)
+        joined = joined_classes(mechanism, classes, system)
+        looped = min(looped, _loops(mechanism, joined, rows))
         path = system.is_path and not system.closes_loops
         flat += 0.21 * _products(system, system.rows)
         looped += 4.4 * len(rows) + (0.16 if path else 0.25) * _products(system, [system.size] * len(rows))
@@ -106,6 +104,13 @@ def estimate_mechanism_costs(mechanism: Mechanism) -> MechanismCosts:
     flat += 6.0 * sum(varying)
     looped += 11.0 * sum(map(_passes, varying))
     return MechanismCosts(flat * (1 + _beyond(flat, IN_CACHE, TWICE)), looped, 0.02 * flat + 2.2e-8 * flat**3)
+
+
+def _loops(mechanism: Mechanism, classes: Sequence[BodyClass], rows: Sequence[int]) -> float:
+    """The time of the loops over the bodies of classes."""
+    times = [(_passes(len(of.members)), _body_times(mechanism, of, rows)[1]) for of in classes]
+    once = sum(time for _, time in times)
+    return sum(passes * time for passes, time in times) * (1 + _beyond(once, LOOPS_IN_CACHE, LOOPS_TWICE))
 
 
 def _beyond(time: float, in_cache: float, twice: float) -> float:

@@ -35,8 +35,8 @@ def in_a_row(count: int) -> dict[str, tuple[str, str]]:
 
 
 BODIES = {
-    "two in a row": {f"rod_{k}": ROD for k in range(3)},
-    "three in a row": {f"rod_{k}": ROD for k in range(4)},
+    "two beside": {f"rod_{k}": ROD for k in range(2)},
+    "three in a row": {f"rod_{k}": ROD for k in range(3)},
     "three beside": {f"rod_{k}": ROD for k in range(3)},
     # a rigid body between them: integers place their elements, which are copied
     "three apart": {
@@ -47,11 +47,10 @@ BODIES = {
     },
 }
 JOINTS = {
-    "two in a row": in_a_row(3),
-    "three in a row": in_a_row(4),
+    "three in a row": in_a_row(3),
     **{
         name: {f"pin_{body}": ("ground.hook", f"{body}.left") for body in BODIES[name]}
-        for name in ("three beside", "three apart")
+        for name in ("two beside", "three beside", "three apart")
     },
 }
 
@@ -111,7 +110,7 @@ def test_bits_do_not_depend_on_the_width_or_the_compiler(name: str, compiler: st
 def test_the_lanes_that_are_left_are_filled(name: str) -> None:
     (source,) = (file for file in files(name) if file.path.endswith(".c"))
     function = source.text[source.text.index("int few_accel(") :].partition("\n}\n")[0]
-    count = 2 if name == "two in a row" else 3
+    count = 2 if name == "two beside" else 3
     assert f"tisserand_sines(TISSERAND_FILLED({count}), angle_1, sine_1, cosine_1);" in function
     assert "TISSERAND_LOAD(copies_" not in function
     assert ("TISSERAND_GATHER_FEW(copies_" in function) == (name == "three apart")

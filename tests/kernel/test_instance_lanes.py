@@ -135,7 +135,7 @@ def test_which_loops_run_in_lanes() -> None:
     kinds = [node.kind for node in every(nodes_in_lanes(looped("chain_9").kernel("accel"))) if isinstance(node, For)]
     assert kinds.count(LoopKind.ENDS) == 2
     assert kinds.count(LoopKind.LANES) == 3 and LoopKind.FEW not in kinds
-    kinds = [node.kind for node in every(nodes_in_lanes(looped("chain_4").kernel("accel"))) if isinstance(node, For)]
+    kinds = [node.kind for node in every(nodes_in_lanes(looped("chain_3").kernel("accel"))) if isinstance(node, For)]
     assert kinds.count(LoopKind.FEW) == 3 and LoopKind.LANES not in kinds
     assert all(
         node.kind is LoopKind.ORDERED

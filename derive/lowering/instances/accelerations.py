@@ -27,6 +27,7 @@ from derive.lowering.instances.block_system import (
     declared,
     packed,
     spaced,
+    spare_reactions,
 )
 from derive.lowering.instances.class_code import INSTANCE, ClassCode, LoopTarget, kept_values
 from derive.lowering.instances.context import (
@@ -149,9 +150,7 @@ def _block_items(
 
 def _joint_place(system: Blocks, of: ClassCode, handle: int) -> Place:
     """The place of the joint at a handle of each body, in arrays of one component after the other."""
-    return of.place(
-        f"joint_{handle}", [system.position[m.handles[handle].joint] for m in of.of.members], system.spacing
-    )
+    return of.place(f"joint_{handle}", [system.place(m.handles[handle].joint) for m in of.of.members], system.spacing)
 
 
 def _coupling(
@@ -161,10 +160,11 @@ def _coupling(
     a, b = handles
     first, second = of.system_rows[a], of.system_rows[b]
     size = system.size
-    at = [(system.position[m.handles[a].joint], system.position[m.handles[b].joint]) for m in of.of.members]
-    turned = [x > y for x, y in at]
+    at = [(system.place(m.handles[a].joint), system.place(m.handles[b].joint)) for m in of.of.members]
+    is_turned = at[of.of.leading][0] > at[of.of.leading][1]
+    turned = [is_turned if system.joints in pair else pair[0] > pair[1] for pair in at]
     name = f"coupling_{a}_{b}"
-    place = of.place(name, [system.block(min(x, y), max(x, y)) for x, y in at], system.coupling_spacing)
+    place = of.place(name, [system.block(*pair) for pair in at], system.coupling_spacing)
     values = [local_of.compliance(i, j) for i in first for j in second]
     cells = [(i, j) for i in range(len(first)) for j in range(len(second))]
     operator = Operator.ADD if system.adds else None
@@ -212,9 +212,12 @@ def solved(
     """A kernel that solves the system of bodies and joints.
 
     given: the statements that write what is known of the right-hand sides of the joints, to KNOWN; alone: they write
-    all of them, to RIGHT[0] after the bodies, which have zeros. in_lanes: whether many bodies are computed in vectors.
+    all of them, to RIGHT[0] after the bodies, which have zeros. in_lanes: whether many bodies are computed in vectors,
+    in which bodies with fewer rows join those with more.
     """
-    systems = [_system(context, of, right, names, unknown, in_lanes) for of in context.classes]
+    classes = context.classes_in_lanes if in_lanes else context.classes
+    are_joined = any(of.of.is_joined for of in classes)
+    systems = [_system(context, of, right, names, unknown, in_lanes) for of in classes]
     works = [s.work for s in systems if s.work]
     applied = applied_sums(context) if right is _forces else ()
     has_bias = bool(context.joints) and right is _forces
@@ -231,11 +234,15 @@ def solved(
     if context.blocks:
         varying: list[Statement] = [*factors.works(), *factors.loops(context.blocks, names, has_bias, in_lanes)]
         arrays = declared(context.blocks, has_known, context.proximal)
+        before = [s for s in arrays if isinstance(s, Work) or not are_joined]
         steps[:0] = [
-            ("system", Source.FACTORISATION, "the blocks of the joints", arrays),
+            ("system", Source.FACTORISATION, "the blocks of the joints", before),
             ("known", "(5)", "what is known of the right-hand sides", [] if alone else list(given)),
             ("factors", "(6)", "what the rows of G of one body owe to another", varying),
         ]
+        if are_joined:
+            after = [*(s for s in arrays if s not in before), *spare_reactions(context.blocks)]
+            steps.append(("rows", Source.FACTORISATION, "rows that joints do not have", after))
         if alone:
             steps.append(("right", "(5)", "the right-hand sides of the joints", list(given)))
         steps.append(

@@ -18,6 +18,7 @@ from derive.ir.indices import LANES, constant, padded
 from derive.ir.patterns import pattern
 from derive.ir.statements import InstanceStatement, StoreElement, Work
 from derive.lowering.elimination_orders import elimination_order, rounds_of_least_degree, work
+from derive.lowering.instances.classes import NO_JOINT
 
 DIAGONAL, RIGHT = ("first_diagonal", "second_diagonal"), ("first_right", "second_right")
 """The local arrays of what the first and the second body of a joint contribute."""
@@ -40,7 +41,8 @@ class Blocks:
     elimination, by which all arrays are numbered; neighbours: for each place the later places that it is coupled with
     when it is eliminated, each with the number of its block; sides: the places that have a first and a second body
     with unknowns; writers: the number of bodies that write each block; closes_loops: whether the joints close loops of
-    bodies, with the ground as one of them.
+    bodies, with the ground as one of them; has_spare: whether the arrays have a place and a block more, to which goes
+    what nothing reads.
     """
 
     size: int
@@ -50,6 +52,7 @@ class Blocks:
     sides: tuple[frozenset[int], frozenset[int]]
     writers: tuple[int, ...]
     closes_loops: bool
+    has_spare: bool = False
 
     @property
     def joints(self) -> int:
@@ -69,12 +72,12 @@ class Blocks:
     @property
     def spacing(self) -> int:
         """The distance of the components of a block, in arrays with those of each joint."""
-        return spaced(self.joints)
+        return spaced(self.joints + self.has_spare)
 
     @property
     def coupling_spacing(self) -> int:
         """The distance of the components of a block beside the diagonal."""
-        return spaced(self.couplings)
+        return spaced(self.couplings + self.has_spare)
 
     @property
     def adds(self) -> bool:
@@ -87,9 +90,42 @@ class Blocks:
         last = self.joints - 1
         return all(of == (((s + 1, s),) if s < last else ()) for s, of in enumerate(self.neighbours))
 
+    def place(self, joint: int) -> int:
+        """The place of a joint; that of none is the spare one, behind all others."""
+        return self.joints if joint == NO_JOINT else self.position[joint]
+
     def block(self, first: int, second: int) -> int:
-        """The number of the block of two places, the earlier one first."""
-        return dict(self.neighbours[first])[second]
+        """The number of the block of two places; if one of them is spare, so is the block."""
+        first, second = sorted((first, second))
+        return self.couplings if second == self.joints else dict(self.neighbours[first])[second]
+
+    def left(self) -> dict[str, dict[int, bool]]:
+        """The elements of each array that no body writes, and whether they are ones: padded diagonals are."""
+        n, size = self.joints, self.size
+        rows = [0] * n
+        for joint, place in enumerate(self.position):
+            rows[place] = self.rows[joint]
+        result: dict[str, dict[int, bool]] = {}
+        for side in (0, 1):
+            own = [rows[place] if place in self.sides[side] else 0 for place in range(n)]
+            cells = [(i, j) for i in range(size) for j in range(i, size)]
+            result[DIAGONAL[side]] = {
+                packed(size, i, j) * self.spacing + p: side == 0 and i == j and i >= rows[p]
+                for i, j in cells
+                for p in range(n)
+                if j >= own[p]
+            }
+            left = {i * self.spacing + p: False for i in range(size) for p in range(n) if i >= own[p]}
+            result[RIGHT[side]] = result[FLOOR[side]] = left
+        ends = [(place, other) for place, others in enumerate(self.neighbours) for other, _ in others]
+        result[COUPLING] = {
+            (size * i + j) * self.coupling_spacing + b: False
+            for b, (place, other) in enumerate(ends)
+            for i in range(size)
+            for j in range(size)
+            if not self.writers[b] or self.adds or i >= rows[place] or j >= rows[other]
+        }
+        return result
 
 
 def _closes_loops(count: int, handles: Sequence[Sequence[tuple[int, bool]]]) -> bool:
@@ -181,49 +217,30 @@ def packed(size: int, i: int, j: int) -> int:
 
 
 def declared(of: Blocks, has_known: bool, has_floor: bool) -> tuple[InstanceStatement, ...]:
-    """The arrays of the system with all elements that no body writes; on padded diagonals these are ones.
+    """The arrays of the system with all elements that no body writes.
 
     has_known: whether something of the right-hand side is known; has_floor: whether there are least weights.
     """
-    n, size = of.joints, of.size
-    rows = [0] * n
-    for joint, place in enumerate(of.position):
-        rows[place] = of.rows[joint]
-    result: list[InstanceStatement] = []
+    left = of.left()
+    sizes: dict[str, tuple[int, int]] = {}
     for side in (0, 1):
-        own = [rows[place] if place in of.sides[side] else 0 for place in range(n)]
-        cells = [(i, j) for i in range(size) for j in range(i, size)]
-        left = {
-            packed(size, i, j) * of.spacing + p: side == 0 and i == j and i >= rows[p]
-            for i, j in cells
-            for p in range(n)
-            if j >= own[p]
-        }
-        result += _filled(DIAGONAL[side], of.packed, of.spacing, left)
-        left = {i * of.spacing + p: False for i in range(size) for p in range(n) if i >= own[p]}
-        for array in (RIGHT[side], *([FLOOR[side]] if has_floor else ())):
-            result += _filled(array, size, of.spacing, left)
-    if of.couplings:
-        ends = [(place, other) for place, others in enumerate(of.neighbours) for other, _ in others]
-        left = {
-            (size * i + j) * of.coupling_spacing + b: False
-            for b, (place, other) in enumerate(ends)
-            for i in range(size)
-            for j in range(size)
-            if not of.writers[b] or of.adds or i >= rows[place] or j >= rows[other]
-        }
-        result += _filled(COUPLING, size**2, of.coupling_spacing, left)
+        sizes[DIAGONAL[side]] = of.packed, of.spacing
+        sizes |= dict.fromkeys((RIGHT[side], *((FLOOR[side],) if has_floor else ())), (of.size, of.spacing))
+    sizes |= {COUPLING: (of.size**2, of.coupling_spacing)} if of.couplings else {}
+    result: list[InstanceStatement] = []
+    for array, (components, spacing) in sizes.items():
+        cleared = len(left[array]) > FEW
+        result.append(Work(array, components * spacing, cleared, spacing))
+        result += [
+            StoreElement(Element(array, constant(index)), ONE if one else ZERO)
+            for index, one in sorted(left[array].items())
+            if one or not cleared
+        ]
     if has_known:
-        result.append(Work(KNOWN, size * of.spacing, True, of.spacing))
-    return (*result, Work(FORCE, size * of.spacing, spacing=of.spacing))
+        result.append(Work(KNOWN, of.size * of.spacing, True, of.spacing))
+    return (*result, Work(FORCE, of.size * of.spacing, spacing=of.spacing))
 
 
-def _filled(array: str, components: int, spacing: int, left: dict[int, bool]) -> list[InstanceStatement]:
-    """An array with the elements that no body writes: zeros, and ones where the value is true."""
-    cleared = len(left) > FEW
-    stores = [
-        StoreElement(Element(array, constant(index)), ONE if one else ZERO)
-        for index, one in sorted(left.items())
-        if one or not cleared
-    ]
-    return [Work(array, components * spacing, cleared, spacing), *stores]
+def spare_reactions(of: Blocks) -> tuple[InstanceStatement, ...]:
+    """Zeros at the spare place of the solution, which bodies read for joints that they do not have."""
+    return tuple(StoreElement(Element(FORCE, constant(k * of.spacing + of.joints)), ZERO) for k in range(of.size))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 
@@ -22,6 +22,9 @@ from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.instances import identifier, instance_parts
 from derive.spec.model.markers import GROUND, MarkerRef
+
+NO_JOINT = -1
+"""The number of the joint at a handle that the members of a class have, besides this one."""
 
 
 @dataclass(frozen=True)
@@ -66,19 +69,26 @@ class Member:
 
 @dataclass(frozen=True)
 class BodyClass:
-    """Bodies with coordinates that differ in the values of their constants alone."""
+    """Bodies with coordinates that differ in the values of their constants alone.
+
+    leading: the member after which the class and its symbols are named, and which has all handles; is_joined: whether
+    some of the others do not, see `joined_classes.py`.
+    """
 
     members: tuple[Member, ...]
+    leading: int = 0
+    is_joined: bool = False
 
     @property
     def first(self) -> Member:
-        """The member after which the class and its symbols are named."""
-        return self.members[0]
+        """The leading member."""
+        return self.members[self.leading]
 
     @property
     def name(self) -> str:
         """The name of the class in the generated code."""
-        return identifier(self.first.instance.name)
+        name = identifier(self.first.instance.name)
+        return f"joined_{name}" if self.is_joined else name
 
 
 def body_classes(mechanism: Mechanism) -> tuple[BodyClass, ...]:
@@ -100,18 +110,23 @@ def body_classes(mechanism: Mechanism) -> tuple[BodyClass, ...]:
             name = instance.name
             member = Member(number, instance, tuple(handles[name]), tuple(forces[name]), first)
             classes.setdefault(_key(member, mechanism), []).append(member)
-    return tuple(BodyClass(_with_forces(members)) for members in classes.values())
+    return tuple(BodyClass(with_forces(members)) for members in classes.values())
 
 
-def _with_forces(members: list[Member]) -> tuple[Member, ...]:
+def with_forces(members: Sequence[Member]) -> tuple[Member, ...]:
     """The members of a class with the places of the numbers of forces in which they differ.
 
     Members have no forces where these have different forms: groups of forces then add them to the bodies.
     """
-    if len({tuple(force.key for force in member.forces) for member in members}) > 1:
+    if len({*map(force_keys, members)}) > 1:
         return tuple(replace(member, forces=()) for member in members)
     differing = differing_places([member.forces for member in members])
     return tuple(replace(member, differing=differing) for member in members)
+
+
+def force_keys(member: Member) -> tuple[Hashable, ...]:
+    """The forms of the forces on a member."""
+    return tuple(force.key for force in member.forces)
 
 
 def marker_classes(mechanism: Mechanism) -> dict[str, BodyClass]:
@@ -137,14 +152,20 @@ def marker_classes(mechanism: Mechanism) -> dict[str, BodyClass]:
 
 def _key(member: Member, mechanism: Mechanism) -> Hashable:
     """All that the code of a body depends on, besides numbers and the forces on it."""
-    instance, joints = member.instance, mechanism.joints
-    component, coordinates = instance.component, instance.coordinates
-    if coordinates.reason:
-        return instance.name  # what it follows is known, and is written out for this body
-    sections = tuple((name, _without_values(section)) for name, section in component.sections.items())
+    joints = mechanism.joints
     of = ((h, joints[h.joint]) for h in member.handles)  # a drive adds a multiplier, and codes differ by it
     at = tuple((h.is_first, h.marker, joint.type, joint.multipliers, plain_joint(joint)) for h, joint in of)
-    return instance.kind, component.markers, sections, at, fixed_values(member.of_body)
+    return body_key(member), at
+
+
+def body_key(member: Member) -> Hashable:
+    """All that the code of a body without its joints depends on, besides numbers and the forces on it."""
+    instance = member.instance
+    component = instance.component
+    if instance.coordinates.reason:
+        return instance.name  # what it follows is known, and is written out for this body
+    sections = tuple((name, _without_values(section)) for name, section in component.sections.items())
+    return instance.kind, component.markers, sections, fixed_values(member.of_body)
 
 
 def fixed_values(constants: Iterable[ModelConstant]) -> tuple[sp.Expr | None, ...]:

@@ -22,9 +22,10 @@ from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.instances.block_system import Blocks, blocks
 from derive.lowering.instances.class_code import ClassCode, Loaded, LoopCode, LoopTarget
 from derive.lowering.instances.class_equations import class_equations, with_known
-from derive.lowering.instances.classes import body_classes, marker_classes
+from derive.lowering.instances.classes import BodyClass, body_classes, marker_classes
 from derive.lowering.instances.group_code import GroupCode, JointCode, spread
 from derive.lowering.instances.groups import Bodies, Group, force_equations, force_groups
+from derive.lowering.instances.joined_classes import joined_classes
 from derive.lowering.instances.joint_groups import joint_equations, joint_groups
 from derive.lowering.instances.known_motion import KnownMotion, known_symbol
 from derive.lowering.instances.output_groups import output_groups
@@ -49,25 +50,20 @@ class InstanceContext:
         self.known = KnownMotion(mechanism)
         self.constants.coefficients |= self.known.context.constants.coefficients
         self.known.context.constants = self.constants
-        self.classes = [
-            ClassCode(of, class_equations(mechanism, of, self.known), self.places, self.constants)
-            for of in body_classes(mechanism)
-        ]
+        self.classes = [self._class(of) for of in body_classes(mechanism)]
+        rows = [joint.multipliers for joint in mechanism.joints]
+        self.first_rows = [0, *accumulate(rows)]
+        handles = [[(h.joint, h.is_first) for h in m.handles] for c in self.classes for m in c.of.members]
+        self.blocks: Blocks | None = blocks(rows, handles) if rows else None
+        self.classes_in_lanes = self._joined()
         self.marker_classes = {
-            name: ClassCode(
-                of, class_equations(mechanism, of, self.known), self.places, self.constants, f"markers_{name}"
-            )
-            for name, of in marker_classes(mechanism).items()
+            name: self._class(of, f"markers_{name}") for name, of in marker_classes(mechanism).items()
         }
         bodies = Bodies(mechanism, [of.of for of in self.classes], self.known)
         self.forces = [self._group(group, force_equations(bodies, group)) for group in force_groups(bodies)]
         self.outputs = [self._group(group, equations) for group, equations in output_groups(bodies)]
         self.joints = [self._joint(group, joint_equations(bodies, group)) for group in joint_groups(bodies)]
         self.loaded = {m.number for group in self.forces for e in group.elements for m in e.bodies}
-        rows = [joint.multipliers for joint in mechanism.joints]
-        self.first_rows = [0, *accumulate(rows)]
-        handles = [[(h.joint, h.is_first) for h in m.handles] for c in self.classes for m in c.of.members]
-        self.blocks: Blocks | None = blocks(rows, handles) if rows else None
         self.rows = tuple(row.name for row in mechanism.rows)
         self.multipliers = tuple(c.name for c in self.conditions)
         if sensitivities:
@@ -77,6 +73,16 @@ class InstanceContext:
                     code.context.add_constant(constant)
         elif mechanism.outputs and mechanism.scene.inputs:
             self.known.differentiate(by_parameters=False)
+
+    def _joined(self) -> list[ClassCode]:
+        """The codes of the classes after some have joined others, for which the system then has a spare place."""
+        classes = joined_classes(self.mechanism, [of.of for of in self.classes], self.blocks)
+        if self.blocks and any(of.is_joined for of in classes):
+            self.blocks = replace(self.blocks, has_spare=True)
+        return [next((code for code in self.classes if code.of is of), None) or self._class(of) for of in classes]
+
+    def _class(self, of: BodyClass, name: str = "") -> ClassCode:
+        return ClassCode(of, class_equations(self.mechanism, of, self.known), self.places, self.constants, name)
 
     def _group(self, group: Group, equations: Equations) -> GroupCode:
         return GroupCode(self._code(group, equations), group.members)
@@ -103,7 +109,8 @@ class InstanceContext:
     def codes(self) -> tuple[LoopCode, ...]:
         """All codes of loops over instances."""
         groups = (group.code for group in (*self.forces, *self.outputs, *self.joints))
-        return (*self.classes, *self.marker_classes.values(), *groups)
+        joined = (of for of in self.classes_in_lanes if of.of.is_joined)
+        return (*self.classes, *joined, *self.marker_classes.values(), *groups)
 
     @property
     def output_components(self) -> tuple[OutputEquation, ...]:

@@ -1,0 +1,139 @@
+"""Bodies at the ends of chains, which join the class of those between, where four bodies are in the lanes of a vector.
+
+A body with fewer joints, or with joints that remove fewer motions, is one of a class of bodies that have more of them
+if what it computes too much is dropped: its rows of joints that it does not have go to places that nothing reads, and
+what it writes to rows that its joints do not have is overwritten afterwards. The reactions of these rows are zero. A
+vector takes about as long as a body alone, so that four bodies of a chain take the time of one, and not of three.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import combinations, pairwise, permutations
+
+from derive.ir.indices import LANES, padded
+from derive.lowering.instances.block_system import FEW, Blocks
+from derive.lowering.instances.classes import (
+    NO_JOINT,
+    BodyClass,
+    Handle,
+    Member,
+    body_key,
+    force_keys,
+    with_forces,
+)
+from derive.lowering.instances.varying_joints import varies
+from derive.mechanics.multibody.kinds import JointInstance
+from derive.mechanics.multibody.mechanism import Mechanism
+
+BODY = 20
+"""The work of a body without joints, in entries of the blocks of the joints."""
+GUESTS = 4
+"""The most classes that may join another one, of which all selections are compared."""
+
+
+def joined_classes(mechanism: Mechanism, classes: Sequence[BodyClass], system: Blocks | None) -> tuple[BodyClass, ...]:
+    """The classes of bodies in lanes: those given, and in place of some the class that they have joined."""
+    result = tuple(classes)
+    if system is None or system.adds or any(map(varies, mechanism.joints)):
+        return result
+    if any(len(elements) > FEW for elements in system.left().values()):
+        return result  # arrays begin as zeros, which bodies must not overwrite
+    for host in classes:
+        if any(of is host for of in result):
+            result = _with_guests(mechanism, result, host, system)
+    return result
+
+
+def _with_guests(
+    mechanism: Mechanism, classes: tuple[BodyClass, ...], host: BodyClass, system: Blocks
+) -> tuple[BodyClass, ...]:
+    """The classes after some have joined one of them, if this takes less."""
+    guests = [
+        (of, members) for of in classes if of is not host and (members := _as_members(mechanism, of, host)) is not None
+    ][:GUESTS]
+    best, least = classes, _work(mechanism, classes)
+    for number in range(1, len(guests) + 1):
+        for chosen in combinations(guests, number):
+            joined = _joined(host, [members for _, members in chosen])
+            gone = [of for of, _ in chosen]
+            others = tuple(joined if of is host else of for of in classes if all(of is not other for other in gone))
+            work = _work(mechanism, others)
+            if work < least and _is_spaced(joined, host, system):
+                best, least = others, work
+    return best
+
+
+def _work(mechanism: Mechanism, classes: Iterable[BodyClass]) -> int:
+    """The work of the loops over some classes in lanes, in entries of the blocks of the joints."""
+    total = 0
+    for of in classes:
+        rows = sum(mechanism.joints[h.joint].multipliers for h in of.first.handles)
+        total += padded(len(of.members)) // LANES * (BODY + rows + rows * (rows + 1) // 2)
+    return total
+
+
+def _as_members(mechanism: Mechanism, guest: BodyClass, host: BodyClass) -> tuple[Member, ...] | None:
+    """The bodies of a class as members of another one; None if they have what the bodies of that one have not."""
+    first, own = host.first, guest.first
+    if force_keys(first) != force_keys(own) or body_key(first) != body_key(own) or first.instance.coordinates.reason:
+        return None
+    handles = first.handles
+    for numbers in permutations(range(len(handles)), len(own.handles)):
+        pairs = zip(own.handles, numbers, strict=True)
+        if all(_fits(mechanism, handle, handles[number]) for handle, number in pairs):
+            return tuple(_member(member, handles, numbers) for member in guest.members)
+    return None
+
+
+def _fits(mechanism: Mechanism, handle: Handle, host: Handle) -> bool:
+    """Whether the rows of a joint are the first ones of another, at the same marker of a body."""
+    here, there = mechanism.joints[handle.joint], mechanism.joints[host.joint]
+    return (
+        (handle.is_first, handle.marker) == (host.is_first, host.marker)
+        and here.type.axes is there.type.axes
+        and _rows(here) == _rows(there)[: here.multipliers]
+    )
+
+
+def _rows(joint: JointInstance) -> list[tuple[object, ...]]:
+    """The rows that a joint removes or drives, with the values of the keys that they depend on."""
+    rows = [*joint.type.removes, *([joint.type.driven] if joint.drive else ())]
+    keys = joint.type.axes.keys
+    return [(row, *(getattr(joint.joint, key.name) for key in (*keys, *row.keys))) for row in rows if row]
+
+
+def _member(member: Member, handles: Sequence[Handle], numbers: Sequence[int]) -> Member:
+    own = dict(zip(numbers, member.handles, strict=True))
+    absent = (replace(handle, joint=NO_JOINT) for handle in handles)
+    return replace(member, handles=tuple(own.get(number, handle) for number, handle in enumerate(absent)))
+
+
+def _joined(host: BodyClass, guests: Iterable[Sequence[Member]]) -> BodyClass:
+    """A class with the members of others, in the order of the mechanism."""
+    every = (*host.members, *(member for of in guests for member in of))
+    members = with_forces(sorted(every, key=lambda member: member.number))
+    leading = next(k for k, member in enumerate(members) if member.number == host.first.number)
+    return BodyClass(members, leading, True)
+
+
+def _is_spaced(joined: BodyClass, host: BodyClass, system: Blocks) -> bool:
+    """Whether the places of the bodies are equally spaced, besides those that are not in the class without guests."""
+    both = zip(_places(host, system), _places(joined, system), strict=True)
+    return all(_equally(after) or not _equally(before) for before, after in both)
+
+
+def _places(of: BodyClass, system: Blocks) -> Iterator[list[int]]:
+    """The first coordinates of the bodies, the places of their joints, and the blocks of pairs of these."""
+    yield [member.coordinate for member in of.members]
+    joints = [[system.place(handle.joint) for handle in member.handles] for member in of.members]
+    yield from map(list, zip(*joints, strict=True))
+    for a, b in combinations(range(len(of.first.handles)), 2):
+        yield [system.block(own[a], own[b]) for own in joints]
+        yield [own[a] > own[b] for own in joints if system.joints not in own]
+
+
+def _equally(numbers: Sequence[int]) -> bool:
+    """Whether the differences of successive numbers are equal."""
+    return len({after - before for before, after in pairwise(numbers)}) < 2

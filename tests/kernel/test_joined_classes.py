@@ -1,0 +1,106 @@
+"""Bodies at the ends of chains are in the lanes of those between, and what they compute too much has no effect."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+import pytest
+
+import derive
+from derive.ir.analysis import reads
+from derive.ir.interpreter import interpret
+from derive.ir.model import Model
+from derive.lowering.flat.lower import lower
+from derive.lowering.instances.context import InstanceContext
+from derive.lowering.instances.lower import lower_instances
+from derive.mechanics.multibody.mechanism import Mechanism
+
+ROD = {"ansatz": ["1", "xi", "xi^2"], "frame": "mean", "length": 1, "bending_stiffness": 30}
+ENDS = {"markers": {"left": -1, "right": 1}}
+
+
+def chain(kinds: Sequence[str], markers: Sequence[dict[str, object]] = (), backwards: bool = False) -> Mechanism:
+    """Rods of different masses in a row from the ground on, each with the joint before it, or numbered from its end."""
+    count = len(kinds)
+    own = [*markers, *([ENDS] * (count - len(markers)))]
+    bodies = {f"b{n}": {**ROD, "mass": n + 2, **own[n]} for n in range(count)}
+    joints = {}
+    for n, kind in enumerate(kinds):
+        before = "ground.hook" if n == 0 else f"b{n - 1}.right"
+        joints[f"j{n}"] = {"kind": kind, "between": [before, f"b{n}.left"]}
+    if backwards:
+        bodies, joints = dict(reversed(bodies.items())), dict(reversed(joints.items()))
+    scene = derive.scene("row", ground={"hook": [0, 0]}, gravity=[0, -9], bodies=bodies, joints=joints)
+    made = derive.derive(scene)
+    assert isinstance(made, Mechanism)
+    return made
+
+
+def members(of: Mechanism) -> list[list[str]]:
+    """The bodies of each class in lanes."""
+    return [[m.instance.name for m in code.of.members] for code in InstanceContext(of).classes_in_lanes]
+
+
+PINNED = ("revolute", "weld", "weld", "weld")
+
+
+@cache
+def row(backwards: bool = False) -> Mechanism:
+    return chain(PINNED, backwards=backwards)
+
+
+def test_the_ends_join_the_bodies_between_them() -> None:
+    """A pin at the wall removes the first two motions of a weld, and the free end has no joint."""
+    assert members(row()) == [["b0", "b1", "b2", "b3"]]
+    assert [len(code.of.members) for code in InstanceContext(row()).classes] == [1, 2, 1]
+
+
+def test_classes_join_where_vectors_then_take_less() -> None:
+    """Five rods are a full vector and one that is left; two of them have nothing to join."""
+    assert members(chain(("revolute", *["weld"] * 4))) == [["b0", "b1", "b2", "b3"], ["b4"]]
+    assert members(chain(("revolute", "weld"))) == [["b0"], ["b1"]]
+
+
+def test_other_bodies_stay_apart() -> None:
+    """A rod whose markers or whose joint are others computes something else."""
+    short = {"markers": {"left": -1, "right": 1, "middle": 0}}
+    assert members(chain(PINNED, [short])) == [["b0"], ["b1", "b2", "b3"]]
+    assert members(chain(("translational", "weld", "weld", "weld"))) == [["b0"], ["b1", "b2", "b3"]]
+
+
+def test_places_stay_equally_spaced() -> None:
+    """The spare place is behind all others, so that a chain that begins with its free end keeps this apart."""
+    assert ["b3"] in members(row(True))
+
+
+def accelerations(model: Model) -> np.ndarray:
+    kernel = model.kernel("solve")
+    rng = np.random.default_rng(2)
+    given = {name: rng.uniform(-0.3, 0.3, len(model.coordinates)).tolist() for name in ("q", "v")} | {"t": 0.0}
+    given["k"] = interpret(model.kernel("setup"), {"p": list(model.defaults)})["k"]
+    return np.array(interpret(kernel, {a.name: given[a.name] for a in kernel.arguments})["vdot"])
+
+
+@cache
+def looped(proximal: bool = False) -> Model:
+    return lower_instances(row(), proximal=proximal)
+
+
+@pytest.mark.parametrize("proximal", [False, True])
+def test_accelerations_are_those_of_straight_line_code(proximal: bool) -> None:
+    """Each rod has numbers of its own, and the rows that joints do not have leave nothing in the system."""
+    expected = accelerations(lower(row().expanded()))
+    found = accelerations(looped(proximal))
+    assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
+
+
+def test_functions_that_are_not_in_lanes_keep_their_classes() -> None:
+    """A joined class has rows to compute that nobody reads, which vectors alone are worth."""
+    names = {
+        name: {array for section in looped().kernel(name).sections for s in section.body for array in reads(s)}
+        for name in ("solve", "project_velocity")
+    }
+    assert "kept_joined_b1" in names["solve"]
+    assert "kept_b1" in names["project_velocity"] and "kept_joined_b1" not in names["project_velocity"]
