@@ -13,8 +13,8 @@ import sympy as sp
 from derive.ir.model import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import acceleration_residual, jacobian_entries
 from derive.lowering.flat.context import Context, Input, array_input, stores
+from derive.lowering.flat.frame_loads import acceleration_residual, reactions
 from derive.lowering.flat.schedule import Step
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.symbols import local, state_rate
@@ -36,24 +36,15 @@ def _stabilising(context: Context) -> tuple[sp.Symbol, ...]:
 def residual_rows(context: Context, form: str, symbols: Symbols, joints_alone: bool = False) -> list[ca.SX]:
     """The rows of F; joints_alone: without qdot - v."""
     eq = context.equations
-    entries = jacobian_entries(context, symbols)
-
-    def transposed(multipliers: tuple[sp.Symbol, ...]) -> list[ca.SX]:
-        """G^T times some multipliers."""
-        total = [ca.SX(0) for _ in context.rows]
-        for (i, j), value in entries.items():
-            total[j] = total[j] + value * symbols.values[multipliers[i]]
-        return total
-
     rows = [ca.SX(0) for _ in eq.coordinates]
     if not joints_alone:
         kinematics = zip(eq.coordinates, eq.rates, strict=True)
         rows = [symbols.values[state_rate(c.q)] - symbols(rate) for c, rate in kinematics]
     if form == "ggl":
-        stabilising = _rates_of(context, symbols, transposed(_stabilising(context)))
+        stabilising = _rates_of(context, symbols, reactions(context, symbols, _stabilising(context)))
         rows = [row + part for row, part in zip(rows, stabilising, strict=True)]
-    reactions = transposed(context.forces)
-    rows += [symbols(eq.sum_of(row.name)) - f for row, f in zip(eq.rows, reactions, strict=True)]
+    loads = reactions(context, symbols, context.forces)
+    rows += [symbols(eq.sum_of(row.name)) - f for row, f in zip(eq.rows, loads, strict=True)]
     if form == "ggl":
         rows += [symbols(c.rate) for c in eq.constraints]
     if form in ("", "ggl"):
