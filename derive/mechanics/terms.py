@@ -204,6 +204,10 @@ class FreeRotation:
     Q: sp.ImmutableMatrix
 
 
+LOAD = tuple(local(f"load_{kind}", k) for kind in ("force", "torque") for k in (1, 2, 3))
+"""The components of any force and torque on a frame, in the inertial frame."""
+
+
 @dataclass(frozen=True)
 class ConstrainedFrame:
     """A frame on which a constraint in space acts, in inertial components.
@@ -211,20 +215,33 @@ class ConstrainedFrame:
     `rotation` is that of its body if it is free, and `moment` what a unit multiplier exerts on the body about its
     origin, so that the factors of its rows are Q^T moment. `turning` holds the factors of the other rows in the angular
     velocity of the frame, by their names.
+
+    A unit multiplier exerts `force` at the point and `torque` on the frame; `work` is the virtual work of any such
+    LOAD by the names of the rows, and equal for all constraints on the frame. `acceleration` and `angular_acceleration`
+    are those of the frame.
     """
 
     rotation: FreeRotation | None
     moment: sp.ImmutableMatrix
     turning: tuple[tuple[str, sp.ImmutableMatrix], ...]
+    force: sp.ImmutableMatrix
+    torque: sp.ImmutableMatrix
+    work: tuple[tuple[str, sp.Expr], ...]
+    acceleration: sp.ImmutableMatrix
+    angular_acceleration: sp.ImmutableMatrix
 
 
 @dataclass(frozen=True)
 class FramePair:
-    """Both frames of a constraint in space, and `axis` if gdot is axis . (w2 - w1) with their angular velocities."""
+    """Both frames of a constraint in space, and `axis` if gdot is axis . (w2 - w1) with their angular velocities.
+
+    `bias` is gddot without the accelerations of the frames.
+    """
 
     first: ConstrainedFrame
     second: ConstrainedFrame
     axis: sp.ImmutableMatrix | None
+    bias: sp.Expr
 
 
 @dataclass(frozen=True)

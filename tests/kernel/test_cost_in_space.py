@@ -25,9 +25,9 @@ FLEXIBLE = {
     "mass": 53,
     "force": 214,
     "mass_force": 218,
-    "accel": 1543,
+    "accel": 1529,
     "constraints": 115,
-    "constraint_jacobian": 214,
+    "constraint_jacobian": 200,
     "constraint_bias": 291,
 }
 RIGID = {"mass": 0, "mass_force": 15, "accel": 485, "constraint_jacobian": 105, "constraint_bias": 118}

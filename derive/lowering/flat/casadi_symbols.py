@@ -6,7 +6,7 @@ integer becomes a CasADi symbol; `Symbols.leaves` maps these symbols to the leav
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import partial, reduce
 
@@ -84,6 +84,14 @@ class Symbols:
     def values_of(self, symbols: Iterable[sp.Symbol]) -> list[ca.SX]:
         """The values of several symbols."""
         return [self.values[symbol] for symbol in symbols]
+
+    def evaluated(self, exprs: Iterable[sp.Expr], values: Mapping[sp.Symbol, ca.SX]) -> list[ca.SX]:
+        """The CasADi values of expressions in which some symbols, which have no value otherwise, have these values."""
+        before = self.values, self._converted
+        self.values, self._converted = {**self.values, **values}, {}
+        result = [self(expr) for expr in exprs]
+        self.values, self._converted = before
+        return result
 
     @property
     def lookups(self) -> dict[Lookup, ca.SX]:

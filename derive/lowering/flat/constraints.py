@@ -30,7 +30,7 @@ from derive.lowering.proximal import LEAST, PROXIMAL, REFINEMENTS
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
 from derive.lowering.relative_rotations import RelativeElimination
 from derive.mechanics.symbols import local
-from derive.mechanics.terms import Constraint, SpatialPose
+from derive.mechanics.terms import SpatialPose
 from derive.roles import Source
 
 
@@ -220,14 +220,6 @@ def _refined(
     for _ in range(REFINEMENTS if context.proximal else 0):
         solution = solve(factors, [r + weights[j] * solution[j] if j in weights else r for j, r in enumerate(right)])
     return solution
-
-
-def acceleration_residual(constraint: Constraint, context: Context, symbols: Symbols) -> ca.SX:
-    """G vdot - gamma of a constraint."""
-    acceleration = {row.name: row.a for row in context.equations.rows}
-    factors = dict(constraint.jacobian)
-    values = (symbols(f) * symbols.values[acceleration[row]] for row, f in factors.items())
-    return sum(values, symbols(constraint.bias))
 
 
 def _bias(context: Context, symbols: Symbols) -> list[ca.SX]:

@@ -13,9 +13,10 @@ import sympy as sp
 from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import acceleration_residual, jacobian_entries
 from derive.lowering.flat.context import Context, Input, array_input, stores
+from derive.lowering.flat.frame_loads import acceleration_residual, reactions
 from derive.lowering.flat.schedule import Step
+from derive.lowering.flat.vertex_elimination import by_elimination, fewest_operations
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.symbols import local, state_rate
 
@@ -36,24 +37,15 @@ def _stabilising(context: Context) -> tuple[sp.Symbol, ...]:
 def residual_rows(context: Context, form: str, symbols: Symbols, joints_alone: bool = False) -> list[ca.SX]:
     """The rows of F; joints_alone: without qdot - v."""
     eq = context.equations
-    entries = jacobian_entries(context, symbols)
-
-    def transposed(multipliers: tuple[sp.Symbol, ...]) -> list[ca.SX]:
-        """G^T times some multipliers."""
-        total = [ca.SX(0) for _ in context.rows]
-        for (i, j), value in entries.items():
-            total[j] = total[j] + value * symbols.values[multipliers[i]]
-        return total
-
     rows = [ca.SX(0) for _ in eq.coordinates]
     if not joints_alone:
         kinematics = zip(eq.coordinates, eq.rates, strict=True)
         rows = [symbols.values[state_rate(c.q)] - symbols(rate) for c, rate in kinematics]
     if form == "ggl":
-        stabilising = _rates_of(context, symbols, transposed(_stabilising(context)))
+        stabilising = _rates_of(context, symbols, reactions(context, symbols, _stabilising(context)))
         rows = [row + part for row, part in zip(rows, stabilising, strict=True)]
-    reactions = transposed(context.forces)
-    rows += [symbols(eq.sum_of(row.name)) - f for row, f in zip(eq.rows, reactions, strict=True)]
+    loads = reactions(context, symbols, context.forces)
+    rows += [symbols(eq.sum_of(row.name)) - f for row, f in zip(eq.rows, loads, strict=True)]
     if form == "ggl":
         rows += [symbols(c.rate) for c in eq.constraints]
     if form in ("", "ggl"):
@@ -93,20 +85,30 @@ def jacobian(context: Context, function: ModelFunction) -> Kernel:
     form = function.variant
     y, ydot = states(context, form)
     symbols = context.symbols(context.t, y, ydot, context.cj)
-    rows = ca.vertcat(*residual_rows(context, form, symbols))
-    by_y, by_ydot = (ca.jacobian(rows, ca.vertcat(*symbols.values_of(argument.symbols))) for argument in (y, ydot))
-    (cj,) = symbols.values_of(context.cj.symbols)
-    matrix = by_y + cj * by_ydot
+    rows = residual_rows(context, form, symbols)
+    matrix = _by_casadi(symbols, rows, y, ydot, context)
     diagonal = {(i, i) for i in range(len(y.symbols))}
     size = len(y.symbols)
     shape = pattern(size, size, diagonal | set(zip(*matrix.sparsity().get_triplet(), strict=True)))
+    values = [matrix[i, j] for i, j in shape.entries]
+    if any(c.frames for c in context.equations.constraints):
+        of_y, rates = (symbols.values_of(of) for of in (y.symbols, (*ydot.symbols, *context.cj.symbols)))
+        eliminated = by_elimination(symbols, rows, of_y, rates)
+        others = [eliminated.get(entry, ca.SX(0)) for entry in shape.entries]
+        values = fewest_operations(symbols, [values, others])
     labels = tuple(f"d F[{y.elements[i]}] / d {y.elements[j]}" for i, j in shape.entries)
     return context.kernel(
         function,
         {"jac": OutputElements(labels, shape)},
         symbols,
-        Step(
-            "jacobian", "(15)", "derivatives of the residual", stores("jac", [matrix[i, j] for i, j in shape.entries])
-        ),
+        Step("jacobian", "(15)", "derivatives of the residual", stores("jac", values)),
         inputs=(y, ydot),
     )
+
+
+def _by_casadi(symbols: Symbols, rows: list[ca.SX], y: Input, ydot: Input, context: Context) -> ca.SX:
+    """dF/dy + cj dF/dydot from the derivatives of CasADi."""
+    column = ca.vertcat(*rows)
+    by_y, by_ydot = (ca.jacobian(column, ca.vertcat(*symbols.values_of(of.symbols))) for of in (y, ydot))
+    (cj,) = symbols.values_of(context.cj.symbols)
+    return by_y + cj * by_ydot

@@ -19,8 +19,9 @@ import sympy as sp
 from derive.ir.kernel import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import acceleration_residual, by_factors, jacobian_entries
+from derive.lowering.flat.constraints import by_factors
 from derive.lowering.flat.context import Context, array_input, stores
+from derive.lowering.flat.frame_loads import acceleration_residual, reactions
 from derive.lowering.flat.schedule import Step
 from derive.lowering.model_functions import ModelFunction, OutputElements
 from derive.mechanics.equations import Equations
@@ -73,11 +74,8 @@ def solve_kkt(context: Context, function: ModelFunction) -> Kernel:
 def dynamic_rows(context: Context, symbols: Symbols) -> dict[str, ca.SX]:
     """The rows that depend on parameters, besides outputs, by their names."""
     eq = context.equations
-    reactions = {row.name: ca.SX(0) for row in eq.rows}
-    if eq.constraints:
-        for (i, j), value in jacobian_entries(context, symbols).items():
-            reactions[context.rows[j]] += value * symbols.values[context.forces[i]]
-    rows = {f"F[{row.name}]": symbols(eq.sum_of(row.name)) - reactions[row.name] for row in eq.rows}
+    loads = reactions(context, symbols, context.forces)
+    rows = {f"F[{row.name}]": symbols(eq.sum_of(row.name)) - load for row, load in zip(eq.rows, loads, strict=True)}
     rows |= {f"g[{c.name}]": symbols(c.position) for c in eq.constraints}
     rows |= {f"gdot[{c.name}]": symbols(c.rate) for c in eq.constraints}
     return rows | {f"gddot[{c.name}]": acceleration_residual(c, context, symbols) for c in eq.constraints}

@@ -84,6 +84,7 @@ class RowMotion:
     bias: sp.Expr
     factors: Mapping[str, sp.Expr]
     loads: tuple[sp.Matrix, ...] = ()
+    frames_bias: sp.Expr = sp.S.Zero
 
 
 def row_motion(
@@ -98,13 +99,15 @@ def row_motion(
     values, of = row_values(joint, first, second, drive), derived(row)
     still = {r.a: sp.S.Zero for r in rows}
     f1, m1, f2, m2 = (vector.xreplace(values) for vector in (of.f1, of.m1, of.f2, of.m2))
-    bias = of.bias.xreplace(values)
+    bias = frames_bias = of.bias.xreplace(values)
     for frame, force, torque in ((first, f1, m1), (second, f2, m2)):
         pairs = ((force, frame.acceleration), (torque, frame.angular_acceleration))
         for factors, acceleration in pairs:
             bias += sp.Add(*(f * a.xreplace(still) for f, a in zip(factors, acceleration, strict=True)))
     works = (dict(first.work(f1, m1)), dict(second.work(f2, m2)))
-    return RowMotion(row.g.xreplace(values), of.rate.xreplace(values), bias, reduce(_sum, works), (f1, m1, f2, m2))
+    return RowMotion(
+        row.g.xreplace(values), of.rate.xreplace(values), bias, reduce(_sum, works), (f1, m1, f2, m2), frames_bias
+    )
 
 
 def _constraint(
@@ -134,6 +137,7 @@ def _constraint(
             first.constrained(f1, m1),
             second.constrained(f2, m2),
             sp.ImmutableMatrix(m2) if derived(row).turns else None,
+            motion.frames_bias,
         ),
     )
 

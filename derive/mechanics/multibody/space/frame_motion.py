@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import sympy as sp
 
@@ -22,7 +22,7 @@ from derive.mechanics.motion.material_points import (
 from derive.mechanics.motion.rotations import RATE, SCALE, THETA, section_rotation
 from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.mechanics.symbols import Family, Identity, Symbol
-from derive.mechanics.terms import ConstrainedFrame, EquationOfMotion, FreeRotation, Intermediate
+from derive.mechanics.terms import LOAD, ConstrainedFrame, EquationOfMotion, FreeRotation, Intermediate
 
 AXES = (1, 2, 3)
 KEPT = 256
@@ -93,7 +93,21 @@ class FrameMotion:
         turning = {row: sp.ImmutableMatrix(factor) for row, factor in turns if any(factor)}
         rotation = self._free_rotation(tuple(turning))
         others = tuple((row, factor) for row, factor in turning.items() if not rotation or row not in rotation.rows)
-        return ConstrainedFrame(rotation, sp.ImmutableMatrix(cross(self.lever, force) + sp.Matrix(torque)), others)
+        return ConstrainedFrame(
+            rotation,
+            sp.ImmutableMatrix(cross(self.lever, force) + sp.Matrix(torque)),
+            others,
+            sp.ImmutableMatrix(force),
+            sp.ImmutableMatrix(torque),
+            self.any_work,
+            self.acceleration,
+            self.angular_acceleration,
+        )
+
+    @cached_property
+    def any_work(self) -> tuple[tuple[str, sp.Expr], ...]:
+        """The virtual work of LOAD, any force and torque."""
+        return tuple(self.work(sp.Matrix(LOAD[:3]), sp.Matrix(LOAD[3:])))
 
     def _free_rotation(self, turning: tuple[str, ...]) -> FreeRotation | None:
         """The rotation of the body, if three rows turn it alone, about the axes of the body and about its origin."""
@@ -138,7 +152,13 @@ def cross(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Matrix:
 
 def dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
     """The product a . b, not expanded."""
-    return sp.Add(*(x * y for x, y in zip(a, b, strict=True)))
+    return sp.Add(*(_product(x, y) for x, y in zip(a, b, strict=True)))
+
+
+def _product(x: sp.Expr, y: sp.Expr) -> sp.Expr:
+    """x y; SymPy would multiply each term of a sum by a number, and the products of several would share nothing."""
+    number = x.is_Rational and y.is_Add and x not in (0, 1, -1)
+    return sp.Mul(x, y, evaluate=False) if number else x * y
 
 
 def fixed_frame(position: sp.Matrix, axes: sp.Matrix) -> FrameMotion:
