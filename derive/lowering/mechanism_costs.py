@@ -40,6 +40,8 @@ LONG = 30.0
 """The predicted time (s) of the compiler for straight-line code from which on this is too long."""
 MARGIN = 0.9
 """The ratio of the predicted times below which loops are chosen."""
+TWO = 2
+"""The number of bodies that stay in straight-line code, whose text explains each entry: joined they save a tenth."""
 IN_CACHE, TWICE = 350.0, 650.0
 """The times (ns) up to which straight-line code is in the instruction cache, and from which on it takes twice that."""
 LOOPS_IN_CACHE, LOOPS_TWICE = 300.0, 550.0
@@ -95,8 +97,8 @@ def estimate_mechanism_costs(mechanism: Mechanism) -> MechanismCosts:
     if rows:
         handles = [[(h.joint, h.is_first) for h in member.handles] for of in classes for member in of.members]
         system = blocks(rows, handles)
-        joined = joined_classes(mechanism, classes, system)
-        looped = min(looped, _loops(mechanism, joined, rows))
+        if len(handles) > TWO:
+            looped = min(looped, _loops(mechanism, joined_classes(mechanism, classes, system), rows))
         path = system.is_path and not system.closes_loops
         flat += 0.21 * _products(system, system.rows)
         looped += 4.4 * len(rows) + (0.16 if path else 0.25) * _products(system, [system.size] * len(rows))

@@ -27,7 +27,7 @@ def test_long_loops_have_functions(accelerations: StateBlock) -> None:
     """No statement is lost or moves, and what a function reads and writes is among its parameters."""
     parts = accelerations.parts
     assert tuple(node for part in parts for node in part.nodes) == accelerations.batch.nodes
-    assert [part.apart for part in parts] == [False, True, True, True, True]
+    assert [part.apart for part in parts] == [True] * 5
     body, functions = "\n".join(accelerations.body()), accelerations.functions()
     for part, lines in zip((part for part in parts if part.apart), functions, strict=True):
         name = lines[0].split()[-1].rstrip("(")
