@@ -21,7 +21,9 @@ ROD = {"ansatz": ["1", "xi", "xi^2"], "frame": "mean", "length": 1, "bending_sti
 ENDS = {"markers": {"left": -1, "right": 1}}
 
 
-def chain(kinds: Sequence[str], markers: Sequence[dict[str, object]] = (), backwards: bool = False) -> Mechanism:
+def chain(
+    kinds: Sequence[str], markers: Sequence[dict[str, object]] = (), backwards: bool = False, driven: bool = False
+) -> Mechanism:
     """Rods of different masses in a row from the ground on, each with the joint before it, or numbered from its end."""
     count = len(kinds)
     own = [*markers, *([ENDS] * (count - len(markers)))]
@@ -32,7 +34,8 @@ def chain(kinds: Sequence[str], markers: Sequence[dict[str, object]] = (), backw
         joints[f"j{n}"] = {"kind": kind, "between": [before, f"b{n}.left"]}
     if backwards:
         bodies, joints = dict(reversed(bodies.items())), dict(reversed(joints.items()))
-    scene = derive.scene("row", ground={"hook": [0, 0]}, gravity=[0, -9], bodies=bodies, joints=joints)
+    drives = {"motor": {"joint": "j0", "motion": "t + t^2/3"}} if driven else {}
+    scene = derive.scene("row", ground={"hook": [0, 0]}, gravity=[0, -9], bodies=bodies, joints=joints, drives=drives)
     made = derive.derive(scene)
     assert isinstance(made, Mechanism)
     return made
@@ -47,14 +50,15 @@ PINNED = ("revolute", "weld", "weld", "weld")
 
 
 @cache
-def row(backwards: bool = False) -> Mechanism:
-    return chain(PINNED, backwards=backwards)
+def row(driven: bool = False) -> Mechanism:
+    return chain(PINNED, driven=driven)
 
 
 def test_the_ends_join_the_bodies_between_them() -> None:
     """A pin at the wall removes the first two motions of a weld, and the free end has no joint."""
     assert members(row()) == [["b0", "b1", "b2", "b3"]]
     assert [len(code.of.members) for code in InstanceContext(row()).classes] == [1, 2, 1]
+    assert members(row(True)) == members(row())
 
 
 def test_classes_join_where_vectors_then_take_less() -> None:
@@ -72,7 +76,7 @@ def test_other_bodies_stay_apart() -> None:
 
 def test_places_stay_equally_spaced() -> None:
     """The spare place is behind all others, so that a chain that begins with its free end keeps this apart."""
-    assert ["b3"] in members(row(True))
+    assert ["b3"] in members(chain(PINNED, backwards=True))
 
 
 def accelerations(model: Model) -> np.ndarray:
@@ -84,15 +88,15 @@ def accelerations(model: Model) -> np.ndarray:
 
 
 @cache
-def looped(proximal: bool = False) -> Model:
-    return lower_instances(row(), proximal=proximal)
+def looped(driven: bool = False, proximal: bool = False) -> Model:
+    return lower_instances(row(driven), proximal=proximal)
 
 
-@pytest.mark.parametrize("proximal", [False, True])
-def test_accelerations_are_those_of_straight_line_code(proximal: bool) -> None:
+@pytest.mark.parametrize(("driven", "proximal"), [(False, False), (False, True), (True, False)])
+def test_accelerations_are_those_of_straight_line_code(driven: bool, proximal: bool) -> None:
     """Each rod has numbers of its own, and the rows that joints do not have leave nothing in the system."""
-    expected = accelerations(lower(row().expanded()))
-    found = accelerations(looped(proximal))
+    expected = accelerations(lower(row(driven).expanded()))
+    found = accelerations(looped(driven, proximal))
     assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
 
 
