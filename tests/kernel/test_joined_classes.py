@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
 import derive
+from derive.backends.c.source import CBackend
 from derive.ir.analysis import reads
 from derive.ir.interpreter import interpret
 from derive.ir.model import Model
@@ -19,6 +22,7 @@ from derive.mechanics.multibody.mechanism import Mechanism
 
 ROD = {"ansatz": ["1", "xi", "xi^2"], "frame": "mean", "length": 1, "bending_stiffness": 30}
 ENDS = {"markers": {"left": -1, "right": 1}}
+OTHERS = {"markers": {"left": -1, "right": 1, "middle": 0}}
 
 
 def chain(
@@ -69,8 +73,7 @@ def test_classes_join_where_vectors_then_take_less() -> None:
 
 def test_other_bodies_stay_apart() -> None:
     """A rod whose markers or whose joint are others computes something else."""
-    short = {"markers": {"left": -1, "right": 1, "middle": 0}}
-    assert members(chain(PINNED, [short])) == [["b0"], ["b1", "b2", "b3"]]
+    assert members(chain(PINNED, [OTHERS])) == [["b0"], ["b1", "b2", "b3"]]
     assert members(chain(("translational", "weld", "weld", "weld"))) == [["b0"], ["b1", "b2", "b3"]]
 
 
@@ -108,3 +111,14 @@ def test_functions_that_are_not_in_lanes_keep_their_classes() -> None:
     }
     assert "kept_joined_b1" in names["solve"]
     assert "kept_b1" in names["project_velocity"] and "kept_joined_b1" not in names["project_velocity"]
+
+
+def test_checks_of_several_bodies_in_one_loop_have_names_of_their_own() -> None:
+    """A rod with other markers is apart, and batches check its results and those of another one in the same loop."""
+    model = lower_instances(chain(["revolute"] * 3, [ENDS, ENDS, OTHERS]))
+    kernels = tuple(k if k.name in ("setup", "accel") else replace(k, sections=(), constants=()) for k in model.kernels)
+    _, source = CBackend().files(replace(model, kernels=kernels), "")
+    loops = source.text.split("TISSERAND_STATES for")
+    names = [re.findall(r"const double (finite\w*) =", loop) for loop in loops]
+    assert max(map(len, names)) == 2
+    assert all(len({*own}) == len(own) for own in names)
