@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
 import derive
+from derive.backends.c.source import CBackend
 from derive.ir.analysis import reads
 from derive.ir.interpreter import interpret
 from derive.ir.model import Model
@@ -19,9 +22,12 @@ from derive.mechanics.multibody.mechanism import Mechanism
 
 ROD = {"ansatz": ["1", "xi", "xi^2"], "frame": "mean", "length": 1, "bending_stiffness": 30}
 ENDS = {"markers": {"left": -1, "right": 1}}
+OTHERS = {"markers": {"left": -1, "right": 1, "middle": 0}}
 
 
-def chain(kinds: Sequence[str], markers: Sequence[dict[str, object]] = (), backwards: bool = False) -> Mechanism:
+def chain(
+    kinds: Sequence[str], markers: Sequence[dict[str, object]] = (), backwards: bool = False, driven: bool = False
+) -> Mechanism:
     """Rods of different masses in a row from the ground on, each with the joint before it, or numbered from its end."""
     count = len(kinds)
     own = [*markers, *([ENDS] * (count - len(markers)))]
@@ -32,7 +38,8 @@ def chain(kinds: Sequence[str], markers: Sequence[dict[str, object]] = (), backw
         joints[f"j{n}"] = {"kind": kind, "between": [before, f"b{n}.left"]}
     if backwards:
         bodies, joints = dict(reversed(bodies.items())), dict(reversed(joints.items()))
-    scene = derive.scene("row", ground={"hook": [0, 0]}, gravity=[0, -9], bodies=bodies, joints=joints)
+    drives = {"motor": {"joint": "j0", "motion": "t + t^2/3"}} if driven else {}
+    scene = derive.scene("row", ground={"hook": [0, 0]}, gravity=[0, -9], bodies=bodies, joints=joints, drives=drives)
     made = derive.derive(scene)
     assert isinstance(made, Mechanism)
     return made
@@ -47,14 +54,15 @@ PINNED = ("revolute", "weld", "weld", "weld")
 
 
 @cache
-def row(backwards: bool = False) -> Mechanism:
-    return chain(PINNED, backwards=backwards)
+def row(driven: bool = False) -> Mechanism:
+    return chain(PINNED, driven=driven)
 
 
 def test_the_ends_join_the_bodies_between_them() -> None:
     """A pin at the wall removes the first two motions of a weld, and the free end has no joint."""
     assert members(row()) == [["b0", "b1", "b2", "b3"]]
     assert [len(code.of.members) for code in InstanceContext(row()).classes] == [1, 2, 1]
+    assert members(row(True)) == members(row())
 
 
 def test_classes_join_where_vectors_then_take_less() -> None:
@@ -65,14 +73,13 @@ def test_classes_join_where_vectors_then_take_less() -> None:
 
 def test_other_bodies_stay_apart() -> None:
     """A rod whose markers or whose joint are others computes something else."""
-    short = {"markers": {"left": -1, "right": 1, "middle": 0}}
-    assert members(chain(PINNED, [short])) == [["b0"], ["b1", "b2", "b3"]]
+    assert members(chain(PINNED, [OTHERS])) == [["b0"], ["b1", "b2", "b3"]]
     assert members(chain(("translational", "weld", "weld", "weld"))) == [["b0"], ["b1", "b2", "b3"]]
 
 
 def test_places_stay_equally_spaced() -> None:
     """The spare place is behind all others, so that a chain that begins with its free end keeps this apart."""
-    assert ["b3"] in members(row(True))
+    assert ["b3"] in members(chain(PINNED, backwards=True))
 
 
 def accelerations(model: Model) -> np.ndarray:
@@ -84,15 +91,15 @@ def accelerations(model: Model) -> np.ndarray:
 
 
 @cache
-def looped(proximal: bool = False) -> Model:
-    return lower_instances(row(), proximal=proximal)
+def looped(driven: bool = False, proximal: bool = False) -> Model:
+    return lower_instances(row(driven), proximal=proximal)
 
 
-@pytest.mark.parametrize("proximal", [False, True])
-def test_accelerations_are_those_of_straight_line_code(proximal: bool) -> None:
+@pytest.mark.parametrize(("driven", "proximal"), [(False, False), (False, True), (True, False)])
+def test_accelerations_are_those_of_straight_line_code(driven: bool, proximal: bool) -> None:
     """Each rod has numbers of its own, and the rows that joints do not have leave nothing in the system."""
-    expected = accelerations(lower(row().expanded()))
-    found = accelerations(looped(proximal))
+    expected = accelerations(lower(row(driven).expanded()))
+    found = accelerations(looped(driven, proximal))
     assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
 
 
@@ -104,3 +111,14 @@ def test_functions_that_are_not_in_lanes_keep_their_classes() -> None:
     }
     assert "kept_joined_b1" in names["solve"]
     assert "kept_b1" in names["project_velocity"] and "kept_joined_b1" not in names["project_velocity"]
+
+
+def test_checks_of_several_bodies_in_one_loop_have_names_of_their_own() -> None:
+    """A rod with other markers is apart, and batches check its results and those of another one in the same loop."""
+    model = lower_instances(chain(["revolute"] * 3, [ENDS, ENDS, OTHERS]))
+    kernels = tuple(k if k.name in ("setup", "accel") else replace(k, sections=(), constants=()) for k in model.kernels)
+    _, source = CBackend().files(replace(model, kernels=kernels), "")
+    loops = source.text.split("TISSERAND_STATES for")
+    names = [re.findall(r"const double (finite\w*) =", loop) for loop in loops]
+    assert max(map(len, names)) == 2
+    assert all(len({*own}) == len(own) for own in names)

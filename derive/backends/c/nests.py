@@ -40,6 +40,12 @@ CHECKS = {Requirement.POSITIVE: "TISSERAND_CHECK", Requirement.FINITE: "TISSERAN
 OPERATORS = {None: "=", Operator.ADD: "+=", Operator.SUB: "-=", Operator.MUL: "*=", Operator.NEG: "="}
 
 
+def names_in_order(name: str) -> Iterator[str]:
+    """Yield a name, and then the same name with numbers from 2 on."""
+    yield name
+    yield from (f"{name}_{number}" for number in count(2))
+
+
 @dataclass
 class CNests:
     """The plain statements of one function.
@@ -78,6 +84,8 @@ class CNests:
     """The names of what a loop with lanes inside finds out about its requirements, by their codes."""
     _is_coded: bool = False
     """Whether the states of a batch have got codes."""
+    _finite: Iterator[str] = field(default_factory=lambda: names_in_order("finite"))
+    """The names of values that are checked to be finite in a loop over the states."""
     _names: Iterator[int] = field(default_factory=lambda: count(1))
     """The numbers of these names."""
 
@@ -289,6 +297,7 @@ class CNests:
         states have codes from the beginning, requirements stay where their values are known.
         """
         checks = [item for item in node.body if isinstance(item, Require)]
+        self._finite = names_in_order("finite")
         if checks and self.has_codes:
             groups = ((self._checked(item) if isinstance(item, Require) else None, item) for item in node.body)
             lines = [line for code, item in groups for line in (self._lines(item) if code is None else plain(*code))]
@@ -310,8 +319,9 @@ class CNests:
             case Requirement.POSITIVE:
                 return statement("    ", head, join(value, f" > 0.0{kept}"), end)
             case Requirement.FINITE:  # a difference of what is not finite is a NaN
-                lines = statement("    ", "const double finite = ", value, ";")
-                return [*lines, f"    {head}finite - finite == 0.0{kept}{end}"]
+                name = next(self._finite)
+                lines = statement("    ", f"const double {name} = ", value, ";")
+                return [*lines, f"    {head}{name} - {name} == 0.0{kept}{end}"]
             case _:
                 assert_never(node.kind)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import combinations, pairwise, permutations
+from itertools import combinations, pairwise
 
 from derive.ir.indices import LANES, padded
 from derive.lowering.instances.block_system import FEW, Blocks
@@ -79,12 +79,14 @@ def _as_members(mechanism: Mechanism, guest: BodyClass, host: BodyClass) -> tupl
     first, own = host.first, guest.first
     if force_keys(first) != force_keys(own) or body_key(first) != body_key(own) or first.instance.coordinates.reason:
         return None
-    handles = first.handles
-    for numbers in permutations(range(len(handles)), len(own.handles)):
-        pairs = zip(own.handles, numbers, strict=True)
-        if all(_fits(mechanism, handle, handles[number]) for handle, number in pairs):
-            return tuple(_member(member, handles, numbers) for member in guest.members)
-    return None
+    numbers: list[int] = []
+    for handle in own.handles:  # of the joints that are left the one with the fewest rows, so that others find theirs
+        left = (k for k, other in enumerate(first.handles) if k not in numbers and _fits(mechanism, handle, other))
+        number = min(left, key=lambda k: mechanism.joints[first.handles[k].joint].multipliers, default=None)
+        if number is None:
+            return None
+        numbers.append(number)
+    return tuple(_member(member, first.handles, numbers) for member in guest.members)
 
 
 def _fits(mechanism: Mechanism, handle: Handle, host: Handle) -> bool:
