@@ -76,6 +76,8 @@ class CNests:
     """The arrays that have a number for each lane: angles, sines and cosines."""
     _checks: dict[ReturnCode, str] | None = None
     """The names of what a loop with lanes inside finds out about its requirements, by their codes."""
+    _finite: int = 0
+    """The number of results that a loop over states has found finite or not so far."""
     _is_coded: bool = False
     """Whether the states of a batch have got codes."""
     _names: Iterator[int] = field(default_factory=lambda: count(1))
@@ -289,6 +291,7 @@ class CNests:
         states have codes from the beginning, requirements stay where their values are known.
         """
         checks = [item for item in node.body if isinstance(item, Require)]
+        self._finite = 0
         if checks and self.has_codes:
             groups = ((self._checked(item) if isinstance(item, Require) else None, item) for item in node.body)
             lines = [line for code, item in groups for line in (self._lines(item) if code is None else plain(*code))]
@@ -310,8 +313,10 @@ class CNests:
             case Requirement.POSITIVE:
                 return statement("    ", head, join(value, f" > 0.0{kept}"), end)
             case Requirement.FINITE:  # a difference of what is not finite is a NaN
-                lines = statement("    ", "const double finite = ", value, ";")
-                return [*lines, f"    {head}finite - finite == 0.0{kept}{end}"]
+                self._finite += 1
+                name = "finite" if self._finite == 1 else f"finite_{self._finite}"
+                lines = statement("    ", f"const double {name} = ", value, ";")
+                return [*lines, f"    {head}{name} - {name} == 0.0{kept}{end}"]
             case _:
                 assert_never(node.kind)
 
