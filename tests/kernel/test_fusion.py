@@ -17,8 +17,8 @@ from derive.ir.expressions import Element, Expr, Number, Operation, Operator, Sc
 from derive.ir.fusion import fused
 from derive.ir.indices import ElementIndex, constant, variable
 from derive.ir.interpreter import interpret
+from derive.ir.kernel import Argument, Kernel, Output, Section, View
 from derive.ir.loop_nests import Assign, For, Node, Sines, every
-from derive.ir.model import Argument, Kernel, Output, Section, View
 from derive.ir.statements import ForEach, Let, Require, Requirement, ReturnCode, Statement, StoreElement, Work
 from kernel.test_instance_lanes import looped
 

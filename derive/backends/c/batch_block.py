@@ -9,8 +9,8 @@ from derive.backends.c.loop_text import declarations
 from derive.backends.c.nests import CNests
 from derive.ir.analysis import codes_in_order
 from derive.ir.batches import SHARED, batch, state_arguments, state_elements, state_views
+from derive.ir.kernel import Kernel
 from derive.ir.loop_nests import BlockProduct, For, LoopKind, every
-from derive.ir.model import Kernel
 
 Lines = list[str]
 

@@ -33,9 +33,10 @@ from derive.backends.source_map import SourceBuilder, SourceLine, plain
 from derive.backends.wrapping import comment, prefixed
 from derive.ir.analysis import expressions, names_read
 from derive.ir.expressions import Operation, Operator, walk
+from derive.ir.kernel import ConstantArray, Kernel
 from derive.ir.lanes import section_in_lanes
 from derive.ir.loop_nests import Node
-from derive.ir.model import ConstantArray, Kernel, Model, Variable
+from derive.ir.model import Model, Variable
 from derive.ir.statements import Statement
 from derive.rendering import render
 from derive.roles import Role

@@ -11,7 +11,7 @@ import sympy as sp
 
 from derive.ir.expressions import Element, Operator, ScalarRef
 from derive.ir.indices import ElementIndex, IndexTerm, constant
-from derive.ir.model import Argument, Kernel
+from derive.ir.kernel import Argument, Kernel
 from derive.ir.statements import Entry, ForEach, Requirement, ReturnCode, Statement, StoreElement, Work
 from derive.lowering.flat.accelerations import balanced
 from derive.lowering.flat.context import array_input, stores
@@ -263,7 +263,7 @@ def _eliminated(context: InstanceContext, of: Blocks, has_known: bool) -> tuple[
 
 
 def by_joint(context: InstanceContext, system: Blocks) -> Iterator[tuple[int, int, Place, Place]]:
-    """For joints with as many rows: these, the number of joints, their first rows and their places in the arrays."""
+    """Yield each number of rows of joints, how many joints have it, their first rows and their places in the arrays."""
     for rows in sorted(set(system.rows)):
         joints = [j for j, own in enumerate(system.rows) if own == rows]
         firsts = context.places.place(f"multiplier_{rows}", INSTANCE, [context.first_rows[j] for j in joints])
