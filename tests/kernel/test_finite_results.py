@@ -208,3 +208,22 @@ def test_the_header_names_the_functions_that_check_their_results(lowering: str) 
     assert finite - {"setup"} == {*CHECKED}
     (header,) = (file.text for file in CBackend().files(own, "") if file.path.endswith(".h"))
     assert "0 for success. setup, accel, solve, project_velocity and solve_kkt return 1 if a pivot vanished" in header
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_batches_of_chains_check_bodies_that_share_a_step(count: int) -> None:
+    """Of a short chain several bodies are computed in one step of the elimination, each with a check of its own."""
+    own = looped(f"chain_{count}")
+    kernels = (k if k.name in ("setup", "accel") else replace(k, sections=(), constants=()) for k in own.kernels)
+    native = load_scene(CBackend().files(replace(own, kernels=tuple(kernels)), ""), QUICK)
+    q, v = 0.1 * np.random.default_rng(3).uniform(-1, 1, (2, 8, 5 * count))
+    k = native.setup()
+    assert np.array_equal(
+        native.accel_batch(0.0, q, v, k), [native.accel(0.0, *state, k) for state in zip(q, v, strict=True)]
+    )
+    for body in range(count):
+        fast = v.copy()
+        fast[3, 5 * body + 2] = 1e200
+        found = native.accel_batch(0.0, q, fast, k, check=False)
+        assert np.isnan(found[3]).all() and np.isfinite(np.delete(found, 3, axis=0)).all()
+        assert code_of(native.accel_batch, [0.0, q, fast, k]) == ReturnCode.NOT_FINITE
