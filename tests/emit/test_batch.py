@@ -17,7 +17,7 @@ import derive
 from derive.backends.c import batch as c_batch
 from derive.backends.c.batch_block import StateBlock
 from derive.backends.c.source import CBackend
-from derive.ir.model import Kernel
+from derive.ir.kernel import Kernel
 from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import FLAGS, vector_flags
 from derive.runtime.native_call import ModelError

@@ -27,7 +27,8 @@ from corpus.summed_terms import summed_terms, worst
 from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
 from derive.ir.interpreter import interpret
-from derive.ir.model import Kernel, Model
+from derive.ir.kernel import Kernel
+from derive.ir.model import Model
 from derive.ir.patterns import Pattern
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene

@@ -21,9 +21,10 @@ from derive.ir.expansion import expand
 from derive.ir.expressions import Element, Number, Operation, Operator, ScalarRef
 from derive.ir.indices import constant, variable
 from derive.ir.interpreter import interpret, interpret_batch
+from derive.ir.kernel import Argument, ConstantArray, Kernel, Output, Section, View
 from derive.ir.lanes import in_lanes, section_in_lanes
 from derive.ir.loop_nests import Assign, For, LoopKind, Node, every
-from derive.ir.model import Argument, ConstantArray, Kernel, Model, Output, Section, View
+from derive.ir.model import Model
 from derive.ir.statements import Entry, ForEach, Let, Require, Requirement, ReturnCode, StoreElement, Work
 from derive.lowering.flat.lower import lower
 from derive.lowering.instances.lower import lower_instances
