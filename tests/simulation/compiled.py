@@ -37,7 +37,7 @@ class Compiled:
 
 
 @cache
-def crank_slider(pieces: int, frame: str = "mean") -> Compiled:
+def crank_slider(pieces: int, frame: str = "mean", complete: bool = False) -> Compiled:
     """Set A with the rod in so many beams, each in the mean frame or in that of its middle."""
     scene = derive.read(ROOT / "scenes/crank_slider_3.toml")
     assert isinstance(scene, Scene)
@@ -46,7 +46,7 @@ def crank_slider(pieces: int, frame: str = "mean") -> Compiled:
         replace(b, pieces=pieces, beam=replace(b.beam, frame=frames[frame])) if isinstance(b, BeamBody) else b
         for b in scene.bodies
     )
-    return compiled(replace(scene, bodies=bodies))
+    return compiled(replace(scene, bodies=bodies), complete)
 
 
 @cache
@@ -68,7 +68,7 @@ def pushed() -> Compiled:
     ):
         text += f'[joints.{name}]\nkind = "revolute"\nbetween = ["{first}", "{second}"]\n'
     text += '[joints.guide]\nkind = "translational"\nbetween = ["ground.bearing", "slider.pin"]\n'
-    return compiled(parse(f'{text}[drives.push]\njoint = "guide"\nmotion = "0.3 + t"\n'))
+    return compiled(parse(f'{text}[drives.push]\njoint = "guide"\nmotion = "0.3 + t"\n'), complete=True)
 
 
 @cache
@@ -118,6 +118,8 @@ between = ["ground.a", "slider.pin"]
 def compiled(scene: object, complete: bool = False) -> Compiled:
     """complete: with the functions that explicit integration does not call, which takes twice the time."""
     assert isinstance(scene, Scene)
-    files = (generated if complete else generated_explicit)(scene)[1]
-    native = load_scene(files, (*QUICK, *ESSENTIAL))
+    if complete:
+        native = load_scene(generated(scene)[1], QUICK)
+    else:
+        native = load_scene(generated_explicit(scene)[1], (*QUICK, *ESSENTIAL))
     return Compiled(scene, native, native.setup())

@@ -39,7 +39,7 @@ def test_a_pendulum_falls_as_by_the_explicit_method(form: str) -> None:
 
 
 def test_the_crank_slider_with_its_compiled_jacobian() -> None:
-    made = crank_slider(1)
+    made = crank_slider(1, complete=True)
     start, times = made.start(), np.linspace(0, 0.02, 41)
     exact = integrate(made.native, made.k, start.q, start.v, times, tolerance=1e-11)
     found = integrate_ida(made.native, made.k, start.q, start.v, times, tolerance=1e-7)
@@ -49,7 +49,7 @@ def test_the_crank_slider_with_its_compiled_jacobian() -> None:
 
 
 def test_a_step_that_fails_ends_the_run_with_what_ida_says(monkeypatch: pytest.MonkeyPatch) -> None:
-    made = crank_slider(1)
+    made = crank_slider(1, complete=True)
     start, step = made.start(), scikit_sundae._Segment.step
 
     def failing(part: scikit_sundae._Segment, towards: float) -> tuple[float, np.ndarray]:
@@ -64,7 +64,7 @@ def test_a_step_that_fails_ends_the_run_with_what_ida_says(monkeypatch: pytest.M
 
 
 def test_the_stabilised_form_stays_on_the_constraints_by_itself() -> None:
-    made = crank_slider(1)
+    made = crank_slider(1, complete=True)
     start, times = made.start(), np.linspace(0, 0.1, 101)
     drift = {}
     for form in ("ggl", "index1"):
