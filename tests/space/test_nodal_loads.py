@@ -12,6 +12,7 @@ import pytest
 
 import derive
 from conftest import QUICK
+from derive.cli.main import main
 from derive.generated_models import generated
 from derive.report.sections.mechanism import joint_blocks
 from derive.runtime.loading import load_scene
@@ -199,3 +200,12 @@ def test_bodies_of_one_file_share_its_data(tmp_path: Path) -> None:
     millimetres = other.replace('units = "SI"', 'units = { length = "mm", mass = "kg", time = "s" }')
     first, second = parse(text.replace("[inputs", f"{millimetres}[inputs")).bodies
     assert second.body.data.positions == pytest.approx(first.body.data.positions / 1000)
+
+
+def test_a_run_names_its_flexible_bodies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its table says of them that they are, and of a scene without them that all bodies are rigid."""
+    path = tmp_path / "scene.toml"
+    path.write_text(scene(tmp_path))
+    assert main(["simulate", str(path), "--duration", "0.001", "--output", "0.0005", "--out", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert "  truss flexible " in out and "rigid" not in out
