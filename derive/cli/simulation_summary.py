@@ -15,7 +15,7 @@ from derive.simulation.observables.plots import PlotCurve, plot_text, with_unit
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.instances import instance_parts
 from derive.spec.model.plots import Plot
-from derive.spec.model.spatial_scene import FlexibleBody
+from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.set_values import SetValue
 from derive.spec.toml.read import warnings
 from derive.terminal import beam_count, table

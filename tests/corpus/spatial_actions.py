@@ -11,7 +11,8 @@ from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
 from derive.spec.model.instances import identifier
 from derive.spec.model.keys import Key, KeyType
-from derive.spec.model.spatial_scene import SpatialForce, SpatialScene
+from derive.spec.model.spatial_forces import SpatialForce
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.tables.value_types import MAX_CURVES
 
 if TYPE_CHECKING:

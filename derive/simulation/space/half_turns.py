@@ -15,7 +15,8 @@ from derive.simulation.errors import SimulationError
 from derive.simulation.space.joint_targets import is_constraint
 from derive.simulation.space.marker_frames import frame_of
 from derive.simulation.space.poses import SpatialPoses
-from derive.spec.model.spatial_scene import SpatialScene, SpatialSpring
+from derive.spec.model.spatial_forces import SpatialSpring
+from derive.spec.model.spatial_scene import SpatialScene
 from derive.spec.model.specification import AnyScene
 
 SEEN = 1.5

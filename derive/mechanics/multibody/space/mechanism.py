@@ -31,7 +31,8 @@ from derive.mechanics.terms import (
     SpatialPose,
 )
 from derive.spec.model.markers import GROUND, MarkerRef
-from derive.spec.model.spatial_scene import SpatialAction, SpatialScene, SpatialSpring
+from derive.spec.model.spatial_forces import SpatialAction, SpatialSpring
+from derive.spec.model.spatial_scene import SpatialScene
 
 
 @dataclass(frozen=True)

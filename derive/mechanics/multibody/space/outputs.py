@@ -16,7 +16,7 @@ from derive.registry import Registry
 from derive.spec.model.instances import identifier, joined
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.spatial_scene import SpatialJointLoad, SpatialJointTorque, SpatialSpring
+from derive.spec.model.spatial_forces import SpatialJointLoad, SpatialJointTorque, SpatialSpring
 
 JOINT = Key("joint", KeyType.JOINT, "", "Name of the joint.", required=True)
 DRIVE = Key("drive", KeyType.DRIVE, "", "Name of the drive.", required=True)
