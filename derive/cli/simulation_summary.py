@@ -15,6 +15,7 @@ from derive.simulation.observables.plots import PlotCurve, plot_text, with_unit
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.instances import instance_parts
 from derive.spec.model.plots import Plot
+from derive.spec.model.spatial_bodies import FlexibleBody
 from derive.spec.set_values import SetValue
 from derive.spec.toml.read import warnings
 from derive.terminal import beam_count, table
@@ -62,6 +63,7 @@ def _run(pieces: Pieces, trajectory: Trajectory) -> Plain:
     solution = trajectory.solution
     return {
         "pieces": dict(pieces),
+        "finite_elements": [] if trajectory.body else _finite_elements(trajectory),
         "coordinates": len(trajectory.model.coordinates),
         "constraints": len(trajectory.model.multipliers),
         "steps": solution.cost.steps,
@@ -70,6 +72,11 @@ def _run(pieces: Pieces, trajectory: Trajectory) -> Plain:
         "notes": trajectory.notes,
         **(_of_body(trajectory) if trajectory.body else _of_scene(trajectory)),
     }
+
+
+def _finite_elements(trajectory: Trajectory) -> list[str]:
+    """The names of the finite-element bodies of a scene."""
+    return [body.name for body in trajectory.scene.bodies if isinstance(body, FlexibleBody)]
 
 
 def _of_body(trajectory: Trajectory) -> Plain:
@@ -125,7 +132,7 @@ def _runs(runs: Sequence[Plain]) -> list[str]:
     head = ["energy, J", "its change"] if body else ["drift", "of velocities"]
     rows = [["", "coordinates", "constraints", "steps", "evaluations", "CPU s", *head]]
     for run in runs:
-        name = ", ".join(pieces_text(tuple(run["pieces"].items())))
+        name = ", ".join([*pieces_text(tuple(run["pieces"].items())), *finite_elements_text(run["finite_elements"])])
         counts = (str(run[key]) for key in ("coordinates", "constraints", "steps", "evaluations"))
         if body:
             quality = [f"{run['energy']:.9g}", f"{run['energy_change']:.1e}"]
@@ -134,6 +141,11 @@ def _runs(runs: Sequence[Plain]) -> list[str]:
         rows.append([name or ("" if body else "all rigid"), *counts, f"{run['cpu_seconds']:.2f}", *quality])
     drift = "  drift: the largest violation of the constraints (m, rad) and of their time derivatives (m/s, rad/s)"
     return [*table(rows), *([] if body else [drift])]
+
+
+def finite_elements_text(names: Sequence[str]) -> list[str]:
+    """The finite-element bodies of a run; of many, how many there are."""
+    return [f"{name} flexible" for name in names] if len(names) <= NAMED_BEAMS else [f"{len(names)} flexible bodies"]
 
 
 def pieces_text(pieces: Pieces) -> list[str]:

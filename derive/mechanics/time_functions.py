@@ -120,6 +120,32 @@ class Lookup(TimeOperation):
         return Lookup(name, order + 1, x) * x.diff(s)
 
 
+def tried(expr: sp.Expr) -> sp.Expr:
+    """An expression without symbols as SymPy evaluates it; a table and a smooth step have their arguments as values.
+
+    What holds for any values of these functions can so be tried, and what depends on their values cannot.
+    """
+    for operation, function in _TRIED.items():
+        expr = expr.replace(operation, function)
+    return expr
+
+
+_TRIED = {
+    Exp: sp.exp,
+    Log: sp.log,
+    Tanh: sp.tanh,
+    Sign: sp.sign,
+    Absolute: sp.Abs,
+    Minimum: sp.Min,
+    Maximum: sp.Max,
+    Select: lambda a, b, x, y: sp.Piecewise((x, a < b), (y, True)),
+    SmoothStep: lambda x, x0, x1, order: x,
+    Lookup: lambda name, order, x: x,
+    Atan2: sp.atan2,
+    Wrapped: lambda x, s: x - 2 * sp.pi * s * sp.floor(x / (2 * sp.pi * s) + sp.S.Half),
+}
+
+
 def select(a: sp.Expr, b: sp.Expr, x: sp.Expr, y: sp.Expr) -> sp.Expr:
     """Return x where a < b, else y; simplified where x and y are equal, or where a and b are numbers."""
     if a.is_Rational and b.is_Rational:

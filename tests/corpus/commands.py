@@ -10,6 +10,7 @@ it short, and `modes` 50 times. Studies get what they need, see `studied_scenes.
 from __future__ import annotations
 
 import contextlib
+import csv
 import io
 import json
 import math
@@ -35,7 +36,8 @@ LIMIT = 90.0
 """The longest CPU time of a command, s, without that of compilers; 66 s have been seen where processors are shared."""
 LIMIT_OF_CHOICE = 240.0
 """The longest CPU time of `choose`, s, which derives and runs dozens of models."""
-FIXED_STEPS = ("rk4", "generalised-alpha")
+SAME = 1e-6
+"""The largest distance of positions and quaternions by two integrators, relative to the largest of them above 1."""
 
 
 @dataclass(frozen=True)
@@ -69,8 +71,7 @@ def arguments_of(scene: CorpusScene, path: Path, folder: Path) -> Iterator[Argum
     spec, seed = str(path), scene.seed
     yield ["build", spec, "--out", str(folder / "build")]
     yield ["simulate", spec, "--out", str(folder / "simulate"), "--json"]
-    others = [name for name in INTEGRATORS if name not in ("adaptive", "scipy")]
-    yield _simulate(spec, folder, others[seed % len(others)], scene)
+    yield _simulate(spec, folder, other_integrator(seed), scene)
     if seed % 2 == 1:
         moving = "drives" in scene.tables or (seed % 3 == 0 and "bodies" in scene.tables)
         state = ["--at", f"{_duration(scene) / 3:.6g}"] if moving else []
@@ -87,6 +88,12 @@ def _duration(scene: CorpusScene) -> float:
     from fractions import Fraction
 
     return float(Fraction(scene.tables.get("simulation", {}).get("duration", 1.0)))
+
+
+def other_integrator(seed: int) -> str:
+    """The integrator with which a scene runs besides the default one."""
+    others = [name for name in INTEGRATORS if name not in ("adaptive", "scipy")]
+    return others[seed % len(others)]
 
 
 def _simulate(spec: str, folder: Path, integrator: str, scene: CorpusScene) -> Arguments:
@@ -342,6 +349,29 @@ def _wrong_files(name: str, outcome: Outcome, folder: Path) -> Iterator[Finding]
         yield Finding(name, "no files after success", outcome.out)
 
 
+def other_motions(seed: int, folder: Path) -> Iterator[Finding]:
+    """A finding if the other integrator of a scene in space moves bodies elsewhere than the default one.
+
+    Its run is shorter, see `_simulate`; its last row is one of both tables.
+    """
+    name = other_integrator(seed)
+    tables = [next(iter(sorted((folder / of).rglob("*.csv"))), None) for of in ("simulate", name)]
+    if None in tables:
+        return  # one of them is refused
+    default, other = ([*csv.DictReader(_rows(table))] for table in tables if table)
+    end = float(other[-1]["t"])
+    row = min(default, key=lambda of: abs(float(of["t"]) - end))
+    poses = [column for column in row if re.search(r"_[ce]\d$", column)]
+    size = max([1.0, *(abs(float(row[column])) for column in poses)])
+    worst = max((abs(float(row[column]) - float(other[-1][column])) for column in poses), default=0.0) / size
+    if not math.isclose(float(row["t"]), end, rel_tol=1e-9) or not worst < SAME:
+        yield Finding(f"simulate --integrator {name}", "not the motion of the default", f"t = {end:g}: {worst:.2g}")
+
+
+def _rows(table: Path) -> list[str]:
+    return [line for line in table.read_text().splitlines() if not line.startswith("#")]
+
+
 def _no_constant(text: str) -> None:
     raise ValueError(f"{text} is no JSON")
 
@@ -352,7 +382,7 @@ def _silent_changes(name: str, scene: CorpusScene, summary: dict[str, Any], fold
     if not math.isclose(summary["duration"], _number(simulation["duration"]), rel_tol=1e-12):
         yield Finding(name, "another duration", str(summary["duration"]))
     (table,) = (folder / "simulate").rglob("*.csv")
-    lines = [line for line in table.read_text().splitlines() if not line.startswith("#")]
+    lines = _rows(table)
     end = float(lines[-1].split(",")[0])
     if "until" not in simulation and not math.isclose(end, summary["duration"], rel_tol=1e-9):
         yield Finding(name, "the table ends before the duration", f"{end} {summary['duration']}")

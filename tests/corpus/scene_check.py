@@ -101,6 +101,8 @@ def check_scene(seed: int) -> SceneResult:
             found += commands.findings(scene, outcome, out)
             if outcome.code == 2 and (pattern := commands.refusal(outcome.error)):
                 refusals[short] = pattern
+        if seed >= FIRST:
+            found += commands.other_motions(seed, out)
         before = commands.cpu()
         found += _physics(scene, path)
         seconds["physics"] = round(commands.cpu() - before, 3)

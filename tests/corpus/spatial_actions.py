@@ -32,11 +32,23 @@ def act_in_space(draft: SpatialDraft) -> None:
         draft.section("scene")["redundant"] = draws.choice(treatments)
     geared = _gears(draft) if not draft.looped else set()
     _drives(draft, geared)
-    at = [f"{name}.{marker}" for name, body in draft.section("bodies").items() for marker in body["markers"]]
+    at = _markers(draft)
     if at:
         _loads(draft, at)
+    observe_in_space(draft)
+
+
+def observe_in_space(draft: SpatialDraft) -> None:
+    """Draw outputs and a plot of them."""
+    at = _markers(draft)
+    if at:
         _outputs(draft, at)
         _plot(draft)
+
+
+def _markers(draft: SpatialDraft) -> list[str]:
+    """The markers of all bodies."""
+    return [f"{name}.{marker}" for name, body in draft.section("bodies").items() for marker in body["markers"]]
 
 
 def _turns(draft: SpatialDraft, marker: str) -> bool:

@@ -17,9 +17,10 @@ from corpus.commands import Finding
 from corpus.generator import CorpusScene
 from derive.reduction.body import prepare
 from derive.simulation.prepared_run import PreparedRun
+from derive.spec.model.scene import STEADY
 
 sys.path.append(str(Path(__file__).parents[1] / "space"))
-from decimal_vectors import array, floats, precise
+from decimal_vectors import array, floats, number, precise
 from mass_points import NodalFields
 from space_oracle import SpaceOracle
 from written_scene import tables
@@ -30,6 +31,8 @@ LIMIT = 1e-10
 """The largest error of an equation, relative to the largest sum of magnitudes in one."""
 AT_REST = 1e-3
 """Floors that are added to magnitudes, N and m/s^2, since nothing moves in some scenes."""
+STAYS = 1e-6
+"""The largest change of a distance of two markers in a steady rotation, relative to the largest distance."""
 CLOSED = 1e-9
 """The largest constraint, relative to the size of the scene, m and rad."""
 
@@ -49,9 +52,26 @@ def physics_in_space(scene: CorpusScene, path: Path) -> Iterator[Finding]:
         worst = np.abs(native.constraints(t, q, motion.k)).max(initial=0)
         if not worst < CLOSED:
             yield Finding("physics", "constraints are not met", f"t = {t:g}: {worst:.2g}")
+        if spec.start == STEADY:
+            yield from _rigid(oracle, t, q, float(motion.t[0]), motion.q[0])
         for j, name in enumerate(native.coordinates):
             if name.endswith("_e0") and not abs(np.linalg.norm(q[j : j + 4]) - 1) < 1e-14:
                 yield Finding("physics", "a quaternion has not the length 1", f"t = {t:g}: {name}")
+
+
+def _rigid(oracle: SpaceOracle, t: float, q: Vector, t0: float, q0: Vector) -> Iterator[Finding]:
+    """A motion that began in a steady state leaves the distances of all markers as they are."""
+    now, before = (_distances(oracle, *state) for state in ((t, q), (t0, q0)))
+    worst = np.abs(now - before).max(initial=0) / (1e-3 + before.max(initial=0))
+    if not worst < STAYS:
+        yield Finding("physics", "a steady start does not stay steady", f"t = {t:g}: distances change by {worst:.2g}")
+
+
+def _distances(oracle: SpaceOracle, t: float, q: Vector) -> Vector:
+    state = oracle.columns.state(q)
+    poses = oracle.poses(number(t), state)
+    x = np.array([floats(oracle.frame(marker, state, poses)[0]) for marker in oracle.all_markers()])
+    return np.asarray(np.linalg.norm(x[:, None] - x[None, :], axis=2))
 
 
 def fields(spec: derive.Specification) -> dict[str, NodalFields]:

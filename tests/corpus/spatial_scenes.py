@@ -15,7 +15,8 @@ import numpy as np
 
 from corpus.draft import NAMES, Table
 from corpus.draws import Draws, rounded
-from corpus.spatial_actions import act_in_space
+from corpus.spatial_actions import act_in_space, observe_in_space
+from corpus.steady_scenes import steady_scene
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 
 FIRST = 2000
@@ -201,11 +202,13 @@ def listed(values: Vector) -> list[float]:
 def spatial_scene(draws: Draws, name: str) -> tuple[Table, dict[str, str | Path], str]:
     """The tables of a scene, the files beside it, and its linkage."""
     draft = SpatialDraft(draws, name)
-    linkage = draws.choice(["tree", "tree", "gears", "flexible", "free", "door", *LOOPS])
+    linkage = draws.choice(["tree", "tree", "gears", "flexible", "free", "door", "steady", *LOOPS])
     if linkage in LOOPS:
         _loop(draft, LOOPS[linkage], parallel=linkage == "four_parallel_axes")
     elif linkage == "door":
         _door(draft)
+    elif linkage == "steady":
+        steady_scene(draft)
     elif linkage == "free":
         for _ in range(draws.whole(1, 2)):
             body = draft.body(flexible=draws.chance(0.3))
@@ -216,8 +219,11 @@ def spatial_scene(draws: Draws, name: str) -> tuple[Table, dict[str, str | Path]
         _tree(draft, flexible=False, kinds=GEARED)
     else:
         _tree(draft, flexible=linkage == "flexible")
-    act_in_space(draft)
-    _starts(draft)
+    if linkage == "steady":
+        observe_in_space(draft)
+    else:
+        act_in_space(draft)
+        _starts(draft)
     duration = rounded(draws.between(0.1, 0.4) / draft.rate, 2)
     if any(body.flexible for body in draft.bodies.values()):
         duration = rounded(draws.between(1, 3) * 1e-3, 2)

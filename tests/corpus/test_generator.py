@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import derive
+from corpus.commands import other_integrator
 from corpus.features import all_features, features
 from corpus.generator import corpus_scene, spatial_schema
 from corpus.time_functions import unknown_functions
@@ -20,6 +21,7 @@ from derive.mechanics.multibody.forces.rotational_spring import RotationalSpring
 from derive.mechanics.multibody.joints.revolute import Revolute
 from derive.mechanics.multibody.outputs.marker_motion import Distance
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.simulation.integration.registry import INTEGRATORS
 from derive.spec.tables.json_schema import schema_of
 from derive.spec.tables.specification import specification_table
 
@@ -50,7 +52,7 @@ NOT_IN_SPACE = (
     "FlexibleTable.order",
     "FlexibleTable.orthonormal",
     "SpatialStartTable",
-    "SpatialSceneTable.start",
+    "SpatialSceneTable.start = equilibrium",
     "SpatialInitialValuesTable.guess = false",
     "SpatialJointStartTable.guess = false",
     "NodeFrameTable.motion",
@@ -95,6 +97,14 @@ def test_scenes_in_space_use_every_key() -> None:
     found = {name for seed in range(*IN_SPACE) for name in features(corpus_scene(seed).written, schema)}
     missing = {name for name in every - found if not any(part in name for part in NOT_IN_SPACE)}
     assert missing == set()
+
+
+def test_scenes_in_space_run_with_every_integrator_and_start_in_steady_rotations() -> None:
+    assert {other_integrator(seed) for seed in range(*IN_SPACE)} == {*INTEGRATORS} - {"adaptive", "scipy"}
+    steady = [
+        scene for scene in map(corpus_scene, range(*IN_SPACE)) if "steady" in scene.tables.get("scene", {}).values()
+    ]
+    assert len(steady) > 10 and all("velocity" in b["start"] for s in steady for b in s.tables["bodies"].values())
 
 
 def test_the_corpus_calls_every_function_of_time() -> None:

@@ -19,8 +19,10 @@ from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.marker_positions import marker_positions
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.observables.player_data import MAX_FRAMES, player_data, speeds
+from derive.simulation.prepared_run import PreparedRun
 from derive.spec.model.markers import MarkerRef, PointMarker
 from derive.spec.model.scene import RigidBody
+from derive.spec.toml.read import parse
 from derive.visual.player import json_island, player_page
 
 EVIL = "</script><script>alert(1)</script>&<!--"
@@ -120,7 +122,7 @@ const strips = [...document.querySelectorAll("figure svg")], texts = e => [...e.
 const boxes = query => [...document.querySelectorAll(query)].map(box);
 document.body.dataset.boxes = JSON.stringify({
   window: [innerWidth, innerHeight, scrollY, document.documentElement.scrollWidth], stage: boxes("#stage"),
-  controls: boxes("#play, #time, #loop, #speed"), figures: boxes("figure"),
+  supports: boxes("[data-k=hatch]"), controls: boxes("#play, #time, #loop, #speed"), figures: boxes("figure"),
   hidden: [...document.querySelectorAll("[hidden]")].map(e => getComputedStyle(e).display),
   scales: strips.map(e => [box(e), ...texts(e).map(box)]),
   numbers: strips.map(e => texts(e).map(t => t.textContent)),
@@ -154,6 +156,38 @@ def test_controls_stay_beside_the_animation_and_curves_have_scales(size: str, tm
         assert not any(a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3] for a, b in pairs)
     assert all(len(numbers) >= 5 and numbers[-1] == "0.10 s" for numbers in boxes["numbers"])
     assert boxes["numbers"][-1][:2] == ["\N{MINUS SIGN}100", "\N{MINUS SIGN}50"]
+
+
+POLE = """
+name = "pole"
+[ground.markers]
+o = [0, 0]
+[bodies.pole]
+mass = 1
+inertia = 1
+markers = { foot = [0, 0], top = [1, 0] }
+[joints.hinge]
+kind = "revolute"
+between = ["ground.o", "pole.foot"]
+start = { angle = 1.5707963267948966 }
+[simulation]
+duration = 0.01
+output = 0.005
+"""
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")
+@pytest.mark.parametrize("size", ["1050,420", "1400,1000"])
+def test_the_sign_of_a_support_is_within_the_drawing(size: str, tmp_path: Path) -> None:
+    """Also at the lowest point of a motion, in a window that is wide and low."""
+    motion = PreparedRun(parse(POLE), complete=False).trajectory().motion
+    path = tmp_path / "page.html"
+    path.write_text(page(motion, [Column("y", "m", motion.t)]).replace("</body>", f"{MEASURE}</body>"))
+    text = re.search(r'data-boxes="([^"]*)"', browsed(path, "t=0.0", size))
+    assert text is not None
+    boxes = json.loads(unescape(text[1]))
+    (stage,), (sign,) = boxes["stage"], boxes["supports"]
+    assert stage[0] <= sign[0] and stage[1] <= sign[1] and sign[2] <= stage[2] and sign[3] <= stage[3]
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")

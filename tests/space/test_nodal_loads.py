@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import derive
 from conftest import QUICK
+from derive.cli.main import main
 from derive.generated_models import generated_explicit
 from derive.report.sections.mechanism import joint_blocks
 from derive.runtime.compiler import ESSENTIAL
@@ -112,6 +115,39 @@ def test_forces_of_a_file_are_those_of_lists(tmp_path: Path) -> None:
     assert derive.validated(replace(read, plots=())).bodies[0].loads == listed.bodies[0].loads
 
 
+def test_forces_of_arrays_are_those_of_lists(tmp_path: Path) -> None:
+    np.savez(tmp_path / "forces.npz", nodes=[0, 2], forces=[[3, 0, -1.25], [-2, 4, 0.1]])
+    listed = "nodes = [0, 2], forces = [[3, 0, -1.25], [-2, 4, 0.1]]"
+    read = f'file = "{tmp_path}/forces.npz"'
+    loads = [parse(scene(tmp_path, f'{of}, time = {{ input = "pull" }}')).bodies[0].loads for of in (listed, read)]
+    assert loads[0] == loads[1] and loads[0][0].forces[1][2] == Fraction(1, 10)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        ({"nodes": [0]}, 'has no array "forces"; it needs nodes'),
+        ({"nodes": [0], "forces": [[1.0, 2.0]]}, r"forces in .* are float64 \(1, 2\); numbers \(1, 3\) are needed"),
+        ({"nodes": [0.5], "forces": [[1, 2, 3]]}, r"nodes in .* are float64 \(1,\); whole numbers"),
+        ({"nodes": [-1], "forces": [[1, 2, 3]]}, "-1 is no number of a node; nodes count from 0"),
+        ({"nodes": [0], "forces": [[1, 2, np.nan]]}, "have a component that is no finite number"),
+        ({"nodes": [7], "forces": [[1, 2, 3]]}, "there is no node 7: the nodes are 0 to 4"),
+        ({"nodes": [0], "forces": [[1, 2, 3]], "force": [0]}, "force: unknown key"),
+        ({"nodes": [0], "forces": np.array([[print, 2, 3]])}, "forces: this holds Python objects, which are not read"),
+        (b"PK but no archive", "is no .npz file$"),
+    ],
+)
+def test_faults_of_arrays(arrays: dict[str, Any] | bytes, message: str, tmp_path: Path) -> None:
+    if isinstance(arrays, bytes):
+        (tmp_path / "forces.npz").write_bytes(arrays)
+    else:
+        np.savez(tmp_path / "forces.npz", **arrays)
+    text = scene(tmp_path, f'file = "{tmp_path}/forces.npz"').replace('[inputs.pull]\nvalue = "2*t"\n', "")
+    with pytest.raises(derive.SpecError, match=message) as caught:
+        parse(text)
+    assert len(str(caught.value).splitlines()) == 1
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -165,3 +201,12 @@ def test_bodies_of_one_file_share_its_data(tmp_path: Path) -> None:
     millimetres = other.replace('units = "SI"', 'units = { length = "mm", mass = "kg", time = "s" }')
     first, second = parse(text.replace("[inputs", f"{millimetres}[inputs")).bodies
     assert second.body.data.positions == pytest.approx(first.body.data.positions / 1000)
+
+
+def test_a_run_names_its_flexible_bodies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its table says of them that they are, and of a scene without them that all bodies are rigid."""
+    path = tmp_path / "scene.toml"
+    path.write_text(scene(tmp_path))
+    assert main(["simulate", str(path), "--duration", "0.001", "--output", "0.0005", "--out", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert "  truss flexible " in out and "rigid" not in out

@@ -143,3 +143,60 @@ def test_a_door_on_two_hinges_turns_as_on_one(kind: str) -> None:
     assert np.allclose(two["door_phi"], one["door_phi"], rtol=0, atol=1e-8)
     (note,) = (note for note in two.notes if "redundant" in note)
     assert "other_x is implied by joints that eliminate coordinates" in note
+
+
+DOOR = """
+name = "door"
+[ground.markers]
+a = { at = [0.1, -0.2, 0.3], rotation = { axis = [1, 2, 3], angle = 0.7 } }
+b = { at = [0.2973698990869, -0.235696249708938, 0.758007533443659], rotation = { axis = [1, 2, 3], angle = 0.7 } }
+[bodies.door.markers]
+a = { at = [0.1, 0.2, 0], rotation = { axis = [1, 1, 0], angle = 0.4 } }
+b = { at = [0.23768017528244, 0.06231982471756, 0.46053049700144], rotation = { axis = [1, 1, ASKEW], angle = 0.4 } }
+[bodies.loose]
+mass = 1
+inertia = [1, 1, 1, 0, 0, 0]
+[joints.first]
+kind = "revolute"
+between = ["ground.a", "door.a"]
+[joints.second]
+kind = "revolute"
+between = ["ground.b", "door.b"]
+[drives.motor]
+joint = "first"
+motion = "MOTION"
+"""
+HANGING = """
+[scene]
+gravity = [0, 0, -9.81]
+[bodies.bob]
+mass = 1
+inertia = [1, 1, 1, 0, 0, 0]
+markers = { top = [0, 0.2, 0.1] }
+[joints.ball]
+kind = "spherical"
+between = ["door.b", "bob.top"]
+[simulation]
+duration = 0.02
+output = 0.01
+"""
+MOTIONS = (
+    "0.1*(exp(-2*t) - 1)",
+    "tanh(t) + log(1 + t^2) + abs(t) + min(t, 1) + max(t, 2) + atan2(t, 2)",
+    "step(t, 0, 1) + exp(-t)",
+)
+
+
+def test_a_drive_that_was_beyond_all_numbers_long_before() -> None:
+    """Its joint is met in every state; what is sought is a time at which it is not, and e^1000 is none."""
+    run = PreparedRun(parse(f"{DOOR.replace('ASKEW', '0').replace('MOTION', MOTIONS[0])}{HANGING}"), complete=False)
+    assert np.isfinite(run.trajectory()["bob_e0"]).all()
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_a_joint_that_a_driven_one_implies(motion: str) -> None:
+    """By any function of time; a joint about another axis is met by none."""
+    door = DOOR.replace("MOTION", motion)
+    assert derive.lower(derive.derive(parse(door.replace("ASKEW", "0"))), explicit=True).kernels
+    with pytest.raises(derive.SpecError, match="no coordinate can meet it"):
+        derive.lower(derive.derive(parse(door.replace("ASKEW", "0.1"))), explicit=True)

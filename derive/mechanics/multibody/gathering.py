@@ -34,6 +34,7 @@ from derive.mechanics.terms import (
     SpatialPose,
     Term,
 )
+from derive.mechanics.time_functions import tried
 from derive.spec.model.scene import Redundant
 from derive.spec.model.scene_functions import splines, time_functions
 from derive.spec.model.specification import AnyScene
@@ -220,8 +221,8 @@ def _largest(position: sp.Expr, known: Sequence[tuple[sp.Symbol, sp.Expr]]) -> t
     sizes = []
     for start in INSTANTS:
         values = {symbol: start + sp.Rational(k, 7) for k, symbol in enumerate(symbols)}
-        value = sp.N(position.xreplace(values))
-        sizes.append(abs(value) if value.is_number else sp.oo)
+        value = sp.N(tried(position.xreplace(values)))
+        sizes.append(abs(value) if value.is_Float or value.is_Rational else sp.oo)
     return max(sizes), not symbols
 
 

@@ -89,11 +89,17 @@ def _projected(
 
 
 def _time_of_motion(native: ConstrainedSystem, k: Vector, t: float, q: Vector, sign: float) -> float | None:
-    """The time (s), after or before t, at which drives have moved the mechanism by ANGLE; None if they do not."""
+    """The time (s), after or before t, at which drives have moved the mechanism by ANGLE; None if they do not.
+
+    It is None as well where functions of time, such as exp(-t) long before, exceed all numbers first.
+    """
     now = native.constraints(t, q, k)
     for doubling in range(DOUBLINGS):
         time = t + sign * FIRST_DELAY * 2.0**doubling
-        if max_norm(native.constraints(time, q, k) - now) >= ANGLE * _size(native, k, t, q):
+        moved = native.constraints(time, q, k) - now
+        if not np.all(np.isfinite(moved)):
+            return None
+        if max_norm(moved) >= ANGLE * _size(native, k, t, q):
             return time
     return None
 

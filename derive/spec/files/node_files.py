@@ -21,7 +21,7 @@ from derive.errors import printable, quoted
 from derive.spec.files.file_content import file_content
 from derive.spec.files.node_format import FILES
 from derive.spec.model.body import NodeData
-from derive.spec.parsing.faults import Fault, Faults, unknown_key
+from derive.spec.parsing.faults import Fault, Faults, KeyPath, unknown_key
 from derive.spec.parsing.values import WrongValueError, kind_of
 
 MAX_BYTES = 200_000_000
@@ -55,7 +55,7 @@ def read_nodes(nodes: object, folder: Path) -> FoundArrays:
         given = {f.name: getattr(nodes, f.name) for f in fields(nodes) if f.name in FILES}
         return FoundArrays({key: array for key, array in given.items() if array is not None}, nodes.sha256, Faults())
     if isinstance(nodes, (str, os.PathLike)):
-        return _archive(nodes, folder)
+        return archive(nodes, folder)
     if isinstance(nodes, Mapping):
         return _table(nodes, folder)
     wanted = 'a file is needed, such as "block.npz", or a table such as { positions = "x.mtx", mass = "m.mtx" }'
@@ -66,44 +66,53 @@ _MAX_MB = MAX_BYTES // 1_000_000
 _SMALLER = ", the most that is read; store matrices as the entries that are not zero"
 
 
-def _archive(name: str | os.PathLike[str], folder: Path) -> FoundArrays:
-    """The arrays in a .npz file."""
+def archive(
+    name: str | os.PathLike[str], folder: Path, known: tuple[str, ...] = ARRAYS, path: KeyPath = NODES
+) -> FoundArrays:
+    """The arrays in a .npz file. known: their names; path: that of the key with the name of the file, for faults."""
     faults = Faults()
     arrays: dict[str, Array | None] = {}
     content = b""
-    with faults.at(*NODES):
+    with faults.at(*path):
         content = file_content(name, folder, MAX_BYTES, _SMALLER)
         try:
-            _members(content, quoted(os.fsdecode(name)), arrays, faults)
+            _check_archive(content, quoted(os.fsdecode(name)), known)
+            with np.load(io.BytesIO(content), allow_pickle=False) as file:
+                _members(file, known, path, arrays, faults)
         except (zipfile.BadZipFile, zlib.error, OSError, EOFError, NotImplementedError, RuntimeError) as error:
             raise WrongValueError(f"the file {quoted(os.fsdecode(name))} is damaged: {_why(error)}") from None
     return FoundArrays(arrays, hashlib.sha256(content).hexdigest(), faults)
 
 
-def _members(content: bytes, name: str, arrays: dict[str, Array | None], faults: Faults) -> None:
+def _check_archive(content: bytes, name: str, known: tuple[str, ...]) -> None:
+    """Raise WrongValueError for what is no .npz file, and for one that is too large."""
     if not zipfile.is_zipfile(io.BytesIO(content)):
         alone = content.startswith(b"\x93NUMPY")
+        matrices = '; MatrixMarket files go in a table: { positions = "x.mtx", mass = "m.mtx" }'
         raise WrongValueError(
             f"{name} is no .npz file"
             + ("; it holds a single array: save all of them in one file with numpy.savez" if alone else "")
-            + ('; MatrixMarket files go in a table: { positions = "x.mtx", mass = "m.mtx" }' if not alone else "")
+            + (matrices if not alone and known == ARRAYS else "")
         )
-    with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        members = archive.infolist()
-    if len(members) > 2 * len(ARRAYS):
-        raise WrongValueError(f"{name} holds {len(members)} arrays; those that are known are {', '.join(ARRAYS)}")
+    with zipfile.ZipFile(io.BytesIO(content)) as zipped:
+        members = zipped.infolist()
+    if len(members) > 2 * len(known):
+        raise WrongValueError(f"{name} holds {len(members)} arrays; those that are known are {', '.join(known)}")
     if sum(member.file_size for member in members) > MAX_BYTES:
         raise WrongValueError(f"{name} unpacks to more than {_MAX_MB} MB{_SMALLER}")
-    with np.load(io.BytesIO(content), allow_pickle=False) as file:
-        for key in file.files:
-            if key not in ARRAYS:
-                faults.append(Fault((*NODES, key), unknown_key(key, ARRAYS)))
-                continue
-            if key in arrays:
-                faults.append(Fault((*NODES, key), "this array is in the file twice; keep one"))
-            arrays[key] = None
-            with faults.at(*NODES, key):
-                arrays[key] = _member(file, key)
+
+
+def _members(file: Any, known: tuple[str, ...], path: KeyPath, arrays: dict[str, Array | None], faults: Faults) -> None:
+    """Read the arrays of an opened file into `arrays`, with the faults of each."""
+    for key in file.files:
+        if key not in known:
+            faults.append(Fault((*path, key), unknown_key(key, known)))
+            continue
+        if key in arrays:
+            faults.append(Fault((*path, key), "this array is in the file twice; keep one"))
+        arrays[key] = None
+        with faults.at(*path, key):
+            arrays[key] = _member(file, key)
 
 
 DAMAGED = (

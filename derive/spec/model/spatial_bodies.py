@@ -178,8 +178,9 @@ class NodalLoad:
         key(KeyType.LOADED_NODES, "The nodes, counted from 0.", default=(), example="[3, 4]"),
         key(
             KeyType.TEXT,
-            "CSV file with the columns node, x, y, z in place of nodes and forces, relative to the specification: the "
-            "number of a node, and the components of the force there, N.",
+            "File in place of nodes and forces, relative to the specification: a CSV file with the columns node, x, y, "
+            "z, the number of a node and the components of the force there, N, or a .npz file with the arrays nodes "
+            "(n,) and forces (n, 3).",
             name="file",
             example='"pressure.csv"',
         ),

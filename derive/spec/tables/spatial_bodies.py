@@ -99,7 +99,7 @@ def _named_node_frame(name: str, at: Any) -> NodeFrame:
 VALUE_TYPES[KeyType.NODE_FRAMES] = markers_type(NODE_FRAME.value, "nodes", _named_node_frame)
 
 
-OR_A_FILE = 'or file = "forces.csv" with the columns node, x, y, z in place of both'
+OR_A_FILE = 'or file = "forces.csv" with the columns node, x, y, z, or a .npz file, in place of both'
 
 
 def _nodal_load(**given: Any) -> NodalLoad:
