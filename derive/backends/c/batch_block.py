@@ -7,10 +7,10 @@ from copy import copy
 from derive.backends.c.linear_sums import KernelSums
 from derive.backends.c.loop_text import declarations
 from derive.backends.c.nests import CNests
+from derive.ir.analysis import codes_in_order
 from derive.ir.batches import SHARED, batch, state_arguments, state_elements, state_views
 from derive.ir.kernel import Kernel
 from derive.ir.loop_nests import BlockProduct, For, LoopKind, every
-from derive.ir.statements import Require
 
 Lines = list[str]
 
@@ -51,10 +51,9 @@ class StateBlock:
         outputs = {o.name for o in self.kernel.outputs}
         arrays = outputs | {a.name for a in state_arguments(self.kernel)}
         counter = "ptrdiff_t" if self.repeats else "int"
-        codes = {node.code for node in every(self.batch.nodes) if isinstance(node, Require)}
+        codes = codes_in_order(self.batch.nodes) or (None,)
         helpers = f"{self.model}_block{self.width}"
-        one = self.repeats and len(codes) == 1
-        nests = CNests(outputs, arrays, helpers, self.repeats, one, counter=counter)
+        nests = CNests(outputs, arrays, helpers, self.repeats, codes[0], counter=counter)
         return [line.text for line in nests.lines(self.batch.nodes)]
 
     def declarations(self) -> Lines:

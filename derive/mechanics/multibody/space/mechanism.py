@@ -22,7 +22,8 @@ from derive.mechanics.multibody.space.frame_motion import FrameMotion
 from derive.mechanics.multibody.space.gears import GearInstance, gear_constraint, gear_loads
 from derive.mechanics.multibody.space.joint_motion import JointMotion, counted_rotation, joint_motion
 from derive.mechanics.multibody.space.joints import SpatialEliminatedJoint, SpatialJointInstance
-from derive.mechanics.multibody.space.outputs import SpatialParts, spatial_output_equations
+from derive.mechanics.multibody.space.output_parts import SpatialParts
+from derive.mechanics.multibody.space.outputs import spatial_output_equations
 from derive.mechanics.multibody.space.rows import derived
 from derive.mechanics.terms import (
     Constraint,
