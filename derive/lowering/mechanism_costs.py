@@ -30,10 +30,10 @@ from dataclasses import dataclass
 import sympy as sp
 
 from derive.ir.indices import LANES
-from derive.lowering.instances.block_system import Blocks, blocks
-from derive.lowering.instances.classes import BodyClass, body_classes, plain_joint
-from derive.lowering.instances.joined_classes import joined_classes
-from derive.lowering.instances.varying_joints import varies
+from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, plain_joint
+from derive.lowering.instances.classes.varying_joints import varies
+from derive.lowering.instances.elimination.block_system import Blocks, blocks
+from derive.lowering.instances.elimination.joined_classes import joined_classes
 from derive.mechanics.multibody.mechanism import Mechanism
 
 LONG = 30.0

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from corpus.draft import Table
 from corpus.draws import rounded, words
-from derive.mechanics.multibody.space.forces import SPATIAL_BUSHINGS, SPATIAL_SPRINGS
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS, Freedom
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
+from derive.mechanics.multibody.space.springs import SPATIAL_BUSHINGS, SPATIAL_SPRINGS
 from derive.spec.model.instances import identifier
 from derive.spec.model.keys import Key, KeyType
 from derive.spec.model.spatial_forces import SpatialForce

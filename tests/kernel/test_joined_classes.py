@@ -16,7 +16,7 @@ from derive.ir.analysis import reads
 from derive.ir.interpreter import interpret
 from derive.ir.model import Model
 from derive.lowering.flat.lower import lower
-from derive.lowering.instances.context import InstanceContext
+from derive.lowering.instances.loop_code.context import InstanceContext
 from derive.lowering.instances.lower import lower_instances
 from derive.mechanics.multibody.mechanism import Mechanism
 

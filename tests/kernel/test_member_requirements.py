@@ -11,7 +11,7 @@ from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.instances import lower
-from derive.lowering.instances.context import InstanceContext
+from derive.lowering.instances.loop_code.context import InstanceContext
 from derive.mechanics.multibody.mechanism import Mechanism
 
 MASS = ScalarRef("rod_0_mass")

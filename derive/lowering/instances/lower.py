@@ -13,10 +13,17 @@ from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.flat.setup_constants import Constants
-from derive.lowering.instances import accelerations, body_functions, constraints, dae, outputs, prescribed_sides
-from derive.lowering.instances.context import InstanceContext, idle_rows
-from derive.lowering.instances.markers import Markers
-from derive.lowering.instances.sensitivities import parameter_jacobian
+from derive.lowering.instances.functions import (
+    accelerations,
+    body_functions,
+    constraints,
+    dae,
+    outputs,
+    prescribed_sides,
+)
+from derive.lowering.instances.functions.markers import Markers
+from derive.lowering.instances.functions.sensitivities import parameter_jacobian
+from derive.lowering.instances.loop_code.context import InstanceContext, idle_rows
 from derive.lowering.model_functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.symbol_variables import symbol_variable
 from derive.mechanics.multibody.gathering import refuse_equal_names, refuse_idle

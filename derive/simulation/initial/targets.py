@@ -28,8 +28,27 @@ class Strength(Enum):
     DEFAULT = "not specified: approached with what freedom is left"
 
 
+class KeyOfTarget:
+    """The key of a specification that gives a target its value."""
+
+    table: str
+    key: str
+    angular: bool
+    rate: bool
+
+    @property
+    def path(self) -> str:
+        """The key with its table, such as bodies.rod.start.angle."""
+        return f"{self.table}.{self.key}"
+
+    @property
+    def unit(self) -> str:
+        """The unit of the value."""
+        return ("rad" if self.angular else "m") + ("/s" if self.rate else "")
+
+
 @dataclass(frozen=True, eq=False)
-class Target:
+class Target(KeyOfTarget):
     """A scalar of the configuration and its value, or with `rate` the value of its time derivative, in SI units.
 
     table, key: its table and key in the specification, such as bodies.rod.start and angle; label: the object that it
@@ -46,16 +65,6 @@ class Target:
     rate: bool
     function: Function
     amplitude: int | None = None
-
-    @property
-    def path(self) -> str:
-        """The key with its table, such as bodies.rod.start.angle."""
-        return f"{self.table}.{self.key}"
-
-    @property
-    def unit(self) -> str:
-        """The unit of the value."""
-        return ("rad" if self.angular else "m") + ("/s" if self.rate else "")
 
     @property
     def name(self) -> str:

@@ -186,11 +186,11 @@ def _check_steady(native: NativeScene, k: Vector, q: Vector, field: _RigidField)
     pattern = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, np.cos(1.0 + np.arange(native.nq)))
     v, a = field.velocities(q), field.accelerations(q)
     displaced = [(q + x * pattern, v + x * (1.0 + abs(field.spin)) * pattern[::-1]) for x in (0.0, ASIDE)]
-    here, beside = (_accelerations(native, k, 0.0, state) for state in displaced)
+    here, beside = (accelerations_in(native, k, 0.0, *state) for state in displaced)
     scale = max(max_norm(a), max_norm(here), max_norm(beside - here) / ASIDE)
     _compare(native, here, a, scale, "is not steady")
     for (dq, dv), expected in zip(displaced, (here, beside), strict=True):
-        later = _accelerations(native, k, t, (moved + Q @ (dq - q), Q @ dv))
+        later = accelerations_in(native, k, t, moved + Q @ (dq - q), Q @ dv)
         _compare(native, later, Q @ expected, scale, f"changes until t = {t:.3g} s")
 
 
@@ -215,8 +215,9 @@ def _compare(native: NativeScene, a: Vector, expected: Vector, scale: float, wha
         )
 
 
-def _accelerations(native: NativeScene, k: Vector, t: float, state: tuple[Vector, Vector]) -> Vector:
+def accelerations_in(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector) -> Vector:
+    """The accelerations vdot (nv,) in a state. Raises NoSteadyMotion where a requirement of the model fails there."""
     try:
-        return native.solve(t, *state, k)[0]
+        return native.solve(t, q, v, k)[0]
     except ModelError as error:
         raise NoSteadyMotion(str(error)) from None

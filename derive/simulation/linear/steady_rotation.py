@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.roles import Role
-from derive.runtime.native_call import Matrix, ModelError, Vector
+from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, mass_matrix, max_norm
 from derive.simulation.configurations import difference, displaced, normalised, rate_matrix, velocities_with
@@ -26,6 +26,7 @@ from derive.simulation.linear.steady_motion import (
     TURN,
     NoSteadyMotion,
     SteadyMotion,
+    accelerations_in,
     least_solution,
 )
 
@@ -119,7 +120,7 @@ def _check_steady(native: NativeScene, k: Vector, q: Vector, field: RotatingFiel
     def accelerations(t: float, x: float) -> Vector:
         """The accelerations at the time t of the state that is displaced by x and has rotated along since then."""
         beside = displaced(native, q, x * aside)
-        return _accelerations(native, k, t, field.later(beside, t), field.carried(v + x * rate * faster, t))
+        return accelerations_in(native, k, t, field.later(beside, t), field.carried(v + x * rate * faster, t))
 
     here, beside = accelerations(0.0, 0.0), accelerations(0.0, ASIDE)
     expected = field.axes @ v
@@ -141,10 +142,3 @@ def _compare(native: NativeScene, a: Vector, expected: Vector, scale: float, wha
             "because a force, gravity, a spring, a joint, a drive, or a body that spins about an axis of which it is "
             "not symmetric, depends on time or on a direction in space"
         )
-
-
-def _accelerations(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector) -> Vector:
-    try:
-        return native.solve(t, q, v, k)[0]
-    except ModelError as error:
-        raise NoSteadyMotion(str(error)) from None

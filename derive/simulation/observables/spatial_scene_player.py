@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from derive.mechanics.multibody.space.forces import spring_type
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
+from derive.mechanics.multibody.space.springs import spring_type
 from derive.mechanics.symbols import amplitude, owned
 from derive.reduction.frame_points import modal_frames
 from derive.simulation.configurations import quaternion_of

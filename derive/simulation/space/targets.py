@@ -15,7 +15,7 @@ from derive.mechanics.symbols import amplitude, owned
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.configurations import rotation_matrix
-from derive.simulation.initial.targets import Strength
+from derive.simulation.initial.targets import KeyOfTarget, Strength
 from derive.simulation.observables.motion import simulated_drive
 from derive.simulation.space.joint_targets import (
     Linearised,
@@ -32,7 +32,7 @@ from derive.spec.model.spatial_scene import SpatialJoint, SpatialScene
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialTarget:
+class SpatialTarget(KeyOfTarget):
     """A vector of the configuration and its values in SI units; with `rate` those of its time derivative.
 
     table, key: its table and key in the specification. angular: whether it counts in rad, not m. linearised: the
@@ -55,16 +55,6 @@ class SpatialTarget:
         """The rotation matrix (3, 3) of a rotation, whose values are those of a quaternion."""
         quaternion = np.array(self.values)
         return rotation_matrix(quaternion / np.linalg.norm(quaternion))
-
-    @property
-    def path(self) -> str:
-        """The key with its table, such as bodies.rod.start.rotation."""
-        return f"{self.table}.{self.key}"
-
-    @property
-    def unit(self) -> str:
-        """The unit of the values."""
-        return ("rad" if self.angular else "m") + ("/s" if self.rate else "")
 
 
 def spatial_targets(scene: SpatialScene, native: NativeScene) -> tuple[SpatialTarget, ...]:

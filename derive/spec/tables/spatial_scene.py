@@ -7,9 +7,9 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
-from derive.mechanics.multibody.space.forces import SPATIAL_BUSHINGS, SPATIAL_SPRINGS
 from derive.mechanics.multibody.space.joints import SPATIAL_JOINTS
 from derive.mechanics.multibody.space.outputs import SPATIAL_OUTPUTS
+from derive.mechanics.multibody.space.springs import SPATIAL_BUSHINGS, SPATIAL_SPRINGS
 from derive.spec.files.reference_curves import Rows
 from derive.spec.model.body import NodeData
 from derive.spec.model.instances import COUNT

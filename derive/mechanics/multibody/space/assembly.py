@@ -14,11 +14,11 @@ from derive.mechanics.multibody.bodies.body_type import BodyType, Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.kinds import BodyInstance
 from derive.mechanics.multibody.parameters import spatial_parameters
+from derive.mechanics.multibody.space.actions import keys_of, specified
 from derive.mechanics.multibody.space.bodies import SPATIAL_BODIES
 from derive.mechanics.multibody.space.constraints import lead
 from derive.mechanics.multibody.space.coordinates import free_spatial_coordinates
 from derive.mechanics.multibody.space.flexible import Flexible, ReducedBody
-from derive.mechanics.multibody.space.forces import keys_of, specified
 from derive.mechanics.multibody.space.frame_motion import FrameMotion, fixed_frame
 from derive.mechanics.multibody.space.gears import GearInstance
 from derive.mechanics.multibody.space.joint_elimination import SpatialSupport, minimal_spatial_coordinates

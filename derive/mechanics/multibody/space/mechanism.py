@@ -15,8 +15,9 @@ from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.gathering import Gathered, InstancesOfKinds, equations_of_mechanism, refuse_idle
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES, count_text
+from derive.mechanics.multibody.space.actions import loads_of
 from derive.mechanics.multibody.space.constraints import row_values, spatial_constraints
-from derive.mechanics.multibody.space.forces import CountedRotation, MarkerLoad, loads_of
+from derive.mechanics.multibody.space.forces import CountedRotation, MarkerLoad
 from derive.mechanics.multibody.space.frame_motion import FrameMotion
 from derive.mechanics.multibody.space.gears import GearInstance, gear_constraint, gear_loads
 from derive.mechanics.multibody.space.joint_motion import JointMotion, counted_rotation, joint_motion

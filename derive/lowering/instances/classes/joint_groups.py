@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 
-from derive.lowering.instances.classes import plain_joint
-from derive.lowering.instances.groups import Bodies, Group, GroupElement, fixed_of, group_equations
-from derive.lowering.instances.varying_joints import at_rest, varies
+from derive.lowering.instances.classes.body_classes import plain_joint
+from derive.lowering.instances.classes.groups import Bodies, Group, GroupElement, fixed_of, group_equations
+from derive.lowering.instances.classes.varying_joints import at_rest, varies
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce

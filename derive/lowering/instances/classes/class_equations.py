@@ -14,10 +14,10 @@ from types import MappingProxyType
 
 import sympy as sp
 
-from derive.lowering.instances.classes import BodyClass, Handle, Member
-from derive.lowering.instances.known_motion import STILL, KnownMotion, canonical
-from derive.lowering.instances.varying_joints import at_rest, varies
-from derive.lowering.instances.varying_parts import VaryingPart, varying_part
+from derive.lowering.instances.classes.body_classes import BodyClass, Handle, Member
+from derive.lowering.instances.classes.known_motion import STILL, KnownMotion, canonical
+from derive.lowering.instances.classes.varying_joints import at_rest, varies
+from derive.lowering.instances.classes.varying_parts import VaryingPart, varying_part
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import mass_matrix
 from derive.mechanics.multibody.constraints import constraints

@@ -8,7 +8,7 @@ from itertools import accumulate
 
 import sympy as sp
 
-from derive.lowering.instances.force_numbers import (
+from derive.lowering.instances.classes.force_numbers import (
     ForceForm,
     Place,
     differing_constants,

@@ -9,11 +9,11 @@ from derive.ir.indices import constant
 from derive.ir.kernel import Kernel
 from derive.ir.statements import ForEach, Statement, StoreElement
 from derive.lowering.flat.context import array_input
-from derive.lowering.instances.accelerations import by_joint, entries_of, solved
-from derive.lowering.instances.block_system import KNOWN, RIGHT
-from derive.lowering.instances.class_code import INSTANCE, ClassCode
-from derive.lowering.instances.context import InstanceContext, Result, whole
-from derive.lowering.instances.local_system import Right
+from derive.lowering.instances.elimination.block_system import KNOWN, RIGHT
+from derive.lowering.instances.functions.accelerations import by_joint, entries_of, solved
+from derive.lowering.instances.functions.local_system import Right
+from derive.lowering.instances.loop_code.class_code import INSTANCE, ClassCode
+from derive.lowering.instances.loop_code.context import InstanceContext, Result, whole
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.symbols import local
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from derive.ir.expressions import Operator
 from derive.lowering.flat.context import Input, array_input
-from derive.lowering.instances.class_code import Loaded, LoopCode, LoopTarget
-from derive.lowering.instances.groups import GroupElement
+from derive.lowering.instances.classes.groups import GroupElement
+from derive.lowering.instances.loop_code.class_code import Loaded, LoopCode, LoopTarget
 from derive.lowering.instances.places import Place
 
 

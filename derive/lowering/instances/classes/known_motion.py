@@ -16,7 +16,7 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input
 from derive.lowering.flat.schedule import OutputValue, Step
 from derive.lowering.flat.sensitivities import by_parameters_and_inputs, derivatives
-from derive.lowering.instances.varying_joints import prescribed_alone, varies
+from derive.lowering.instances.classes.varying_joints import prescribed_alone, varies
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.gathering import functions_of_time

@@ -13,7 +13,7 @@ import casadi as ca
 from derive.ir.expressions import Element, Ends
 from derive.ir.indices import constant, variable
 from derive.ir.statements import ForEach, InstanceItem, InstanceStatement, Work
-from derive.lowering.instances.block_body import (
+from derive.lowering.instances.elimination.block_body import (
     Adjugate,
     Block,
     BlockBody,
@@ -26,7 +26,7 @@ from derive.lowering.instances.block_body import (
     scaled,
     transposed,
 )
-from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks
+from derive.lowering.instances.elimination.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks
 
 UPDATE, RIGHT_UPDATE, SCALE, LAST = "update", "right_update", "update_scale", "last_reaction"
 """The local arrays of what the joint before subtracts, of its scale, and of its reactions."""

@@ -12,7 +12,7 @@ import casadi as ca
 from derive.ir.expressions import Element, Operator
 from derive.ir.indices import constant
 from derive.ir.statements import InstanceItem, InstanceStatement, StoreElement, Work
-from derive.lowering.instances.block_body import (
+from derive.lowering.instances.elimination.block_body import (
     Block,
     BlockBody,
     Factors,
@@ -21,8 +21,24 @@ from derive.lowering.instances.block_body import (
     product,
     transposed,
 )
-from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FLOOR, FORCE, KNOWN, ONE, RIGHT, Blocks
-from derive.lowering.instances.graph_elimination import JOINT, NEIGHBOUR, at, each_joint, each_neighbour, each_pair
+from derive.lowering.instances.elimination.block_system import (
+    COUPLING,
+    DIAGONAL,
+    FLOOR,
+    FORCE,
+    KNOWN,
+    ONE,
+    RIGHT,
+    Blocks,
+)
+from derive.lowering.instances.elimination.graph_elimination import (
+    JOINT,
+    NEIGHBOUR,
+    at,
+    each_joint,
+    each_neighbour,
+    each_pair,
+)
 from derive.lowering.instances.places import Places
 from derive.lowering.proximal import LEAST, PROXIMAL, REFINEMENTS
 

@@ -18,9 +18,9 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input
 from derive.lowering.flat.schedule import Step, never_met
 from derive.lowering.flat.setup_constants import Constants
-from derive.lowering.instances.class_equations import ClassEquations
-from derive.lowering.instances.classes import BodyClass, Member
-from derive.lowering.instances.groups import Group, GroupElement
+from derive.lowering.instances.classes.body_classes import BodyClass, Member
+from derive.lowering.instances.classes.class_equations import ClassEquations
+from derive.lowering.instances.classes.groups import Group, GroupElement
 from derive.lowering.instances.places import Place, Places
 from derive.mechanics.equations import Equations
 

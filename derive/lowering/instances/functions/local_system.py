@@ -18,7 +18,7 @@ from derive.lowering.flat.body_functions import pivot_checks
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries
 from derive.lowering.flat.schedule import NamedValue, StepItem
-from derive.lowering.instances.class_code import ClassCode, Loaded
+from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.mechanics.symbols import local
 

@@ -11,8 +11,8 @@ from derive.ir.patterns import pattern
 from derive.ir.statements import Statement
 from derive.lowering.flat.context import Context, Input, stores
 from derive.lowering.flat.schedule import Step
-from derive.lowering.instances.class_code import Loaded
-from derive.lowering.instances.context import (
+from derive.lowering.instances.loop_code.class_code import Loaded
+from derive.lowering.instances.loop_code.context import (
     InstanceContext,
     Result,
     given_inputs,
@@ -20,7 +20,7 @@ from derive.lowering.instances.context import (
     scatter,
     whole,
 )
-from derive.lowering.instances.group_code import GroupCode, loads, spread
+from derive.lowering.instances.loop_code.group_code import GroupCode, loads, spread
 from derive.lowering.model_functions import ModelFunction
 
 

@@ -12,8 +12,8 @@ from derive.ir.statements import ForEach, Statement, StoreElement
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import stores
 from derive.lowering.flat.schedule import Step, StepItem
-from derive.lowering.instances.class_code import ClassCode, LoopTarget
-from derive.lowering.instances.context import (
+from derive.lowering.instances.loop_code.class_code import ClassCode, LoopTarget
+from derive.lowering.instances.loop_code.context import (
     ZERO,
     InstanceContext,
     Result,

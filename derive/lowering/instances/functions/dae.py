@@ -15,9 +15,9 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.dae import residual_rows, states
 from derive.lowering.flat.schedule import Step
-from derive.lowering.instances.class_code import ClassCode, Loaded
-from derive.lowering.instances.classes import Member
-from derive.lowering.instances.context import (
+from derive.lowering.instances.classes.body_classes import Member
+from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded
+from derive.lowering.instances.loop_code.context import (
     InstanceContext,
     Result,
     given_inputs,
@@ -26,7 +26,7 @@ from derive.lowering.instances.context import (
     scatter,
     whole,
 )
-from derive.lowering.instances.group_code import GroupCode, JointCode, loads, spread
+from derive.lowering.instances.loop_code.group_code import GroupCode, JointCode, loads, spread
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.symbols import local
 

@@ -16,7 +16,7 @@ from derive.ir.statements import Entry, ForEach, Requirement, ReturnCode, Statem
 from derive.lowering.flat.accelerations import balanced
 from derive.lowering.flat.context import array_input, stores
 from derive.lowering.flat.schedule import RequiredValue, Step, StepItem
-from derive.lowering.instances.block_system import (
+from derive.lowering.instances.elimination.block_system import (
     COUPLING,
     DIAGONAL,
     FLOOR,
@@ -29,8 +29,13 @@ from derive.lowering.instances.block_system import (
     spaced,
     spare_reactions,
 )
-from derive.lowering.instances.class_code import INSTANCE, ClassCode, LoopTarget, kept_values
-from derive.lowering.instances.context import (
+from derive.lowering.instances.elimination.graph_elimination import in_graph
+from derive.lowering.instances.elimination.path_elimination import along_path
+from derive.lowering.instances.elimination.proximal_elimination import with_proximal_term
+from derive.lowering.instances.functions.local_system import LocalSystem, Right, local_system
+from derive.lowering.instances.functions.varying_factors import VaryingFactors
+from derive.lowering.instances.loop_code.class_code import INSTANCE, ClassCode, LoopTarget, kept_values
+from derive.lowering.instances.loop_code.context import (
     InstanceContext,
     Part,
     Result,
@@ -42,12 +47,7 @@ from derive.lowering.instances.context import (
     known_value,
     state,
 )
-from derive.lowering.instances.graph_elimination import in_graph
-from derive.lowering.instances.local_system import LocalSystem, Right, local_system
-from derive.lowering.instances.path_elimination import along_path
 from derive.lowering.instances.places import Place
-from derive.lowering.instances.proximal_elimination import with_proximal_term
-from derive.lowering.instances.varying_factors import VaryingFactors
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.symbols import local
 from derive.roles import Source

@@ -13,7 +13,7 @@ from derive.lowering.flat.body_functions import VANISHING
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.schedule import OutputValue, RequiredValue, Step, StepItem, schedule
-from derive.lowering.instances.block_system import packed
+from derive.lowering.instances.elimination.block_system import packed
 from derive.mechanics.symbols import local
 
 Target = Element | Ends

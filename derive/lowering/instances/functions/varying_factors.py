@@ -12,10 +12,10 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries
 from derive.lowering.flat.context import array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
-from derive.lowering.instances.block_system import KNOWN, Blocks, spaced
-from derive.lowering.instances.class_code import ClassCode, Loaded, LoopTarget
-from derive.lowering.instances.context import InstanceContext, given_inputs
-from derive.lowering.instances.group_code import JointCode
+from derive.lowering.instances.elimination.block_system import KNOWN, Blocks, spaced
+from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopTarget
+from derive.lowering.instances.loop_code.context import InstanceContext, given_inputs
+from derive.lowering.instances.loop_code.group_code import JointCode
 
 FACTORS = ("first_factor", "second_factor")
 """The local arrays of the factors of the first and of the second body of each joint."""

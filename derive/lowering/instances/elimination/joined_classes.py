@@ -13,8 +13,7 @@ from dataclasses import replace
 from itertools import combinations, pairwise
 
 from derive.ir.indices import LANES, padded
-from derive.lowering.instances.block_system import FEW, Blocks
-from derive.lowering.instances.classes import (
+from derive.lowering.instances.classes.body_classes import (
     NO_JOINT,
     BodyClass,
     Handle,
@@ -23,7 +22,8 @@ from derive.lowering.instances.classes import (
     force_keys,
     with_forces,
 )
-from derive.lowering.instances.varying_joints import varies
+from derive.lowering.instances.classes.varying_joints import varies
+from derive.lowering.instances.elimination.block_system import FEW, Blocks
 from derive.mechanics.multibody.kinds import JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 

@@ -15,7 +15,7 @@ import casadi as ca
 from derive.ir.expressions import Element, Operator
 from derive.ir.indices import ElementIndex, IndexTerm, constant
 from derive.ir.statements import Entry, ForEach, InstanceItem, InstanceStatement, Work
-from derive.lowering.instances.block_body import (
+from derive.lowering.instances.elimination.block_body import (
     Adjugate,
     Block,
     BlockBody,
@@ -25,7 +25,7 @@ from derive.lowering.instances.block_body import (
     product,
     transposed,
 )
-from derive.lowering.instances.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks
+from derive.lowering.instances.elimination.block_system import COUPLING, DIAGONAL, FORCE, KNOWN, RIGHT, Blocks
 from derive.lowering.instances.places import Places
 
 FACTOR, INVERSE, SCALE, LOWER = "factor", "inverse", "scale", "lower"

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from derive.errors import TisserandError
-from derive.lowering.instances.classes import BodyClass, Member, fixed_values
-from derive.lowering.instances.force_numbers import (
+from derive.lowering.instances.classes.body_classes import BodyClass, Member, fixed_values
+from derive.lowering.instances.classes.force_numbers import (
     ForceForm,
     Place,
     differing_constants,
@@ -21,7 +21,7 @@ from derive.lowering.instances.force_numbers import (
     force_form,
     moving_bodies,
 )
-from derive.lowering.instances.known_motion import KnownMotion, canonical
+from derive.lowering.instances.classes.known_motion import KnownMotion, canonical
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations

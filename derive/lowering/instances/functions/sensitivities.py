@@ -22,11 +22,11 @@ from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.dae import states
 from derive.lowering.flat.schedule import Step
 from derive.lowering.flat.sensitivities import by_parameters_and_inputs, dynamic_rows
-from derive.lowering.instances.class_code import Loaded, LoopCode
-from derive.lowering.instances.context import InstanceContext, Result, kernel, scatter
-from derive.lowering.instances.dae import DaeLayout
-from derive.lowering.instances.group_code import GroupCode, loads
-from derive.lowering.instances.known_motion import PARTS, known_symbol
+from derive.lowering.instances.classes.known_motion import PARTS, known_symbol
+from derive.lowering.instances.functions.dae import DaeLayout
+from derive.lowering.instances.loop_code.class_code import Loaded, LoopCode
+from derive.lowering.instances.loop_code.context import InstanceContext, Result, kernel, scatter
+from derive.lowering.instances.loop_code.group_code import GroupCode, loads
 from derive.lowering.model_functions import ModelFunction
 
 

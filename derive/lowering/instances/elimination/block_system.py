@@ -18,7 +18,7 @@ from derive.ir.indices import LANES, constant, padded
 from derive.ir.patterns import pattern
 from derive.ir.statements import InstanceStatement, StoreElement, Work
 from derive.lowering.elimination_orders import elimination_order, rounds_of_least_degree, work
-from derive.lowering.instances.classes import NO_JOINT
+from derive.lowering.instances.classes.body_classes import NO_JOINT
 
 DIAGONAL, RIGHT = ("first_diagonal", "second_diagonal"), ("first_right", "second_right")
 """The local arrays of what the first and the second body of a joint contribute."""

@@ -13,8 +13,8 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries, jacobian_pattern
 from derive.lowering.flat.context import stores
 from derive.lowering.flat.schedule import Step, StepItem
-from derive.lowering.instances.class_code import ClassCode, LoopTarget
-from derive.lowering.instances.context import (
+from derive.lowering.instances.loop_code.class_code import ClassCode, LoopTarget
+from derive.lowering.instances.loop_code.context import (
     InstanceContext,
     Result,
     given_inputs,
@@ -24,7 +24,7 @@ from derive.lowering.instances.context import (
     merged,
     scatter,
 )
-from derive.lowering.instances.group_code import JointCode, spread
+from derive.lowering.instances.loop_code.group_code import JointCode, spread
 from derive.lowering.model_functions import ModelFunction
 
 

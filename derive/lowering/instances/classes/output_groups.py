@@ -9,8 +9,8 @@ from typing import Any
 
 import sympy as sp
 
-from derive.lowering.instances.force_numbers import force_form, moving_bodies
-from derive.lowering.instances.groups import (
+from derive.lowering.instances.classes.force_numbers import force_form, moving_bodies
+from derive.lowering.instances.classes.groups import (
     Bodies,
     Group,
     GroupElement,
@@ -19,8 +19,8 @@ from derive.lowering.instances.groups import (
     group_equations,
     with_differences,
 )
-from derive.lowering.instances.known_motion import STILL
-from derive.lowering.instances.varying_joints import varies
+from derive.lowering.instances.classes.known_motion import STILL
+from derive.lowering.instances.classes.varying_joints import varies
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations

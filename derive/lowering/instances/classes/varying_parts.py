@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from derive.lowering.instances.known_motion import moving_symbols
-from derive.lowering.instances.varying_joints import OTHER, OTHER_SYMBOLS, at_rest
+from derive.lowering.instances.classes.known_motion import moving_symbols
+from derive.lowering.instances.classes.varying_joints import OTHER, OTHER_SYMBOLS, at_rest
 from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.kinds import JointInstance

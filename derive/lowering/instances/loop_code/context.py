@@ -19,16 +19,16 @@ from derive.lowering.flat.context import Input, array_input, stores
 from derive.lowering.flat.schedule import Step, StepItem
 from derive.lowering.flat.sensitivities import derivatives
 from derive.lowering.flat.setup_constants import Constants
-from derive.lowering.instances.block_system import Blocks, blocks
-from derive.lowering.instances.class_code import ClassCode, Loaded, LoopCode, LoopTarget
-from derive.lowering.instances.class_equations import class_equations, with_known
-from derive.lowering.instances.classes import BodyClass, body_classes, marker_classes
-from derive.lowering.instances.group_code import GroupCode, JointCode, spread
-from derive.lowering.instances.groups import Bodies, Group, force_equations, force_groups
-from derive.lowering.instances.joined_classes import joined_classes
-from derive.lowering.instances.joint_groups import joint_equations, joint_groups
-from derive.lowering.instances.known_motion import KnownMotion, known_symbol
-from derive.lowering.instances.output_groups import output_groups
+from derive.lowering.instances.classes.body_classes import BodyClass, body_classes, marker_classes
+from derive.lowering.instances.classes.class_equations import class_equations, with_known
+from derive.lowering.instances.classes.groups import Bodies, Group, force_equations, force_groups
+from derive.lowering.instances.classes.joint_groups import joint_equations, joint_groups
+from derive.lowering.instances.classes.known_motion import KnownMotion, known_symbol
+from derive.lowering.instances.classes.output_groups import output_groups
+from derive.lowering.instances.elimination.block_system import Blocks, blocks
+from derive.lowering.instances.elimination.joined_classes import joined_classes
+from derive.lowering.instances.loop_code.class_code import ClassCode, Loaded, LoopCode, LoopTarget
+from derive.lowering.instances.loop_code.group_code import GroupCode, JointCode, spread
 from derive.lowering.instances.places import Place, Places
 from derive.lowering.model_functions import ModelFunction
 from derive.mechanics.equations import Equations
